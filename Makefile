@@ -1,0 +1,173 @@
+# Terraclip. `make demo` and `make test` do all their own set-up; see README.md.
+#
+#   make            the programs, under build/ (config=debug|release|sanitize; others than release under build/<config>/)
+#   make demo       default terrain and pictures, into build/demo/
+#   make check      fast tests (seconds)          make test    all tests (minutes)
+#   make bench      measurements                  make format  clang-format over the sources
+#   make install    PREFIX=/usr/local DESTDIR=    make clean
+
+config ?= release
+PREFIX ?= /usr/local
+DESTDIR ?=
+VERSION := $(shell cat VERSION)
+
+O := $(if $(filter release,$(config)),build,build/$(config))
+OBJ := $(O)/obj
+
+CC ?= cc
+CXX ?= c++
+WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wvla -Werror
+WARNXX := -Wall -Wextra -Wshadow -Werror
+# -ffp-contract=off: the same heights from every compiler and on every processor.
+COMMON := -g -fPIC -pthread -ffp-contract=off -MMD -MP -I. -I$(O)/gen -DTC_VERSION='"$(VERSION)"' -DTC_PLUGIN_DIR='"$(PREFIX)/lib/terraclip"'
+opt.release := -O3 -DNDEBUG
+opt.debug := -O0
+opt.sanitize := -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+ifeq ($(opt.$(config)),)
+$(error config=$(config): expected debug, release or sanitize)
+endif
+CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(COMMON) $(opt.$(config)) $(WARN) $(CFLAGS)
+CXXFLAGS_ALL = -std=c++17 $(COMMON) $(opt.$(config)) $(WARNXX) $(CXXFLAGS)
+LDFLAGS_ALL = -pthread $(filter -fsanitize%,$(opt.$(config))) $(LDFLAGS)
+LIBS := -lm -ldl
+
+CORE := $(wildcard common/core/*.c)
+PLUGIN_SRC := $(wildcard common/shell/plugin_*.c common/shell/plugin_*.cpp)
+SHELL_SRC := $(filter-out $(PLUGIN_SRC),$(wildcard common/shell/*.c))
+PLANAR := $(filter-out planar/main.c,$(wildcard planar/*.c))
+DATA := $(filter-out data/main.c,$(wildcard data/*.c))
+SHADERS := $(wildcard shaders/*.glsl shaders/*.vert shaders/*.frag)
+
+obj = $(patsubst %,$(OBJ)/%.o,$(basename $(1)))
+
+LIBRARY := $(O)/libterraclip.a
+SHELL_LIBRARY := $(OBJ)/shell.a
+PROGRAMS := $(O)/terraclip $(O)/planar-viewer
+PLUGINS := $(O)/terraclip-gdal.so $(O)/terraclip-oiio.so $(O)/terraclip-window.so
+
+.PHONY: all
+all: $(PROGRAMS) $(PLUGINS) $(LIBRARY)
+
+# make V=1 shows the commands.
+Q := $(if $(V),,@)
+define LINK
+@echo "  LINK  $@"
+$(Q)$(CC) $(LDFLAGS_ALL) $^ -o $@ $(LIBS)
+endef
+
+# ---- Packages: what Debian and its like must have installed ------------------------------------------------------
+
+.PHONY: packages
+packages: build/.packages
+build/.packages: .ci/packages
+	@sh .ci/packages
+	@mkdir -p build && touch $@
+
+# ---- Compiling ---------------------------------------------------------------------------------------------------
+
+$(OBJ)/%.o: %.c | build/.packages
+	@mkdir -p $(@D)
+	@echo "  CC    $<"
+	$(Q)$(CC) $(CFLAGS_ALL) $(CPPFLAGS_$(basename $(notdir $<))) -c $< -o $@
+
+$(OBJ)/%.o: %.cpp | build/.packages
+	@mkdir -p $(@D)
+	@echo "  CXX   $<"
+	$(Q)$(CXX) $(CXXFLAGS_ALL) $(CPPFLAGS_$(basename $(notdir $<))) -c $< -o $@
+
+# Flags of outside libraries are asked for only once their packages are there.
+CPPFLAGS_plugin_gdal = $(shell pkg-config --cflags gdal)
+CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
+
+# Shaders as strings: build/gen/shaders.c defines tc_shader_files[].
+$(O)/gen/shaders.c: shaders/embed.sh $(SHADERS)
+	@mkdir -p $(@D)
+	$(Q)sh shaders/embed.sh $(SHADERS) > $@.tmp && mv $@.tmp $@
+$(OBJ)/gen/shaders.o: $(O)/gen/shaders.c | build/.packages
+	@mkdir -p $(@D)
+	@echo "  CC    $<"
+	$(Q)$(CC) $(CFLAGS_ALL) -c $< -o $@
+
+CORE_OBJ := $(call obj,$(CORE))
+SHELL_OBJ := $(call obj,$(SHELL_SRC)) $(OBJ)/gen/shaders.o
+PLANAR_OBJ := $(call obj,$(PLANAR))
+DATA_OBJ := $(call obj,$(DATA))
+
+$(LIBRARY): $(CORE_OBJ)
+$(SHELL_LIBRARY): $(SHELL_OBJ)
+$(LIBRARY) $(SHELL_LIBRARY):
+	@echo "  AR    $@"
+	$(Q)rm -f $@ && $(AR) rcs $@ $^
+
+$(O)/terraclip: $(OBJ)/data/main.o $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+	$(LINK)
+
+$(O)/planar-viewer: $(OBJ)/planar/main.o $(PLANAR_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+	$(LINK)
+
+$(O)/terraclip-gdal.so: $(OBJ)/common/shell/plugin_gdal.o $(OBJ)/common/core/status.o
+	@echo "  LINK  $@"
+	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
+$(O)/terraclip-oiio.so: $(OBJ)/common/shell/plugin_oiio.o $(OBJ)/common/core/status.o
+	@echo "  LINK  $@"
+	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -lOpenImageIO -lOpenImageIO_Util
+$(O)/terraclip-window.so: $(OBJ)/common/shell/plugin_window.o $(OBJ)/common/core/status.o
+	@echo "  LINK  $@"
+	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs glfw3)
+
+# ---- Tests -------------------------------------------------------------------------------------------------------
+
+# tests/fast/test_*.c run in seconds; tests/slow/test_*.c in minutes; tests/bench/bench_*.c print figures.
+# tests/support/*.c is linked into all of them.
+FAST := $(patsubst tests/fast/%.c,$(O)/tests/%,$(wildcard tests/fast/test_*.c))
+SLOW := $(patsubst tests/slow/%.c,$(O)/tests/%,$(wildcard tests/slow/test_*.c))
+BENCH := $(patsubst tests/bench/%.c,$(O)/tests/%,$(wildcard tests/bench/bench_*.c))
+SUPPORT_OBJ := $(call obj,$(wildcard tests/support/*.c))
+TEST_OBJ := $(SUPPORT_OBJ) $(PLANAR_OBJ) $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+
+define test_rule
+$(O)/tests/%: $(OBJ)/tests/$(1)/%.o $(TEST_OBJ)
+	@mkdir -p $$(@D)
+	@echo "  LINK  $$@"
+	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$^ -o $$@ -lcmocka $$(LIBS)
+endef
+$(eval $(call test_rule,fast))
+$(eval $(call test_rule,slow))
+$(eval $(call test_rule,bench))
+.SECONDARY:
+
+.PHONY: check test bench
+check: all $(FAST)
+	@sh tests/run.sh $(O) $(FAST)
+
+test: all $(FAST) $(SLOW)
+	@sh tests/run.sh $(O) $(FAST) $(SLOW) $(wildcard tests/cli/test_*.sh)
+
+bench: all $(BENCH)
+	@for b in $(BENCH); do $$b || exit 1; done
+
+# ---- Demo --------------------------------------------------------------------------------------------------------
+
+.PHONY: demo
+demo: all
+	@sh data/demo.sh $(O)
+
+# ---- House-keeping -----------------------------------------------------------------------------------------------
+
+FORMATTED = $(shell git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp')
+.PHONY: format install clean
+format:
+	clang-format -i $(FORMATTED)
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/terraclip $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
+	install -m 755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
+	install -m 644 $(PLUGINS) $(DESTDIR)$(PREFIX)/lib/terraclip
+	install -m 644 $(LIBRARY) $(DESTDIR)$(PREFIX)/lib
+	install -m 644 common/terraclip.h $(DESTDIR)$(PREFIX)/include
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' docs/terraclip.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/terraclip.pc
+
+clean:
+	rm -rf build
+
+-include $(shell find $(OBJ) -name '*.d' 2>/dev/null)

@@ -1,0 +1,286 @@
+/* clipmap_fill.c - what a clipmap window contains: heights, morph targets, normals, voids.
+ *
+ * z_c is the height of the coarser level's MESH below a fine vertex (LH04 section 6.2): that of the coarse vertex where
+ * there is one on the spot, copied bit for bit, else that of the middle of a coarse edge. Where the terrain ends
+ * between two coarse samples the last cells are narrower than the others, so weights come from positions.
+ *
+ * Normals come from the next finer level, whose samples are half as far apart: twice the resolution of the geometry
+ * (LH04 section 6.3), of real data; below the finest level from its heights upsampled with U. The coarser level's
+ * normal stands beside each, as z_c beside z: one texture fetch a pixel instead of two. */
+#include <math.h>
+#include <string.h>
+
+#include "clipmap_internal.h"
+#include "filter.h"
+#include "mesh.h"
+#include "rect.h"
+
+enum { MARGIN = 8 };
+
+size_t tc_fill_scratch(int n)
+{
+    size_t fine = (size_t)(2 * n + MARGIN), coarse = (size_t)(n + MARGIN);
+    return fine * fine + 3 * coarse * fine + coarse * coarse;
+}
+
+/* How heights go on beyond the level's last samples. */
+typedef struct beyond {
+    bool straight;   /* in a straight line; else all on the terrain's edge: */
+    float x, y;      /* the edge lies this far beyond the last sample, 0 <= x < 1 */
+} beyond;
+
+/* Steps of the slope between the last two samples to add at sample i of `size`; 0 inside. */
+static inline float steps_beyond(int64_t i, int64_t size, bool straight, float edge)
+{
+    return i < 0 ? (float)-i : i < size ? 0 : straight ? (float)(i - size + 1) : edge;
+}
+
+static inline int64_t border(int64_t i, int64_t size)
+{
+    return i < 0 ? 0 : i < size ? i : size - 1;
+}
+
+/* The inner neighbour that gives the slope at border sample b. */
+static inline int64_t inner(int64_t b, int64_t size)
+{
+    return size < 2 ? b : b == 0 ? 1 : b == size - 1 ? size - 2 : b;
+}
+
+/* Reads rect, which may go beyond the level, into buffer; *z_ret points at its first sample, rows are *stride_ret apart.
+ * buffer: (width + 2) * (height + 2) floats. voids: the same layout, or NULL. */
+static tc_status read_beyond(const tc_pyramid *pyramid, int level, tc_rect rect, beyond how, float *buffer,
+                             uint8_t *voids, float **z_ret, ptrdiff_t *stride_ret)
+{
+    tc_level size = tc_pyramid_level(pyramid, level);
+    int64_t w = size.width, h = size.height;
+    /* The part that exists, and what its continuation needs. */
+    tc_rect part = {border(rect.x0, w), border(rect.y0, h), border(rect.x1 - 1, w) + 1, border(rect.y1 - 1, h) + 1};
+    if (rect.x0 < 0)
+        part.x1 = tc_max64(part.x1, tc_min64(2, w));
+    if (rect.y0 < 0)
+        part.y1 = tc_max64(part.y1, tc_min64(2, h));
+    if (rect.x1 > w)
+        part.x0 = tc_min64(part.x0, tc_max64(w - 2, 0));
+    if (rect.y1 > h)
+        part.y0 = tc_min64(part.y0, tc_max64(h - 2, 0));
+    /* The buffer spans both. */
+    int64_t x0 = tc_min64(rect.x0, part.x0), x1 = tc_max64(rect.x1, part.x1), y0 = tc_min64(rect.y0, part.y0);
+    ptrdiff_t stride = x1 - x0;
+    float *origin = buffer - x0 - y0 * stride; /* origin[j * stride + i] is sample (i, j) */
+    tc_status status = tc_pyramid_read(pyramid, level, part, origin + part.y0 * stride + part.x0,
+                                       voids ? voids + (part.y0 - y0) * stride + (part.x0 - x0) : NULL, stride);
+    if (status)
+        return status;
+    for (int64_t j = part.y0; j < part.y1; j++) {
+        float *row = origin + j * stride;
+        for (int64_t i = rect.x0; i < rect.x1; i++) {
+            float steps = steps_beyond(i, w, how.straight, how.x);
+            int64_t b = border(i, w);
+            if (i != b) {
+                row[i] = row[b] + steps * (row[b] - row[inner(b, w)]);
+                if (voids)
+                    voids[(j - y0) * stride + i - x0] = voids[(j - y0) * stride + b - x0];
+            } else if (i < w - 1) {
+                i = tc_max64(i, tc_min64(rect.x1, w) - 1); /* on to the other side */
+            }
+        }
+    }
+    for (int64_t j = rect.y0; j < rect.y1; j++) {
+        int64_t b = border(j, h);
+        if (j == b)
+            continue;
+        float steps = steps_beyond(j, h, how.straight, how.y);
+        float *row = origin + j * stride;
+        const float *r0 = origin + b * stride, *r1 = origin + inner(b, h) * stride;
+        for (int64_t i = rect.x0; i < rect.x1; i++)
+            row[i] = r0[i] + steps * (r0[i] - r1[i]);
+        if (voids)
+            memcpy(voids + (j - y0) * stride + rect.x0 - x0, voids + (b - y0) * stride + rect.x0 - x0,
+                   (size_t)(rect.x1 - rect.x0));
+    }
+    *z_ret = origin + rect.y0 * stride + rect.x0;
+    *stride_ret = stride;
+    return TC_OK;
+}
+
+/* Copies `count` elements of `size` bytes to toroidal columns x, x + 1, ... of a row with mask + 1 columns. */
+static void store_row(void *row, int64_t x, int64_t mask, const void *from, int64_t count, size_t size)
+{
+    while (count > 0) {
+        int64_t at = x & mask, run = tc_min64(count, mask + 1 - at);
+        memcpy((char *)row + (size_t)at * size, from, (size_t)run * size);
+        from = (const char *)from + (size_t)run * size;
+        x += run;
+        count -= run;
+    }
+}
+
+/* Place of fine vertex i between its coarse neighbours a and b: 0 .. 1, exact. */
+typedef struct between {
+    int64_t a, b;
+    float t;
+} between;
+
+static between coarse_neighbours(int64_t i, int shift, int64_t edge)
+{
+    if ((i & 1) == 0)
+        return (between){i / 2, i / 2, 0};
+    int64_t g = (int64_t)1 << shift;
+    int64_t pa = tc_min64((i - 1) * g, edge), p = tc_min64(i * g, edge), pb = tc_min64((i + 1) * g, edge);
+    return (between){(i - 1) / 2, (i + 1) / 2, pb > pa ? (float)(p - pa) / (float)(pb - pa) : 0.0f};
+}
+
+/* z_c of row j for columns x0 .. x1 - 1 into row[..][1]. */
+static void morph_targets(const tc_clip_state *s, const tc_clip_state *coarse, int64_t mask, int64_t j, int64_t x0,
+                          int64_t x1, float (*row)[2])
+{
+    between v = coarse_neighbours(j, s->view.shift, s->view.edge_y);
+    const float(*c0)[2] = coarse->heights + (v.a & mask) * (mask + 1);
+    const float(*c1)[2] = coarse->heights + (v.b & mask) * (mask + 1);
+    for (int64_t i = x0; i < x1; i++) {
+        between u = coarse_neighbours(i, s->view.shift, s->view.edge_x);
+        int64_t a = u.a & mask, b = u.b & mask;
+        float z;
+        if (u.t == 0 && v.t == 0) {
+            z = c0[a][0];
+        } else if (u.t == 0.5f && v.t == 0) { /* the common cases, without the general one's rounding */
+            z = 0.5f * (c0[a][0] + c0[b][0]);
+        } else if (u.t == 0 && v.t == 0.5f) {
+            z = 0.5f * (c0[a][0] + c1[a][0]);
+        } else if (u.t == 0.5f && v.t == 0.5f) {
+            z = 0.5f * (c0[b][0] + c1[a][0]);
+        } else {
+            z = (float)tc_triangle_height(c0[a][0], c0[b][0], c1[a][0], c1[b][0], u.t, v.t);
+        }
+        row[i - x0][1] = z;
+    }
+}
+
+/* Heights at twice the resolution around rect, for normals: first sample at (2 rect.x0 - 2, 2 rect.y0 - 2). */
+static tc_status fine_heights(const tc_clipmap *clipmap, const tc_clip_state *s, tc_rect rect, float **z_ret,
+                              ptrdiff_t *stride_ret, int64_t *samples)
+{
+    const tc_pyramid *pyramid = clipmap->pyramid;
+    beyond straight = {.straight = true};
+    int64_t w = rect.x1 - rect.x0, h = rect.y1 - rect.y0;
+    if (s->pyramid_level < tc_pyramid_info(pyramid)->levels) {
+        tc_rect fine = {2 * rect.x0 - 2, 2 * rect.y0 - 2, 2 * rect.x1 + 1, 2 * rect.y1 + 1};
+        *samples += tc_rect_area(fine);
+        return read_beyond(pyramid, s->pyramid_level + 1, fine, straight, clipmap->scratch, NULL, z_ret, stride_ret);
+    }
+    size_t side = (size_t)(2 * clipmap->n + MARGIN);
+    float *fine = clipmap->scratch, *rows = fine + side * side, *buffer = rows + side * (size_t)(clipmap->n + MARGIN);
+    tc_rect coarse = {rect.x0 - 2, rect.y0 - 2, rect.x1 + 3, rect.y1 + 3};
+    *samples += tc_rect_area(coarse);
+    float *z;
+    ptrdiff_t stride;
+    tc_status status = read_beyond(pyramid, s->pyramid_level, coarse, straight, buffer, NULL, &z, &stride);
+    if (status)
+        return status;
+    tc_upsample(z + stride + 1, stride, w + 2, h + 2, fine, rows);
+    *z_ret = fine;
+    *stride_ret = 2 * (w + 2);
+    return TC_OK;
+}
+
+/* The coarser level's normals below row b from texel a on, into row[..][2..3]: its texels are twice as far apart; what
+ * the bilinear filter would give there. */
+static void coarse_normals(const tc_clip_state *coarse, int64_t mask, int64_t a, int64_t b, int64_t count,
+                           int8_t (*row)[4])
+{
+    const int8_t(*r0)[4] = coarse->normals + (tc_floor_shift(b, 1) & mask) * (mask + 1);
+    const int8_t(*r1)[4] = coarse->normals + (tc_floor_shift(b + 1, 1) & mask) * (mask + 1);
+    for (int64_t i = 0; i < count; i++) {
+        int64_t left = tc_floor_shift(a + i, 1) & mask, right = tc_floor_shift(a + i + 1, 1) & mask;
+        for (int k = 0; k < 2; k++) {
+            int sum = r0[left][k] + r0[right][k] + r1[left][k] + r1[right][k];
+            row[i][2 + k] = (int8_t)((sum + (sum < 0 ? -2 : 2)) / 4);
+        }
+    }
+}
+
+/* Normals of the texels (2 rect.x0 - 1 .. 2 rect.x1 - 1), and so in y, by central differences. */
+static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect, int64_t *samples)
+{
+    const tc_clip_state *s = &clipmap->level[level - 1];
+    float *z;
+    ptrdiff_t stride;
+    tc_status status = fine_heights(clipmap, s, rect, &z, &stride, samples);
+    if (status)
+        return status;
+    int64_t mask = 2 * (clipmap->n + 1) - 1, w = 2 * (rect.x1 - rect.x0) + 1, h = 2 * (rect.y1 - rect.y0) + 1;
+    float ix = (float)(1 / s->view.spacing_x), iy = (float)(1 / s->view.spacing_y);
+    int8_t(*row)[4] = (int8_t(*)[4])(clipmap->scratch + tc_fill_scratch(clipmap->n)) - (2 * clipmap->n + MARGIN);
+    for (int64_t j = 0; j < h; j++) {
+        const float *c = z + (j + 1) * stride + 1;
+        for (int64_t i = 0; i < w; i++) {
+            float dx = (c[i + 1] - c[i - 1]) * ix, dy = (c[i + stride] - c[i - stride]) * iy;
+            float scale = -127 / sqrtf(1 + dx * dx + dy * dy);
+            row[i][0] = row[i][2] = (int8_t)(int)(dx * scale + (dx < 0 ? 0.5f : -0.5f));
+            row[i][1] = row[i][3] = (int8_t)(int)(dy * scale + (dy < 0 ? 0.5f : -0.5f));
+        }
+        if (level > 1)
+            coarse_normals(s - 1, mask, 2 * rect.x0 - 1, 2 * rect.y0 - 1 + j, w, row);
+        store_row(s->normals + ((2 * rect.y0 - 1 + j) & mask) * (mask + 1), 2 * rect.x0 - 1, mask, row, w, sizeof *row);
+    }
+    return TC_OK;
+}
+
+static tc_status fill_heights(const tc_clipmap *clipmap, int level, tc_rect rect, int64_t *samples)
+{
+    tc_clip_state *s = (tc_clip_state *)&clipmap->level[level - 1];
+    const tc_clip_state *coarse = level > 1 ? s - 1 : NULL;
+    int64_t mask = clipmap->n, g = (int64_t)1 << s->view.shift;
+    beyond edge = {false, (float)((double)s->view.edge_x / (double)g - (double)(s->width - 1)),
+                   (float)((double)s->view.edge_y / (double)g - (double)(s->height - 1))};
+    size_t side = (size_t)(clipmap->n + MARGIN);
+    float *buffer = clipmap->scratch;
+    uint8_t *voids = s->voids ? (uint8_t *)(buffer + side * side) : NULL;
+    float(*row)[2] = (float(*)[2])(buffer + 2 * side * side);
+    float *z;
+    ptrdiff_t stride;
+    tc_status status = read_beyond(clipmap->pyramid, s->pyramid_level, rect, edge, buffer, voids, &z, &stride);
+    if (status)
+        return status;
+    *samples += tc_rect_area(rect);
+    int64_t w = rect.x1 - rect.x0;
+    for (int64_t j = rect.y0; j < rect.y1; j++) {
+        const float *in = z + (j - rect.y0) * stride;
+        for (int64_t i = 0; i < w; i++)
+            row[i][0] = row[i][1] = in[i];
+        if (coarse)
+            morph_targets(s, coarse, mask, j, rect.x0, rect.x1, row);
+        store_row(s->heights + (j & mask) * (mask + 1), rect.x0, mask, row, w, sizeof *row);
+        if (voids) {
+            uint8_t *v = voids + (in - buffer);
+            for (int64_t i = 0; i < w; i++)
+                v[i] = v[i] ? 255 : 0;
+            store_row(s->voids + (j & mask) * (mask + 1), rect.x0, mask, v, w, 1);
+        }
+    }
+    return TC_OK;
+}
+
+static void note_change(tc_clip_state *s, tc_rect rect, int n)
+{
+    if (s->change_count == TC_MAX_CHANGES) { /* too many to tell apart: the whole array */
+        s->changes[0] = (tc_rect){0, 0, n + 1, n + 1};
+        s->change_count = 1;
+        return;
+    }
+    s->changes[s->change_count++] = rect;
+}
+
+int64_t tc_clipmap_fill(tc_clipmap *clipmap, int level, tc_rect rect)
+{
+    if (tc_rect_empty(rect))
+        return 0;
+    tc_clip_state *s = &clipmap->level[level - 1];
+    int64_t samples = 0;
+    if (fill_heights(clipmap, level, rect, &samples) || (s->normals && fill_normals(clipmap, level, rect, &samples))) {
+        clipmap->failed = true;
+        return samples;
+    }
+    note_change(s, rect, clipmap->n);
+    return samples;
+}

@@ -1,0 +1,200 @@
+/* pyramid_memory.c - a pyramid held in memory: every level as floats, with height bounds by tiles. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "filter.h"
+#include "parallel.h"
+#include "pyramid.h"
+#include "rect.h"
+#include "status.h"
+
+enum {
+    TILE = 16,      /* samples of a bounds tile along a side */
+    BAND = 64       /* rows that one task filters */
+};
+
+typedef struct memory_level {
+    float *z;        /* [j * width + i] */
+    uint8_t *voids;  /* the same; NULL where the terrain has no voids */
+    float *bounds;   /* (min, max) of each tile */
+    int64_t tiles_x;
+} memory_level;
+
+typedef struct memory_pyramid {
+    tc_pyramid head;
+    tc_georef georef;
+    memory_level level[TC_MAX_PYRAMID_LEVELS];
+} memory_pyramid;
+
+static tc_status memory_read(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids,
+                             ptrdiff_t stride)
+{
+    const memory_level *l = &((const memory_pyramid *)pyramid)->level[level - 1];
+    int64_t width = pyramid->level[level - 1].width, w = rect.x1 - rect.x0;
+    for (int64_t j = rect.y0; j < rect.y1; j++) {
+        memcpy(z + (j - rect.y0) * stride, l->z + j * width + rect.x0, (size_t)w * sizeof *z);
+        if (voids && l->voids)
+            memcpy(voids + (j - rect.y0) * stride, l->voids + j * width + rect.x0, (size_t)w);
+        else if (voids)
+            memset(voids + (j - rect.y0) * stride, 0, (size_t)w);
+    }
+    return TC_OK;
+}
+
+static void memory_bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
+{
+    const memory_level *l = &((const memory_pyramid *)pyramid)->level[level - 1];
+    float lo = INFINITY, hi = -INFINITY;
+    for (int64_t ty = rect.y0 / TILE; ty <= (rect.y1 - 1) / TILE; ty++) {
+        const float *b = l->bounds + 2 * (ty * l->tiles_x + rect.x0 / TILE);
+        for (int64_t tx = rect.x0 / TILE; tx <= (rect.x1 - 1) / TILE; tx++, b += 2) {
+            lo = fminf(lo, b[0]);
+            hi = fmaxf(hi, b[1]);
+        }
+    }
+    *z_min_ret = lo;
+    *z_max_ret = hi;
+}
+
+static int64_t tiles(int64_t size)
+{
+    return (size + TILE - 1) / TILE;
+}
+
+static size_t memory_bytes(const tc_pyramid *pyramid)
+{
+    const memory_pyramid *p = (const memory_pyramid *)pyramid;
+    size_t bytes = sizeof *p;
+    for (int l = 0; l < pyramid->info.levels; l++) {
+        int64_t w = pyramid->level[l].width, h = pyramid->level[l].height;
+        bytes += (size_t)(w * h) * (sizeof(float) + (p->level[l].voids ? 1 : 0));
+        bytes += (size_t)(tiles(w) * tiles(h)) * 2 * sizeof(float);
+    }
+    return bytes;
+}
+
+static void memory_destroy(tc_pyramid *pyramid)
+{
+    memory_pyramid *p = (memory_pyramid *)pyramid;
+    for (int l = 0; l < pyramid->info.levels; l++) {
+        free(p->level[l].z);
+        free(p->level[l].voids);
+        free(p->level[l].bounds);
+    }
+    free(p->georef.crs_wkt);
+    free(p);
+}
+
+static const tc_pyramid_class memory_class = {memory_read, memory_bounds, memory_bytes, memory_destroy};
+
+/* Building: each level from the next finer one, in bands of rows. */
+typedef struct step {
+    memory_pyramid *p;
+    int level; /* of the result */
+    _Atomic int failed;
+} step;
+
+static void downsample_band(void *context, int64_t i)
+{
+    step *s = context;
+    const tc_level *fine = &s->p->head.level[s->level], *coarse = &s->p->head.level[s->level - 1];
+    int64_t j0 = i * BAND, j1 = tc_min64(j0 + BAND, coarse->height);
+    float *scratch = malloc(tc_downsample_scratch(fine->width, j1 - j0) * sizeof *scratch);
+    if (!scratch) {
+        s->failed = 1;
+        return;
+    }
+    memory_level *out = &s->p->level[s->level - 1];
+    const memory_level *in = &s->p->level[s->level];
+    tc_downsample(in->z, fine->width, fine->height, j0, j1, out->z + j0 * coarse->width, scratch);
+    /* A coarse sample is void where the fine sample on the same spot is: outlines of holes then meet at shared
+     * vertices. */
+    if (in->voids)
+        for (int64_t j = j0; j < j1; j++)
+            for (int64_t x = 0; x < coarse->width; x++)
+                out->voids[j * coarse->width + x] = in->voids[2 * j * fine->width + 2 * x];
+    free(scratch);
+}
+
+static void bounds_row(void *context, int64_t ty)
+{
+    step *s = context;
+    memory_level *l = &s->p->level[s->level - 1];
+    int64_t width = s->p->head.level[s->level - 1].width, height = s->p->head.level[s->level - 1].height;
+    float *bounds = l->bounds + 2 * ty * l->tiles_x;
+    for (int64_t tx = 0; tx < l->tiles_x; tx++)
+        bounds[2 * tx] = INFINITY, bounds[2 * tx + 1] = -INFINITY;
+    for (int64_t j = ty * TILE; j < tc_min64((ty + 1) * TILE, height); j++) {
+        const float *row = l->z + j * width;
+        for (int64_t tx = 0; tx < l->tiles_x; tx++) {
+            float lo = bounds[2 * tx], hi = bounds[2 * tx + 1];
+            for (int64_t i = tx * TILE; i < tc_min64((tx + 1) * TILE, width); i++) {
+                lo = row[i] < lo ? row[i] : lo;
+                hi = row[i] > hi ? row[i] : hi;
+            }
+            bounds[2 * tx] = lo, bounds[2 * tx + 1] = hi;
+        }
+    }
+}
+
+static bool allocate_level(memory_pyramid *p, int level, bool voids)
+{
+    int64_t w = p->head.level[level - 1].width, h = p->head.level[level - 1].height;
+    memory_level *l = &p->level[level - 1];
+    if (!l->z)
+        l->z = malloc((size_t)(w * h) * sizeof *l->z);
+    if (voids && !l->voids)
+        l->voids = malloc((size_t)(w * h));
+    l->tiles_x = tiles(w);
+    l->bounds = malloc((size_t)(tiles(w) * tiles(h)) * 2 * sizeof *l->bounds);
+    return l->z && l->bounds && (!voids || l->voids);
+}
+
+/* Whether the body that the georeference is on is clearly not the Earth: its radius tells. */
+static bool is_other_body(const tc_georef *georef)
+{
+    return georef->semi_major > 0 && (georef->semi_major < 6.3e6 || georef->semi_major > 6.45e6);
+}
+
+tc_status tc_pyramid_build(tc_grid *grid, int threads, tc_pyramid **pyramid_ret, tc_error *error)
+{
+    memory_pyramid *p = calloc(1, sizeof *p);
+    if (!p) {
+        tc_grid_free(grid);
+        return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
+    }
+    tc_pyramid *head = &p->head;
+    head->class = &memory_class;
+    tc_pyramid_set_levels(head, (tc_level){grid->width, grid->height, grid->spacing_x, grid->spacing_y});
+    head->info.z_base = grid->z_base;
+    head->info.z_min = grid->z_min;
+    head->info.z_max = grid->z_max;
+    head->info.void_count = grid->void_count;
+    head->info.other_body = is_other_body(&grid->georef);
+    p->georef = grid->georef;
+
+    int m = head->info.levels;
+    bool voids = grid->voids != NULL && grid->void_count > 0;
+    p->level[m - 1].z = grid->z;
+    p->level[m - 1].voids = grid->voids;
+    memset(grid, 0, sizeof *grid); /* taken over */
+
+    step s = {.p = p};
+    for (int l = m; l >= 1 && !s.failed; l--) {
+        s.level = l;
+        if (!allocate_level(p, l, voids)) {
+            s.failed = 1;
+            break;
+        }
+        if (l < m)
+            tc_parallel_for(threads, (head->level[l - 1].height + BAND - 1) / BAND, downsample_band, &s);
+        tc_parallel_for(threads, tiles(head->level[l - 1].height), bounds_row, &s);
+    }
+    if (s.failed) {
+        memory_destroy(head);
+        return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
+    }
+    *pyramid_ret = head;
+    return TC_OK;
+}

@@ -1,0 +1,72 @@
+/* surface.h - what a scheme (square grids, rings, hexagons, ...) hands the shared clipmap and renderer.
+ *
+ * A surface is: static support geometry; a map transform, in GLSL (vertex_parts) and in C double (position); the
+ * windows of the map that a camera wants; and the visible parts of the geometry for a camera. Everything else is
+ * shared. No GL in it. */
+#ifndef TC_SURFACE_H
+#define TC_SURFACE_H
+
+#include "../terraclip.h"
+#include "clipmap.h"
+
+/* Static support geometry: vertices of two small integers, indices of triangle strips or triangles. */
+typedef struct tc_geometry {
+    uint16_t (*vertices)[2];
+    int vertex_count;
+    uint16_t *indices;
+    int index_count;
+} tc_geometry;
+
+/* One indirect draw, laid out as OpenGL wants it (DrawElementsIndirectCommand). */
+typedef struct tc_draw {
+    uint32_t count, instance_count, first_index;
+    int32_t base_vertex;
+    uint32_t base_instance; /* its tc_instance */
+} tc_draw;
+
+/* Per-draw data of the vertex shader; the meaning is the surface's. */
+typedef struct tc_instance {
+    int32_t v[4];
+} tc_instance;
+
+enum { TC_MAX_LEVELS = 32, TC_LEVEL_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 8 };
+
+/* What one frame draws. Arrays are the surface's own and stay valid until its next frame. */
+typedef struct tc_frame {
+    const tc_draw *draws;         /* strips first, then triangle lists */
+    const tc_instance *instances; /* one a draw */
+    int strip_draws, list_draws;
+    bool one_sided;               /* no back of a strip's triangle (counter-clockwise from the eye) can be seen */
+    int64_t triangles;            /* that cover area: without joints and without crack closers */
+    int64_t triangles_unculled;   /* the same if nothing had been outside the view */
+    int levels_active;
+    float (*level_uniforms)[TC_LEVEL_UNIFORMS]; /* [TC_MAX_LEVELS], index level - 1: GLSL `vec4 level[3 * 32]` */
+    float *surface_uniforms;                    /* TC_SURFACE_UNIFORMS floats */
+} tc_frame;
+
+/* How a frame is drawn; zero is the default. */
+typedef struct tc_frame_options {
+    bool no_morph;        /* levels meet abruptly, yet without cracks */
+    bool no_stitch;       /* leaves T-junctions open: for the tests that look for cracks */
+    bool no_cull;         /* draws what is outside the view, too */
+    const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
+} tc_frame_options;
+
+typedef struct tc_surface tc_surface;
+struct tc_surface {
+    const char *name;                 /* as in figures: "square", "rings", ... */
+    const char *const *vertex_parts;  /* GLSL files that map a vertex, NULL-terminated */
+    tc_geometry geometry;
+    /* Windows wanted at each level for this camera: wanted[level - 1]; empty for levels too fine for it. */
+    void (*wanted)(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted);
+    /* What is visible of the clipmap as it stands. */
+    void (*frame)(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
+                  const tc_frame_options *options, tc_frame *frame_ret);
+    /* Height drawn at map position (x, y) metres for this camera, by the same rules as the GLSL, in double: metres
+     * absolute. False where nothing is drawn. */
+    bool (*drawn_height)(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
+                         const tc_frame_options *options, double x, double y, double *z_ret);
+    void (*destroy)(tc_surface *surface);
+};
+
+#endif

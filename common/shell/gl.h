@@ -1,0 +1,23 @@
+/* gl.h - OpenGL 4.5 core entry points, loaded through a callback; nothing is linked.
+ *
+ * The table belongs to one context. Calls read gl->Clear(...) for glClear(...). */
+#ifndef TC_GL_H
+#define TC_GL_H
+
+#include "../terraclip.h"
+
+#define GL_GLEXT_PROTOTYPES 0
+#include <GL/glcorearb.h>
+
+#include "gl_functions.h" /* TC_GL_FUNCTIONS(X): X(PFNGLCLEARPROC, Clear) ... */
+
+typedef struct tc_gl {
+#define TC_GL_MEMBER(type, name) type name;
+    TC_GL_FUNCTIONS(TC_GL_MEMBER)
+#undef TC_GL_MEMBER
+} tc_gl;
+
+/* Fills in the table and checks that the current context is OpenGL 4.5 or newer. */
+tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *error);
+
+#endif

@@ -1,0 +1,101 @@
+/* level_textures.c - uploads of toroidal rectangles, cut where they wrap. */
+#include "level_textures.h"
+
+#include "../core/clipmap_internal.h"
+#include "../core/rect.h"
+#include "../core/status.h"
+
+static GLuint array_texture(const tc_gl *gl, GLenum format, int size, int layers, GLint filter)
+{
+    GLuint t;
+    gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t);
+    gl->TextureStorage3D(t, 1, format, size, size, layers);
+    gl->TextureParameteri(t, GL_TEXTURE_MIN_FILTER, filter);
+    gl->TextureParameteri(t, GL_TEXTURE_MAG_FILTER, filter);
+    gl->TextureParameteri(t, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    gl->TextureParameteri(t, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    return t;
+}
+
+tc_status tc_level_textures_create(const tc_gl *gl, const tc_clipmap *clipmap, tc_level_textures *textures_ret,
+                                   tc_error *error)
+{
+    int size = tc_clipmap_n(clipmap) + 1, levels = tc_clipmap_levels(clipmap);
+    size_t texels = (size_t)size * (size_t)size * (size_t)levels;
+    tc_level_textures t = {.heights = array_texture(gl, GL_RG32F, size, levels, GL_NEAREST),
+                           .height_bytes = texels * 8};
+    if (tc_clipmap_normals(clipmap, 1)) {
+        t.normals = array_texture(gl, GL_RGBA8_SNORM, 2 * size, levels, GL_LINEAR);
+        t.normal_bytes = texels * 16;
+    }
+    if (tc_clipmap_voids(clipmap, 1)) {
+        t.voids = array_texture(gl, GL_R8, size, levels, GL_NEAREST);
+        t.height_bytes += texels;
+    }
+    if (gl->GetError() != GL_NO_ERROR) {
+        tc_level_textures_destroy(gl, &t);
+        return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d levels of %dx%d", levels, size, size);
+    }
+    *textures_ret = t;
+    return TC_OK;
+}
+
+void tc_level_textures_destroy(const tc_gl *gl, tc_level_textures *textures)
+{
+    gl->DeleteTextures(3, (GLuint[]){textures->heights, textures->normals, textures->voids});
+}
+
+/* What upload_wrapped needs to know of a texture. */
+typedef struct target {
+    const tc_gl *gl;
+    GLuint texture;
+    GLenum format, type;
+    int64_t size;       /* texels along a side: a power of two */
+    int bytes;          /* a texel */
+    int layer;
+    const void *texels; /* the whole toroidal array */
+} target;
+
+static int64_t upload_wrapped(const target *t, int64_t x, int64_t y, int64_t w, int64_t h)
+{
+    w = tc_min64(w, t->size);
+    h = tc_min64(h, t->size);
+    t->gl->PixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)t->size);
+    for (int64_t dy = 0, run_y; dy < h; dy += run_y) {
+        int64_t ty = (y + dy) & (t->size - 1);
+        run_y = tc_min64(h - dy, t->size - ty);
+        for (int64_t dx = 0, run_x; dx < w; dx += run_x) {
+            int64_t tx = (x + dx) & (t->size - 1);
+            run_x = tc_min64(w - dx, t->size - tx);
+            t->gl->TextureSubImage3D(t->texture, 0, (GLint)tx, (GLint)ty, t->layer, (GLsizei)run_x, (GLsizei)run_y, 1,
+                                     t->format, t->type, (const char *)t->texels + (ty * t->size + tx) * t->bytes);
+        }
+    }
+    return w * h * t->bytes;
+}
+
+int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, tc_clipmap *clipmap)
+{
+    int64_t bytes = 0, size = tc_clipmap_n(clipmap) + 1;
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    for (int level = 1; level <= tc_clipmap_levels(clipmap); level++) {
+        tc_rect changes[TC_MAX_CHANGES];
+        int count = tc_clipmap_take_changes(clipmap, level, changes, TC_MAX_CHANGES);
+        target heights = {gl, textures->heights, GL_RG, GL_FLOAT, size, 8, level - 1, tc_clipmap_heights(clipmap, level)};
+        target voids = {gl, textures->voids, GL_RED, GL_UNSIGNED_BYTE, size, 1, level - 1,
+                        tc_clipmap_voids(clipmap, level)};
+        target normals = {gl, textures->normals, GL_RGBA, GL_BYTE, 2 * size, 4, level - 1,
+                          tc_clipmap_normals(clipmap, level)};
+        for (int i = 0; i < count; i++) {
+            tc_rect r = changes[i];
+            bytes += upload_wrapped(&heights, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
+            if (textures->voids)
+                bytes += upload_wrapped(&voids, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
+            if (textures->normals) /* from half a sample before to half a sample behind */
+                bytes += upload_wrapped(&normals, 2 * r.x0 - 1, 2 * r.y0 - 1, 2 * (r.x1 - r.x0) + 1,
+                                        2 * (r.y1 - r.y0) + 1);
+        }
+    }
+    gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    return bytes;
+}

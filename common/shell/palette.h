@@ -1,0 +1,20 @@
+/* palette.h - colours of a terrain by height, and of the air above it. */
+#ifndef TC_PALETTE_H
+#define TC_PALETTE_H
+
+#include "../terraclip.h"
+
+enum { TC_RAMP_SIZE = 512 };
+
+typedef struct tc_palette {
+    uint8_t ramp[TC_RAMP_SIZE][4];     /* squared colours: sea from deep to shallow, then land from shore to summit */
+    float heights[4];                  /* sea level above z_base, 1 / depth, 1 / height of the land, height of the shore */
+    bool water;                        /* some of the terrain lies below the sea */
+    bool natural;                      /* a land with soil, rock and snow, not another body's dust */
+} tc_palette;
+
+/* Colours for a terrain: an Earth-like land gets water below zero, green lowlands, rock and snow by absolute height;
+ * another body shades of its dust from its lowest to its highest point. */
+tc_palette tc_palette_make(const tc_terrain_info *info);
+
+#endif

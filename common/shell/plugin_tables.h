@@ -1,0 +1,98 @@
+/* plugin_tables.h - what the input plugins export as `tc_plugin`, and the raster they open.
+ *
+ * A raster is one file as its library sees it: stored samples in their own type, rows in the file's order, metadata
+ * as found. What they mean in metres is settled in one place for all libraries (source.c), not in the plugins. */
+#ifndef TC_PLUGIN_TABLES_H
+#define TC_PLUGIN_TABLES_H
+
+#include "source.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How samples lie in memory. Wider or narrower stored types are widened without loss by the library (half to float,
+ * 64-bit integers to double, the latter exact up to 2^53). */
+typedef enum tc_sample_type {
+    TC_SAMPLE_UINT8,
+    TC_SAMPLE_INT8,
+    TC_SAMPLE_UINT16,
+    TC_SAMPLE_INT16,
+    TC_SAMPLE_UINT32,
+    TC_SAMPLE_INT32,
+    TC_SAMPLE_FLOAT32,
+    TC_SAMPLE_FLOAT64
+} tc_sample_type;
+
+/* Coordinate systems by what their unit measures. */
+typedef enum tc_crs_kind {
+    TC_CRS_NONE,       /* the file names none */
+    TC_CRS_GEOGRAPHIC, /* angles */
+    TC_CRS_PROJECTED   /* lengths; also local systems */
+} tc_crs_kind;
+
+typedef struct tc_raster_info {
+    int64_t width, height;
+    tc_sample_type type;
+    const char *type_name; /* of the stored samples, "int16"; static */
+    bool integer;          /* stored as integers */
+    int64_t block_rows;    /* rows that the library decodes together */
+    bool has_mask;         /* read() fills the mask */
+    bool has_nodata;
+    double nodata;        /* stored value */
+    double scale, offset; /* value = stored * scale + offset */
+    char unit_name[32];   /* of the values; empty where not said */
+    bool has_transform;
+    double transform[6];         /* GDAL's geotransform: from (column, row) of pixel corners to the CRS */
+    double nominal_x, nominal_y; /* metres between samples, for a format that tells without a transform; 0 unknown */
+    tc_crs_kind crs;
+    double crs_unit;           /* radians or metres per unit of the CRS */
+    double semi_major;         /* metres; 0 unknown */
+    double inverse_flattening; /* 0: a sphere */
+    char *crs_wkt;             /* NULL none; freed with the raster */
+    char **parts;              /* files that a mosaic is made of, NULL at the end; NULL none; freed with the raster */
+} tc_raster_info;
+
+typedef struct tc_raster tc_raster;
+struct tc_raster {
+    tc_raster_info info;
+    /* Reads rows row .. row + rows - 1, counted in the file's order, in the type of info. mask, where the raster has
+     * one: 0 = void. Any order; a compressed file read backwards is slow. */
+    tc_status (*read)(tc_raster *raster, int64_t row, int64_t rows, void *samples, uint8_t *mask, tc_error *error);
+    void (*close)(tc_raster *raster);
+};
+
+/* Opens path. *recognised tells whether the file is of a format of this library, also on failure: where it is false,
+ * another library may try. */
+typedef tc_status (*tc_raster_open)(const char *path, const tc_source_options *options, bool *recognised,
+                                    tc_raster **raster_ret, tc_error *error);
+
+/* terraclip-gdal.so */
+struct tc_gdal_plugin {
+    tc_raster_open open;
+    /* As tc_write_tiff, straight to the file temporary; messages name path. */
+    tc_status (*write_tiff)(const char *path, const char *temporary, const tc_tiff_options *options,
+                            tc_row_function row, void *context, tc_error *error);
+};
+
+/* terraclip-oiio.so */
+struct tc_oiio_plugin {
+    tc_raster_open open;
+    /* As tc_write_picture, straight to the file temporary, which has the extension of path; messages name path. */
+    tc_status (*write_picture)(const char *path, const char *temporary, int width, int height, const uint8_t *rgb,
+                               tc_error *error);
+    /* Whether some format writes pictures with path's extension. */
+    bool (*can_write)(const char *path);
+};
+
+/* What both plugins refuse with the same words: more than one channel, or a palette. */
+static inline const char *tc_channels_advice(void)
+{
+    return "could be Terrarium RGB (256 R + G + B / 256 - 32768), Mapbox terrain-RGB (0.1 (65536 R + 256 G + B) - "
+           "10000), heights packed as 65536 R + 256 G + B, or a colour picture; decode it to one channel first";
+}
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,450 @@
+/* renderer.c - frames of a surface over a clipmap (AH05: heights as vertex textures; the design's section 6).
+ *
+ * A frame: move the windows within the budget, upload what changed, assemble the surface's draws, one multi-draw of
+ * strips and one of crack closers, then the sky where nothing was drawn. Depth is reversed (near / distance in a
+ * 32-bit float), positions are relative to the eye. Programs are assembled from the parts that the scene needs and
+ * kept for as long as the renderer. */
+#include "renderer.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "../core/camera.h"
+#include "../core/status.h"
+#include "level_textures.h"
+#include "palette.h"
+#include "program.h"
+
+enum {
+    SLOTS = 3,        /* frames whose buffers may be in flight */
+    MAX_LEFT_OUT = 8,
+    VARIANTS = 2      /* with and without level colours */
+};
+
+/* The uniform block of shaders/frame.glsl. */
+typedef struct frame_uniforms {
+    float view_projection[16];
+    float surface[TC_SURFACE_UNIFORMS];
+    float level[TC_MAX_LEVELS][TC_LEVEL_UNIFORMS];
+    float eye[4];
+    float ray[3][4];
+    float sun[4];
+    float heights[4];
+    float haze[4];
+    float zenith[4];
+    float lens[4];
+} frame_uniforms;
+
+struct tc_renderer {
+    const tc_gl *gl;
+    const tc_pyramid *pyramid;
+    tc_surface *surface;
+    tc_clipmap *clipmap;
+    tc_scene_options options;
+    tc_palette palette;
+    double extent;                     /* metres, the terrain's diagonal */
+    double near_plane;                 /* metres */
+    tc_level_textures textures;
+    GLuint ramp;
+    GLuint terrain[VARIANTS], sky;     /* programs; 0: not built yet, or not needed */
+    GLuint vao, vertices, indices;
+    GLuint uniforms[SLOTS], draws[SLOTS];
+    size_t draw_capacity[SLOTS];       /* draws that draws[] has room for */
+    int slot;
+    GLuint framebuffer, colour, depth; /* drawn to */
+    GLuint resolved, resolved_colour;  /* what it comes to where several samples make a pixel; else 0 */
+    int width, height;                 /* of the framebuffer; 0: none yet */
+    frame_uniforms values;
+    const char *left_out[MAX_LEFT_OUT + 1];
+    tc_rect wanted[TC_MAX_LEVELS];
+};
+
+static double now_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+/* ---- Creation ------------------------------------------------------------------------------------------------ */
+
+static tc_status build_terrain(tc_renderer *r, bool level_colours, GLuint *program_ret, tc_error *error)
+{
+    const tc_scene_options *o = &r->options;
+    char defines[512];
+    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n%s%s%s%s%s%s",
+             tc_clipmap_n(r->clipmap), o->unlit ? "" : "#define LIT\n", o->holes ? "#define HOLES\n" : "",
+             o->background_set ? "" : "#define HAZE\n", level_colours ? "#define LEVEL_COLOURS\n" : "",
+             r->palette.natural ? "#define NATURAL_LAND\n" : "", r->palette.water ? "#define WATER\n" : "");
+    const char *vertex[16] = {"frame.glsl", "vertex_inputs.glsl"};
+    int count = 2;
+    for (const char *const *p = r->surface->vertex_parts; *p && count < 14; p++)
+        vertex[count++] = *p;
+    vertex[count] = "renderer.vert";
+    const char *fragment[] = {"frame.glsl", "renderer.frag", NULL};
+    return tc_program_build(r->gl, vertex, fragment, defines, program_ret, error);
+}
+
+static void create_geometry(tc_renderer *r)
+{
+    const tc_gl *gl = r->gl;
+    const tc_geometry *g = &r->surface->geometry;
+    gl->CreateBuffers(1, &r->vertices);
+    gl->NamedBufferStorage(r->vertices, (GLsizeiptr)((size_t)g->vertex_count * sizeof *g->vertices), g->vertices, 0);
+    gl->CreateBuffers(1, &r->indices);
+    gl->NamedBufferStorage(r->indices, (GLsizeiptr)((size_t)g->index_count * sizeof *g->indices), g->indices, 0);
+    gl->CreateVertexArrays(1, &r->vao);
+    gl->VertexArrayElementBuffer(r->vao, r->indices);
+    gl->VertexArrayVertexBuffer(r->vao, 0, r->vertices, 0, sizeof *g->vertices);
+    gl->EnableVertexArrayAttrib(r->vao, 0);
+    gl->VertexArrayAttribIFormat(r->vao, 0, 2, GL_UNSIGNED_SHORT, 0);
+    gl->VertexArrayAttribBinding(r->vao, 0, 0);
+    gl->EnableVertexArrayAttrib(r->vao, 1);
+    gl->VertexArrayAttribIFormat(r->vao, 1, 4, GL_INT, 0);
+    gl->VertexArrayAttribBinding(r->vao, 1, 1);
+    gl->VertexArrayBindingDivisor(r->vao, 1, 1);
+    gl->CreateBuffers(SLOTS, r->uniforms);
+    gl->CreateBuffers(SLOTS, r->draws);
+    for (int i = 0; i < SLOTS; i++)
+        gl->NamedBufferStorage(r->uniforms[i], sizeof(frame_uniforms), NULL, GL_DYNAMIC_STORAGE_BIT);
+}
+
+static void create_ramp(tc_renderer *r)
+{
+    const tc_gl *gl = r->gl;
+    gl->CreateTextures(GL_TEXTURE_1D, 1, &r->ramp);
+    gl->TextureStorage1D(r->ramp, 1, GL_RGBA8, TC_RAMP_SIZE);
+    gl->TextureParameteri(r->ramp, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl->TextureParameteri(r->ramp, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl->TextureParameteri(r->ramp, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl->TextureSubImage1D(r->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, r->palette.ramp);
+}
+
+static void note_left_out(tc_renderer *r)
+{
+    int n = 0;
+    if (r->options.unlit)
+        r->left_out[n++] = "normal map and lighting: unlit";
+    if (r->options.background_set)
+        r->left_out[n++] = "sky and haze: flat background";
+    if (!r->options.holes)
+        r->left_out[n++] = "void mask: no holes to show";
+    if (r->options.frame.no_morph)
+        r->left_out[n++] = "morph: switched off";
+    r->left_out[n++] = "imagery: none given";
+    r->left_out[n] = NULL;
+}
+
+tc_status tc_renderer_create(const tc_gl *gl, const tc_pyramid *pyramid, tc_surface *surface, tc_clipmap *clipmap,
+                             const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error)
+{
+    tc_renderer *r = calloc(1, sizeof *r);
+    if (!r)
+        return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
+    const tc_terrain_info *info = tc_pyramid_info(pyramid);
+    tc_level finest = tc_pyramid_level(pyramid, info->levels);
+    r->gl = gl;
+    r->pyramid = pyramid;
+    r->surface = surface;
+    r->clipmap = clipmap;
+    r->options = *options;
+    r->palette = tc_palette_make(info);
+    r->extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y);
+    r->near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)); /* costs no precision: depth is a float */
+    tc_status status = tc_level_textures_create(gl, clipmap, &r->textures, error);
+    if (!status)
+        status = build_terrain(r, options->level_colours, &r->terrain[options->level_colours], error);
+    if (!status && !options->background_set)
+        status = tc_program_build(gl, (const char *[]){"frame.glsl", "sky.vert", NULL},
+                                  (const char *[]){"frame.glsl", "sky.frag", NULL}, "", &r->sky, error);
+    if (status) {
+        tc_renderer_destroy(r);
+        return status;
+    }
+    create_geometry(r);
+    create_ramp(r);
+    note_left_out(r);
+    *renderer_ret = r;
+    return TC_OK;
+}
+
+static void delete_framebuffer(tc_renderer *r)
+{
+    r->gl->DeleteFramebuffers(2, (GLuint[]){r->framebuffer, r->resolved});
+    r->gl->DeleteRenderbuffers(3, (GLuint[]){r->colour, r->depth, r->resolved_colour});
+}
+
+void tc_renderer_destroy(tc_renderer *renderer)
+{
+    if (!renderer)
+        return;
+    tc_renderer *r = renderer;
+    const tc_gl *gl = r->gl;
+    tc_level_textures_destroy(gl, &r->textures);
+    gl->DeleteTextures(1, &r->ramp);
+    for (int i = 0; i < VARIANTS; i++)
+        if (r->terrain[i])
+            gl->DeleteProgram(r->terrain[i]);
+    if (r->sky)
+        gl->DeleteProgram(r->sky);
+    gl->DeleteVertexArrays(1, &r->vao);
+    gl->DeleteBuffers(2, (GLuint[]){r->vertices, r->indices});
+    gl->DeleteBuffers(SLOTS, r->uniforms);
+    gl->DeleteBuffers(SLOTS, r->draws);
+    delete_framebuffer(r);
+    free(r);
+}
+
+void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *options)
+{
+    renderer->options.level_colours = options->level_colours;
+    renderer->options.wireframe = options->wireframe;
+    renderer->options.frame = options->frame;
+    renderer->options.budget = options->budget;
+    note_left_out(renderer);
+}
+
+/* ---- Frames -------------------------------------------------------------------------------------------------- */
+
+static GLuint renderbuffer(const tc_gl *gl, GLenum format, GLint samples, int width, int height)
+{
+    GLuint b;
+    gl->CreateRenderbuffers(1, &b);
+    gl->NamedRenderbufferStorageMultisample(b, samples, format, width, height);
+    return b;
+}
+
+static tc_status set_size(tc_renderer *r, int width, int height, tc_error *error)
+{
+    if (width == r->width && height == r->height)
+        return TC_OK;
+    const tc_gl *gl = r->gl;
+    delete_framebuffer(r);
+    GLint most, samples = r->options.samples > 1 ? r->options.samples : 0;
+    gl->GetIntegerv(GL_MAX_SAMPLES, &most);
+    samples = samples > most ? most : samples;
+    r->colour = renderbuffer(gl, GL_RGBA8, samples, width, height);
+    r->depth = renderbuffer(gl, GL_DEPTH_COMPONENT32F, samples, width, height);
+    gl->CreateFramebuffers(1, &r->framebuffer);
+    gl->NamedFramebufferRenderbuffer(r->framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, r->colour);
+    gl->NamedFramebufferRenderbuffer(r->framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, r->depth);
+    r->resolved = r->resolved_colour = 0;
+    if (samples) {
+        r->resolved_colour = renderbuffer(gl, GL_RGBA8, 0, width, height);
+        gl->CreateFramebuffers(1, &r->resolved);
+        gl->NamedFramebufferRenderbuffer(r->resolved, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, r->resolved_colour);
+    }
+    r->width = r->height = 0;
+    if (gl->CheckNamedFramebufferStatus(r->framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
+        (samples && gl->CheckNamedFramebufferStatus(r->resolved, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE))
+        return tc_fail(error, TC_ERR_CONTEXT, "frame: the driver cannot draw %dx%d pixels", width, height);
+    r->width = width;
+    r->height = height;
+    return TC_OK;
+}
+
+/* Light, air and camera; nothing in it depends on anything but the view. */
+static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame *frame)
+{
+    frame_uniforms *u = &r->values;
+    double z_base = tc_pyramid_info(r->pyramid)->z_base, eye = camera->z - z_base;
+    tc_camera_matrix(camera, r->near_plane, u->view_projection);
+    memcpy(u->surface, frame->surface_uniforms, sizeof u->surface);
+    memcpy(u->level, frame->level_uniforms, sizeof u->level);
+    u->eye[0] = (float)eye;
+    u->eye[1] = (float)(eye - (double)(float)eye);
+    tc_basis b = tc_camera_basis(camera);
+    double tx, ty;
+    tc_camera_tangents(camera, &tx, &ty);
+    for (int i = 0; i < 3; i++) {
+        u->ray[0][i] = (float)(b.right[i] * tx);
+        u->ray[1][i] = (float)(b.up[i] * ty);
+        u->ray[2][i] = (float)b.forward[i];
+    }
+    memcpy(u->heights, r->palette.heights, sizeof u->heights);
+    const double azimuth = 310 * M_PI / 180, elevation = 38 * M_PI / 180; /* the cartographer's light, a bit softer */
+    float sun[4] = {(float)(sin(azimuth) * cos(elevation)), (float)(cos(azimuth) * cos(elevation)),
+                    (float)sin(elevation), 1.25f};
+    memcpy(u->sun, sun, sizeof sun);
+    double height = fmax(0, eye - tc_pyramid_info(r->pyramid)->z_min);
+    double distance = 1.1 * r->extent + 4 * height; /* half of what one sees there is haze */
+    float haze[4] = {0.56f, 0.66f, 0.78f, (float)pow(r->near_plane / distance, 2)};
+    memcpy(u->haze, haze, sizeof haze);
+    float zenith[4] = {0.055f, 0.17f, 0.45f, 0};
+    memcpy(u->zenith, zenith, sizeof zenith);
+    float lens[4] = {(float)(2 * tx / camera->width), (float)(2 * ty / camera->height), (float)tx, (float)ty};
+    memcpy(u->lens, lens, sizeof lens);
+}
+
+/* The frame's draws and instances in one buffer: [draws][instances]. */
+static void upload_draws(tc_renderer *r, const tc_frame *frame)
+{
+    const tc_gl *gl = r->gl;
+    size_t count = (size_t)(frame->strip_draws + frame->list_draws), *capacity = &r->draw_capacity[r->slot];
+    GLuint buffer = r->draws[r->slot];
+    if (count > *capacity) {
+        *capacity = count + count / 2;
+        gl->NamedBufferData(buffer, (GLsizeiptr)(*capacity * (sizeof(tc_draw) + sizeof(tc_instance))), NULL,
+                            GL_DYNAMIC_DRAW);
+    }
+    if (!count)
+        return;
+    GLintptr instances = (GLintptr)(*capacity * sizeof(tc_draw));
+    gl->NamedBufferSubData(buffer, 0, (GLsizeiptr)(count * sizeof(tc_draw)), frame->draws);
+    gl->NamedBufferSubData(buffer, instances, (GLsizeiptr)(count * sizeof(tc_instance)), frame->instances);
+    gl->VertexArrayVertexBuffer(r->vao, 1, buffer, instances, sizeof(tc_instance));
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer);
+}
+
+static void draw(tc_renderer *r, const tc_frame *frame)
+{
+    const tc_gl *gl = r->gl;
+    const uint8_t *bg = r->options.background;
+    gl->BindFramebuffer(GL_FRAMEBUFFER, r->framebuffer);
+    gl->Viewport(0, 0, r->width, r->height);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl->ClearNamedFramebufferfv(r->framebuffer, GL_DEPTH, 0, (float[]){0});
+    if (!r->sky || r->options.wireframe)
+        gl->ClearNamedFramebufferfv(r->framebuffer, GL_COLOR, 0,
+                                    (float[]){(float)bg[0] / 255, (float)bg[1] / 255, (float)bg[2] / 255, 1});
+    gl->NamedBufferSubData(r->uniforms[r->slot], 0, sizeof r->values, &r->values);
+    gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, r->uniforms[r->slot]);
+    gl->BindTextureUnit(0, r->textures.heights);
+    gl->BindTextureUnit(1, r->ramp);
+    gl->BindTextureUnit(2, r->textures.normals);
+    gl->BindTextureUnit(3, r->textures.voids);
+    gl->Enable(GL_DEPTH_TEST);
+    gl->DepthFunc(GL_GREATER);
+    gl->BindVertexArray(r->vao);
+    gl->UseProgram(r->terrain[r->options.level_colours]);
+    gl->PolygonMode(GL_FRONT_AND_BACK, r->options.wireframe ? GL_LINE : GL_FILL);
+    gl->FrontFace(GL_CW);
+    if (frame->one_sided && !r->options.wireframe)
+        gl->Enable(GL_CULL_FACE);
+    if (frame->strip_draws)
+        gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, frame->strip_draws, 0);
+    gl->Disable(GL_CULL_FACE);
+    if (frame->list_draws && !r->options.wireframe)
+        gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
+                                      (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)), frame->list_draws, 0);
+    gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    if (r->sky) {
+        gl->DepthFunc(GL_GEQUAL); /* depth 0 is infinity: where nothing was drawn */
+        gl->UseProgram(r->sky);
+        gl->DrawArrays(GL_TRIANGLES, 0, 3);
+    }
+    if (r->resolved)
+        gl->BlitNamedFramebuffer(r->framebuffer, r->resolved, 0, 0, r->width, r->height, 0, 0, r->width, r->height,
+                                 GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
+                            tc_error *error)
+{
+    tc_renderer *r = renderer;
+    tc_status status = set_size(r, camera->width, camera->height, error);
+    if (!status && !r->terrain[r->options.level_colours])
+        status = build_terrain(r, r->options.level_colours, &r->terrain[r->options.level_colours], error);
+    if (status)
+        return status;
+    double start = now_ms();
+    int64_t n = tc_clipmap_n(r->clipmap), budget = r->options.budget ? r->options.budget : n * n;
+    tc_frame_stats stats = {0};
+    r->surface->wanted(r->surface, r->clipmap, camera, r->wanted);
+    stats.samples_updated = tc_clipmap_update(r->clipmap, r->wanted, budget > 0 && budget < n ? n : budget);
+    stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, r->clipmap);
+    stats.resident = tc_clipmap_resident(r->clipmap);
+    double updated = now_ms();
+
+    tc_frame frame;
+    r->surface->frame(r->surface, r->clipmap, camera, &r->options.frame, &frame);
+    r->slot = (r->slot + 1) % SLOTS;
+    set_uniforms(r, camera, &frame);
+    upload_draws(r, &frame);
+    draw(r, &frame);
+    if (finish)
+        r->gl->Finish();
+    stats.update_ms = updated - start;
+    stats.draw_ms = now_ms() - updated;
+    stats.triangles = frame.triangles;
+    stats.triangles_unculled = frame.triangles_unculled;
+    stats.draws = frame.strip_draws + frame.list_draws;
+    stats.levels_active = frame.levels_active;
+    *stats_ret = stats;
+    if (tc_clipmap_failed(r->clipmap))
+        return tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read");
+    return TC_OK;
+}
+
+/* The framebuffer to read colours from. */
+static GLuint drawn(const tc_renderer *r)
+{
+    return r->resolved ? r->resolved : r->framebuffer;
+}
+
+void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height)
+{
+    renderer->gl->BlitNamedFramebuffer(drawn(renderer), 0, 0, 0, renderer->width, renderer->height, 0, 0,
+                                       window_width, window_height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+/* Turns rows that OpenGL gives bottom to top. */
+static void flip_rows(void *pixels, size_t row_bytes, int rows)
+{
+    char *lo = pixels, *hi = lo + row_bytes * (size_t)(rows > 0 ? rows - 1 : 0);
+    for (; lo < hi; lo += row_bytes, hi -= row_bytes)
+        for (size_t i = 0; i < row_bytes; i++) {
+            char c = lo[i];
+            lo[i] = hi[i];
+            hi[i] = c;
+        }
+}
+
+void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth)
+{
+    const tc_gl *gl = renderer->gl;
+    int w = renderer->width, h = renderer->height;
+    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, drawn(renderer));
+    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
+    if (rgb) {
+        gl->ReadPixels(0, 0, w, h, GL_RGB, GL_UNSIGNED_BYTE, rgb);
+        flip_rows(rgb, 3 * (size_t)w, h);
+    }
+    if (depth) {
+        gl->ReadPixels(0, 0, w, h, GL_DEPTH_COMPONENT, GL_FLOAT, depth);
+        flip_rows(depth, sizeof *depth * (size_t)w, h);
+    }
+}
+
+void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera, double x, double y, float depth,
+                           double position_ret[3])
+{
+    tc_basis b = tc_camera_basis(camera);
+    double tx, ty, along = renderer->near_plane / (double)depth;
+    tc_camera_tangents(camera, &tx, &ty);
+    double u = (2 * x / camera->width - 1) * tx, v = (1 - 2 * y / camera->height) * ty;
+    const double eye[3] = {camera->x, camera->y, camera->z};
+    for (int i = 0; i < 3; i++)
+        position_ret[i] = eye[i] + along * (b.forward[i] + u * b.right[i] + v * b.up[i]);
+}
+
+void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
+{
+    const tc_geometry *g = &renderer->surface->geometry;
+    size_t draws = 0;
+    for (int i = 0; i < SLOTS; i++)
+        draws += renderer->draw_capacity[i] * (sizeof(tc_draw) + sizeof(tc_instance)) + sizeof(frame_uniforms);
+    *stats_ret = (tc_memory_stats){
+        .geometry = (size_t)g->vertex_count * sizeof *g->vertices + (size_t)g->index_count * sizeof *g->indices + draws,
+        .heights = renderer->textures.height_bytes + tc_clipmap_bytes(renderer->clipmap),
+        .normals = renderer->textures.normal_bytes,
+        .pyramid = tc_pyramid_bytes(renderer->pyramid)};
+}
+
+const char *const *tc_renderer_left_out(const tc_renderer *renderer)
+{
+    return renderer->left_out;
+}

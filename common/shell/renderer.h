@@ -1,0 +1,67 @@
+/* renderer.h - draws a surface over a clipmap: vertex textures, programs, frames. */
+#ifndef TC_RENDERER_H
+#define TC_RENDERER_H
+
+#include "../terraclip.h"
+#include "../core/surface.h"
+#include "gl.h"
+
+/* What the scene needs, settled once; what is not needed is neither compiled nor allocated. */
+typedef struct tc_scene_options {
+    bool unlit;              /* colours without light: no normal map */
+    bool background_set;     /* flat background: no sky, no haze */
+    uint8_t background[3];   /* RGB */
+    bool holes;              /* voids are left out of the mesh */
+    int samples;             /* a pixel; 0: 1. The most that the driver has where it has fewer */
+    int64_t budget;          /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
+    bool level_colours;      /* may be switched while running, as may the next two */
+    bool wireframe;
+    tc_frame_options frame;
+} tc_scene_options;
+
+typedef struct tc_frame_stats {
+    double update_ms, draw_ms;    /* CPU time of filling windows and uploading; of drawing (until finished, offscreen) */
+    int64_t triangles, triangles_unculled;
+    int draws, levels_active;
+    int64_t samples_updated, bytes_uploaded;
+    bool resident;                /* the clipmap held all that this view needs */
+} tc_frame_stats;
+
+/* Bytes by item. */
+typedef struct tc_memory_stats {
+    size_t geometry, heights, normals, imagery, pyramid;
+} tc_memory_stats;
+
+typedef struct tc_renderer tc_renderer;
+
+/* pyramid and surface must outlive the renderer; the surface is made for that pyramid. gl must be current. */
+tc_status tc_renderer_create(const tc_gl *gl, const tc_pyramid *pyramid, tc_surface *surface, tc_clipmap *clipmap,
+                             const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error);
+void tc_renderer_destroy(tc_renderer *renderer);
+
+/* Changes what may change while running: level_colours, wireframe, frame, budget. */
+void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *options);
+
+/* Updates the clipmap for the camera within the budget, uploads, and draws a frame of camera->width x height into the
+ * renderer's own framebuffer. finish: waits until it is done, so that draw_ms is the whole cost. */
+tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
+                            tc_error *error);
+
+/* Copies the last frame to the bound window framebuffer (id 0). */
+void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height);
+
+/* Reads the last frame: rgb 3 bytes a pixel, rows top to bottom, width x height of its camera. depth, where not NULL:
+ * reversed depth (0 at infinity; see
+ * tc_renderer_unproject); only where a pixel is one sample, rows top to bottom. */
+void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth);
+
+/* Map position, metres, of a depth read at (x, y) pixels from the frame's top left corner (centres at + 0.5). */
+void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera, double x, double y, float depth,
+                           double position_ret[3]);
+
+void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret);
+
+/* What was left out, one short line each ("normal map: unlit", ...); NULL-terminated; the renderer's. */
+const char *const *tc_renderer_left_out(const tc_renderer *renderer);
+
+#endif

@@ -1,0 +1,83 @@
+/* source_internal.h - what the files source*.c share. */
+#ifndef TC_SOURCE_INTERNAL_H
+#define TC_SOURCE_INTERNAL_H
+
+#include "plugin_tables.h"
+#include "source.h"
+
+/* ---- Conversion of stored samples to heights (source_convert.c) ---------------------------------------------------
+ */
+
+/* Heights are stored * scale + offset, metres above z_base. */
+typedef struct tc_conversion {
+    tc_sample_type type;
+    double scale, offset;
+    int nodata_count;
+    double nodata[2]; /* stored values */
+} tc_conversion;
+
+/* What a stretch of samples held; accumulates. Start with TC_STATISTICS_NONE. */
+typedef struct tc_statistics {
+    int64_t voids;
+    int64_t fills;   /* of them: finite values beyond any height that no nodata value announced */
+    float low, high; /* of valid samples */
+} tc_statistics;
+#define TC_STATISTICS_NONE ((tc_statistics){0, 0, INFINITY, -INFINITY})
+
+size_t tc_sample_size(tc_sample_type type);
+
+/* Converts one row; mask (0 = void) may be NULL. Voids get z = 0. */
+void tc_convert_row(const tc_conversion *conversion, const void *samples, const uint8_t *mask, int64_t width, float *z,
+                    uint8_t *voids, tc_statistics *statistics);
+
+/* Metres (not above z_base) of sample i, NaN where void. */
+double tc_convert_one(const tc_conversion *conversion, const void *samples, const uint8_t *mask, int64_t i);
+
+/* ---- Georeference (source_georef.c) -------------------------------------------------------------------------------
+ */
+
+/* Sets georef (without crs_wkt) and the spacing, in metres, of a raster; says how it came about. flip_x and flip_y: the
+ * file's columns run east to west, its rows south to north. */
+void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *options, tc_georef *georef,
+                      double *spacing_x, double *spacing_y, bool *flip_x, bool *flip_y);
+
+/* Metres per unit of height by the unit's name; 0 for an unknown name. */
+double tc_unit_by_name(const char *name);
+
+/* ---- .hgt (source_hgt.c) ------------------------------------------------------------------------------------------
+ */
+
+/* The SRTM tile format, which has no header: *recognised by the file's name and its size. */
+tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *recognised, tc_raster **raster_ret,
+                      tc_error *error);
+
+/* ---- Truncated files (source_whole.c) -----------------------------------------------------------------------------
+ */
+
+/* TC_ERR_FORMAT where a TIFF or PNG lacks a part whose absence its library does not notice; TC_OK for other files. */
+tc_status tc_check_whole(const char *path, tc_error *error);
+
+/* By a file's first bytes. */
+bool tc_is_tiff(const unsigned char signature[4]);
+bool tc_is_png(const unsigned char signature[4]);
+
+/* ---- Sources (source.c) -------------------------------------------------------------------------------------------
+ */
+
+/* tc_source_read, which also accumulates statistics. */
+tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, float *z, uint8_t *voids,
+                                 tc_statistics *statistics, tc_error *error);
+
+/* Rows that are read together at the least cost. */
+int64_t tc_source_chunk_rows(const tc_source *source);
+
+/* Says one line to the user by options->say. */
+void tc_say(const tc_source_options *options, bool warning, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Heights beyond this are taken for a wrong unit: the Earth's radius is 6.4e6 m. */
+#define TC_HIGHEST 1e9
+/* Floating-point values beyond this mean "none" in every format that has been seen. */
+#define TC_FILL_VALUE 1e30
+
+#endif

@@ -1,0 +1,63 @@
+/* viewer_internal.h - what the files of the viewer share. Internal to viewer*.c. */
+#ifndef TC_VIEWER_INTERNAL_H
+#define TC_VIEWER_INTERNAL_H
+
+#include "../core/clipmap.h"
+#include "../core/surface.h"
+#include "context.h"
+#include "flight.h"
+#include "flight_path.h"
+#include "options.h"
+#include "renderer.h"
+#include "stats.h"
+#include "viewer.h"
+#include "window.h"
+
+typedef struct tc_viewer {
+    const tc_viewer_program *program;
+    tc_options options;
+
+    tc_pyramid *pyramid;
+    tc_clipmap *clipmap;
+    tc_surface *surface;
+    double spacing; /* metres; the smaller of the finest level's two */
+
+    tc_context *context; /* offscreen, or NULL and a window: */
+    const struct tc_window_plugin *window_plugin;
+    tc_window *window;
+    tc_gl window_gl;
+    const tc_gl *gl; /* of either */
+    tc_renderer *renderer;
+
+    tc_scene_options scene; /* as it is now: keys change it */
+    tc_camera camera;
+    tc_flight_path path; /* no keys: none */
+    tc_stats *stats;
+} tc_viewer;
+
+/* Milliseconds that have passed since some moment. */
+double tc_viewer_ms(void);
+
+/* Whether the user has asked to end (Ctrl-C, SIGTERM), once tc_viewer_watch_signals has been called. A second Ctrl-C
+ * ends the program at once. */
+void tc_viewer_watch_signals(void);
+bool tc_viewer_interrupted(void);
+
+/* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
+tc_status tc_viewer_measured_frame(tc_viewer *viewer, tc_frame_stats *frame_ret, tc_error *error);
+
+/* Draws until a frame has all that its view needs; that frame is finished and counted as a measured one. */
+tc_status tc_viewer_resident_frame(tc_viewer *viewer, tc_error *error);
+
+/* Writes the last frame; rgb has room for it. */
+tc_status tc_viewer_write_frame(tc_viewer *viewer, const char *path, uint8_t *rgb, tc_error *error);
+
+/* One picture, a flight written or a flight measured (viewer_offscreen.c); the loop of a window (viewer_window.c). */
+tc_status tc_viewer_picture(tc_viewer *viewer, tc_error *error);
+tc_status tc_viewer_flight(tc_viewer *viewer, tc_error *error);
+tc_status tc_viewer_window(tc_viewer *viewer, tc_error *error);
+
+/* Prints what the keys and the mouse do (viewer_window.c). */
+void tc_viewer_print_keys(FILE *file);
+
+#endif

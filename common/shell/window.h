@@ -1,0 +1,57 @@
+/* window.h - a window with an OpenGL 4.5 core context, its keys and its mouse: the table that the plugin
+ * terraclip-window.so (GLFW) exports. It knows nothing of terrains; what keys mean is the viewer's affair.
+ *
+ * The mouse: a click into the window captures it (the pointer hides and its motion is endless), Escape lets it go;
+ * holding the right button captures it for as long. While captured, motion is reported as look_x and look_y. */
+#ifndef TC_WINDOW_H
+#define TC_WINDOW_H
+
+#include "../terraclip.h"
+
+typedef struct tc_window tc_window;
+
+/* Keys: letters and digits are their upper-case ASCII, as the user's keyboard layout labels them. */
+typedef enum tc_key {
+    TC_KEY_ESCAPE = 256, /* reported only where it did not just let the mouse go */
+    TC_KEY_F1,
+    TC_KEY_F11
+} tc_key;
+
+/* Zero is the default. */
+typedef struct tc_window_options {
+    const char *title;
+    int width, height; /* of the framebuffer, pixels; the window system may decide otherwise. 0: 1280 x 720 */
+    bool hidden;       /* never shown: for drawing offscreen by means of a display */
+} tc_window_options;
+
+enum { TC_WINDOW_MAX_PRESSED = 32 };
+
+/* What has happened since the last poll, and what is held now. */
+typedef struct tc_window_input {
+    int pressed[TC_WINDOW_MAX_PRESSED]; /* keys that went down, in order; more than fit are dropped */
+    int pressed_count;
+    double right, forward, up; /* -1, 0 or 1: D - A, W - S, E - Q held, by position on the keyboard, not by label */
+    double turn, tilt;         /* -1, 0 or 1: arrow keys held, right and up positive */
+    bool fast;                 /* a shift key is held */
+    double look_x, look_y;     /* captured mouse motion in pixels, right and down positive */
+    double wheel;              /* notches, away from the user positive */
+    int width, height;         /* framebuffer in pixels; 0 while iconified */
+    bool close;                /* the user asked to close the window */
+} tc_window_input;
+
+struct tc_window_plugin {
+    /* Opens a window and makes its context current on this thread. One window at a time in a process, on its main
+     * thread. TC_ERR_CONTEXT where there is no display or no OpenGL 4.5. */
+    tc_status (*open)(const tc_window_options *options, tc_window **window_ret, tc_error *error);
+    void (*close)(tc_window *window);
+    /* Address of an OpenGL function of the current context, for tc_gl_load. */
+    void *(*get_proc)(const char *name);
+    /* Handles what is pending. wait_seconds > 0: first waits that long for something to happen. */
+    void (*poll)(tc_window *window, double wait_seconds, tc_window_input *input_ret);
+    /* Shows what was drawn, in step with the screen where the driver can. */
+    void (*swap)(tc_window *window);
+    void (*set_title)(tc_window *window, const char *title);
+    void (*toggle_full_screen)(tc_window *window);
+};
+
+#endif

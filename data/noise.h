@@ -1,0 +1,36 @@
+/* noise.h - hashes and gradient noise that give the same bits on every machine. */
+#ifndef TC_NOISE_H
+#define TC_NOISE_H
+
+#include <stdint.h>
+
+/* A well mixed 64-bit value of a seed and a number: independent seeds for the parts of a generator. */
+uint64_t tc_hash64(uint64_t seed, uint64_t number);
+
+/* A well mixed 32-bit value of an integer lattice point. */
+uint32_t tc_hash_point(uint32_t seed, int32_t x, int32_t y);
+
+/* Gradient noise at (x, y) in lattice units: 0 at lattice points, about -0.7..0.7, rms 0.25. */
+float tc_noise(uint32_t seed, double x, double y);
+
+/* The same at (x + i * dx, y) for i in 0..count-1, added to out[i] times gain: bit for bit gain * tc_noise(), in less
+ * time where dx is well below 1. */
+void tc_noise_row(uint32_t seed, double x, double dx, double y, int64_t count, float gain, float *out);
+
+/* Sum of octaves of tc_noise, each at twice the frequency and gain times the amplitude of the one before; not
+ * normalised: the first has amplitude 1. */
+float tc_fbm(uint32_t seed, double x, double y, int octaves, float gain);
+
+/* Ridged multifractal (Musgrave): octaves of (1 - |noise|)^2, each weighted by the one before, so that ridges carry
+ * detail and valleys stay smooth. About 0..1. */
+float tc_ridged(uint32_t seed, double x, double y, int octaves, float gain);
+
+/* 0 below a, 1 above b, a cubic in between. */
+static inline float tc_smoothstep(float a, float b, float x)
+{
+    float t = (x - a) / (b - a);
+    t = t < 0 ? 0 : t > 1 ? 1 : t;
+    return t * t * (3 - 2 * t);
+}
+
+#endif

@@ -1,0 +1,10 @@
+/* square.h - the planar surface: LH04's square nested grids over a flat map. */
+#ifndef TC_SQUARE_H
+#define TC_SQUARE_H
+
+#include "common/core/surface.h"
+
+/* A surface over the clipmap, which must outlive it. */
+tc_status tc_square_create(const tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
+
+#endif

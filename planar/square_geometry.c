@@ -1,0 +1,67 @@
+/* square_geometry.c - static support geometry of square grids: blocks as triangle strips, and crack closers.
+ *
+ * A level's frame is drawn in blocks, so that what lies outside the view can be left out. Rows of a block are strips
+ * joined by degenerate triangles into one; vertices are numbered row by row with a stride of block + 1, so that the
+ * two rows in use stay in a vertex cache. The strip goes north-west, south-west, north-east, ... in each row: the
+ * diagonal runs from south-east to north-west (mesh.h). */
+#include <stdlib.h>
+
+#include "common/core/status.h"
+#include "square_internal.h"
+
+static uint16_t *strip(uint16_t *out, int w, int h, int stride)
+{
+    for (int j = 0; j < h; j++) {
+        int south = j * stride, north = south + stride;
+        if (j > 0) { /* join: repeat the last and the first vertex */
+            *out = out[-1];
+            out++;
+            *out++ = (uint16_t)south;
+        }
+        for (int i = 0; i <= w; i++) {
+            *out++ = (uint16_t)(south + i);
+            *out++ = (uint16_t)(north + i);
+        }
+    }
+    return out;
+}
+
+/* A coarse edge is two fine ones; the triangle of their three vertices fills whatever lies between. */
+static uint16_t *closers(uint16_t *out, int cells, int step)
+{
+    for (int i = 0; i + 2 <= cells; i += 2)
+        for (int k = 0; k < 3; k++)
+            *out++ = (uint16_t)((i + k) * step);
+    return out;
+}
+
+tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *index, tc_error *error)
+{
+    int stride = block + 1, count = 0;
+    for (int w = 1; w <= block; w++)
+        count += (int)tc_square_strip_count(w, block);
+    count += 2 * 3 * (block / 2);
+    geometry->vertex_count = stride * stride;
+    geometry->index_count = count;
+    geometry->vertices = malloc((size_t)geometry->vertex_count * sizeof *geometry->vertices);
+    geometry->indices = malloc((size_t)count * sizeof *geometry->indices);
+    index->strip_first = malloc((size_t)block * sizeof *index->strip_first);
+    if (!geometry->vertices || !geometry->indices || !index->strip_first)
+        return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
+    for (int j = 0; j < stride; j++)
+        for (int i = 0; i < stride; i++) {
+            geometry->vertices[j * stride + i][0] = (uint16_t)i;
+            geometry->vertices[j * stride + i][1] = (uint16_t)j;
+        }
+    uint16_t *at = geometry->indices;
+    index->block = block;
+    for (int w = 1; w <= block; w++) {
+        index->strip_first[w - 1] = (uint32_t)(at - geometry->indices);
+        at = strip(at, w, block, stride);
+    }
+    index->row_first = (uint32_t)(at - geometry->indices);
+    at = closers(at, block, 1);
+    index->column_first = (uint32_t)(at - geometry->indices);
+    closers(at, block, stride);
+    return TC_OK;
+}

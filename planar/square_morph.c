@@ -1,0 +1,188 @@
+/* square_morph.c - the flat map's levels around a viewer: windows, transition regions, drawn heights.
+ *
+ * Windows are centred on the viewer and snapped to even samples (LH04 section 5); levels finer than the height above
+ * ground calls for (h > 0.4 n g_l) are not wanted. In the transition region of width n / 10 at a window's edge the
+ * heights pass over into the coarser level's (LH04 section 6.2). alpha depends on the distance to the viewer, not to
+ * the snapped window, so it does not jump when a window moves. We add a passage by height, so that nothing jumps
+ * either when a level is dropped on the way up: it has become the coarser level by then. */
+#include <math.h>
+
+#include "common/core/mesh.h"
+#include "common/core/rect.h"
+#include "square_internal.h"
+
+static const double DROP_HEIGHT = 0.4;  /* of n g_l above ground: a level is dropped (LH04 section 5) */
+static const double FADE_HEIGHT = 0.32; /* from here on it passes into the coarser one */
+static const double SATURATED = 1.5;    /* cells within the window's half size where alpha is 1: the snapping moves
+                                           the edge by up to 1, and half a cell covers rounding in float */
+static const double CLEAR = 0.25;       /* cells between a ramp's start and the finer level, for the same reason */
+
+square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera)
+{
+    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    square_viewer v;
+    v.snap_x = (int64_t)fmin(fmax(floor(camera->x / finest.spacing_x), 0), (double)(finest.width - 1));
+    v.snap_y = (int64_t)fmin(fmax(floor(camera->y / finest.spacing_y), 0), (double)(finest.height - 1));
+    v.rest_x = camera->x - (double)v.snap_x * finest.spacing_x;
+    v.rest_y = camera->y - (double)v.snap_y * finest.spacing_y;
+    double ground = 0;
+    if (tc_pyramid_height(pyramid, camera->x, camera->y, &ground))
+        ground = tc_pyramid_info(pyramid)->z_min;
+    v.height = fabs(camera->z - tc_pyramid_info(pyramid)->z_base - ground);
+    return v;
+}
+
+/* Height above ground in windows of the level. */
+static double relative_height(const tc_clipmap *clipmap, int level, const square_viewer *viewer)
+{
+    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+    return viewer->height / (tc_clipmap_n(clipmap) * fmax(l->spacing_x, l->spacing_y));
+}
+
+/* First sample of a window of n samples around v (in samples), even. Far outside any terrain v is cut off: what
+ * matters is that the window does not touch it. */
+static int64_t window_start(double v, int n)
+{
+    v = fmin(fmax(v, -4e15), 4e15);
+    return 2 * (int64_t)floor((v - (n - 1) / 2 + 1) / 2);
+}
+
+void tc_square_wanted(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted)
+{
+    (void)surface;
+    square_viewer viewer = tc_square_viewer(clipmap, camera);
+    int n = tc_clipmap_n(clipmap);
+    wanted[0] = tc_clipmap_level(clipmap, 1)->extent;
+    for (int l = 2; l <= tc_clipmap_levels(clipmap); l++) {
+        const tc_clip_level *level = tc_clipmap_level(clipmap, l);
+        if (relative_height(clipmap, l, &viewer) > DROP_HEIGHT) {
+            wanted[l - 1] = (tc_rect){0, 0, 0, 0};
+            continue;
+        }
+        int64_t x = window_start(camera->x / level->spacing_x, n), y = window_start(camera->y / level->spacing_y, n);
+        wanted[l - 1] = tc_rect_intersect(level->extent, (tc_rect){x, y, x + n, y + n});
+    }
+}
+
+/* One axis of the morph: the ramps at its low and its high side. rel: from samples of the level to cells relative to
+ * the snapped viewer; v: the viewer in such cells. inner_lo .. inner_hi: the finer level's active region (where alpha
+ * must be 0), empty where there is none. */
+typedef struct axis {
+    int64_t lo, hi;              /* first and last active sample */
+    int64_t extent_lo, extent_hi;
+    double inner_lo, inner_hi;   /* cells, relative to the snapped viewer; inner_lo > inner_hi: none */
+    double snap;                 /* the snapped viewer in samples of the level */
+    double v;
+} axis;
+
+static void ramps(const axis *a, int n, bool no_morph, double *start, double *rate)
+{
+    double lo = (double)a->lo - a->snap, hi = (double)a->hi - a->snap;
+    bool lo_meets = a->lo > a->extent_lo, hi_meets = a->hi < a->extent_hi; /* a coarser level goes on there */
+    if (no_morph) { /* the perimeter alone */
+        start[0] = lo + 0.75, start[1] = hi - 0.75;
+        rate[0] = lo_meets ? 4 : 0, rate[1] = hi_meets ? 4 : 0;
+        return;
+    }
+    double half = (n - 1) / 2 - SATURATED;
+    double one_lo = a->v - half, one_hi = a->v + half; /* alpha reaches 1 */
+    if (lo_meets)
+        one_lo = fmax(one_lo, lo + 0.5);
+    if (hi_meets)
+        one_hi = fmin(one_hi, hi - 0.5);
+    double w_lo = n / 10.0, w_hi = n / 10.0;
+    if (a->inner_lo <= a->inner_hi) {
+        w_lo = fmin(w_lo, fmax(0.5, a->inner_lo - one_lo - CLEAR));
+        w_hi = fmin(w_hi, fmax(0.5, one_hi - a->inner_hi - CLEAR));
+    }
+    start[0] = one_lo + w_lo, start[1] = one_hi - w_hi;
+    rate[0] = 1 / w_lo, rate[1] = 1 / w_hi;
+}
+
+square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer, bool no_morph)
+{
+    square_morph m = {.least = 0};
+    if (level == 1)
+        return m;
+    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    double cell = ldexp(1, l->shift);
+    axis x = {l->active.x0, l->active.x1 - 1, l->extent.x0, l->extent.x1 - 1, 1, 0, (double)viewer->snap_x / cell,
+              viewer->rest_x / finest.spacing_x / cell};
+    axis y = {l->active.y0, l->active.y1 - 1, l->extent.y0, l->extent.y1 - 1, 1, 0, (double)viewer->snap_y / cell,
+              viewer->rest_y / finest.spacing_y / cell};
+    if (level < tc_clipmap_levels(clipmap)) {
+        const tc_rect *fine = &tc_clipmap_level(clipmap, level + 1)->active;
+        if (!tc_rect_empty(*fine)) {
+            x.inner_lo = (double)(fine->x0 / 2) - x.snap, x.inner_hi = (double)((fine->x1 - 1) / 2) - x.snap;
+            y.inner_lo = (double)(fine->y0 / 2) - y.snap, y.inner_hi = (double)((fine->y1 - 1) / 2) - y.snap;
+        }
+    }
+    ramps(&x, tc_clipmap_n(clipmap), no_morph, &m.start[0], &m.rate[0]);
+    ramps(&y, tc_clipmap_n(clipmap), no_morph, &m.start[2], &m.rate[2]);
+    if (!no_morph) {
+        double h = relative_height(clipmap, level, viewer);
+        m.least = fmin(fmax((h - FADE_HEIGHT) / (DROP_HEIGHT - FADE_HEIGHT), 0), 1);
+    }
+    return m;
+}
+
+double tc_square_alpha(const square_morph *m, double x, double y)
+{
+    double a = fmax(fmax((m->start[0] - x) * m->rate[0], (x - m->start[1]) * m->rate[1]),
+                    fmax((m->start[2] - y) * m->rate[2], (y - m->start[3]) * m->rate[3]));
+    return fmin(fmax(fmax(a, m->least), 0), 1);
+}
+
+/* The drawn height of a vertex. */
+static double vertex_height(const tc_clipmap *clipmap, int level, const square_morph *m, const square_viewer *viewer,
+                            int64_t i, int64_t j)
+{
+    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+    int64_t mask = tc_clipmap_n(clipmap);
+    const float *z = tc_clipmap_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+    double cell = ldexp(1, l->shift);
+    double x = (double)(tc_min64(i << l->shift, l->edge_x) - viewer->snap_x) / cell;
+    double y = (double)(tc_min64(j << l->shift, l->edge_y) - viewer->snap_y) / cell;
+    double a = tc_square_alpha(m, x, y);
+    return (1 - a) * (double)z[0] + a * (double)z[1];
+}
+
+/* Cell that holds position p (finest samples), and the place within it; cells at the edge may be narrower. */
+static int64_t find_cell(double p, int shift, int64_t edge, double *t_ret)
+{
+    double cell = ldexp(1, shift);
+    int64_t i = tc_max64(0, tc_min64((int64_t)floor(p / cell), tc_ceil_shift(edge, shift) - 1));
+    double start = (double)i * cell, end = fmin(start + cell, (double)edge);
+    *t_ret = end > start ? (p - start) / (end - start) : 0;
+    return i;
+}
+
+bool tc_square_drawn_height(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
+                            const tc_frame_options *options, double x, double y, double *z_ret)
+{
+    (void)surface;
+    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    square_viewer viewer = tc_square_viewer(clipmap, camera);
+    double px = x / finest.spacing_x, py = y / finest.spacing_y;
+    if (!(px >= 0 && py >= 0 && px <= (double)(finest.width - 1) && py <= (double)(finest.height - 1)))
+        return false;
+    for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
+        const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+        double tx, ty;
+        int64_t i = find_cell(px, l->shift, l->edge_x, &tx), j = find_cell(py, l->shift, l->edge_y, &ty);
+        if (!tc_rect_contains(l->active, i, j) || !tc_rect_contains(l->active, i + 1, j + 1))
+            continue;
+        square_morph m = tc_square_morph(clipmap, level, &viewer, options->no_morph);
+        double z00 = vertex_height(clipmap, level, &m, &viewer, i, j);
+        double z10 = vertex_height(clipmap, level, &m, &viewer, i + 1, j);
+        double z01 = vertex_height(clipmap, level, &m, &viewer, i, j + 1);
+        double z11 = vertex_height(clipmap, level, &m, &viewer, i + 1, j + 1);
+        *z_ret = tc_triangle_height(z00, z10, z01, z11, tx, ty) + tc_pyramid_info(pyramid)->z_base;
+        return true;
+    }
+    return false;
+}

@@ -1,0 +1,72 @@
+// renderer.frag - colour of the terrain: ramp by height, light from a normal map at twice the resolution, haze.
+//
+// Colours are squares of what is shown, so that light adds up; the root is taken at the end.
+#if defined(LIT) || defined(LEVEL_COLOURS)
+in vec4 v_terrain; // renderer.vert
+#else
+in float v_height;
+#endif
+#ifdef LIT
+layout(binding = 2) uniform sampler2DArray normals_map;
+#endif
+#ifdef HOLES
+in float v_void;
+#endif
+layout(binding = 1) uniform sampler1D ramp_map; // sea (first half, deep to shallow), then land
+layout(location = 0) out vec4 colour;
+
+#ifdef LIT
+// The level's normal and the coarser one's, by the same alpha as the heights.
+vec3 map_normal(float level, float alpha)
+{
+    vec4 n = textureLod(normals_map, vec3(v_terrain.yz, level), 0.0);
+    vec2 xy = mix(n.xy, n.zw, alpha);
+    return vec3(xy, sqrt(1.0 - min(dot(xy, xy), 1.0)));
+}
+#endif
+
+void main()
+{
+#ifdef HOLES
+    if (v_void > 0.0)
+        discard;
+#endif
+#if defined(LIT) || defined(LEVEL_COLOURS)
+    float v_height = v_terrain.x, level = floor(0.5 * v_terrain.w);
+#endif
+    // The shore lies a little above the sea, so that filtered heights around sea level do not flicker.
+    float h = v_height - heights.x, at = 0.5 + clamp(h * heights.z, 0.001, 0.999) * 0.5;
+#ifdef WATER
+    bool sea = h <= heights.w;
+    at = sea ? 0.5 - clamp(-h * heights.y, 0.001, 0.999) * 0.5 : at;
+#endif
+    vec3 c = textureLod(ramp_map, at, 0.0).rgb;
+#ifdef LIT
+    vec3 n = map_normal(level, v_terrain.w - 2.0 * level - 0.5);
+#ifdef NATURAL_LAND
+    // Bare rock where it is steep, and snow that does not lie there.
+    float steep = clamp((0.90 - n.z) * 5.0, 0.0, 0.75);
+#ifdef WATER
+    steep = sea ? 0.0 : steep;
+#endif
+    c = mix(c, vec3(0.135, 0.115, 0.095), steep);
+#endif
+#ifdef WATER
+    n = sea ? vec3(0.2 * n.xy, 1.0) : n; // the bottom just shows through
+#endif
+    float direct = max(dot(n, sun.xyz), 0.0) * sun.w, ambient = 0.30 + 0.18 * n.z;
+    c *= direct * vec3(1.0, 0.95, 0.86) + ambient * vec3(0.72, 0.86, 1.05);
+#endif
+#ifdef LEVEL_COLOURS
+    const vec3 hues[6] = vec3[](vec3(1.0, 0.25, 0.2), vec3(1.0, 0.75, 0.2), vec3(0.35, 0.9, 0.3), vec3(0.2, 0.85, 0.9),
+                                vec3(0.3, 0.45, 1.0), vec3(0.85, 0.35, 0.9));
+    c = mix(c, dot(c, vec3(0.4, 0.5, 0.1)) * 2.2 * hues[int(level) % 6], 0.7);
+#endif
+#ifdef HAZE
+    // Distance from the depth that is there anyway: share (d / L)^2 / (1 + (d / L)^2).
+    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+    float l2 = haze.w * (1.0 + dot(across, across));
+    c += (haze.rgb - c) * (l2 / (gl_FragCoord.z * gl_FragCoord.z + l2));
+#endif
+    colour = vec4(c, 1.0);
+}

@@ -1,0 +1,304 @@
+/* bench_frame.c - what a frame costs, as ratios within this run.
+ *
+ * (a) triangles after culling against all; (b) the whole frame, update and upload included, against a frame that draws
+ * the same triangles from ready-made positions with a position-only shader; (c) against the brute-force mesh of all
+ * samples; (d) against the same view of smaller and larger terrains around the same place. Pairs of frames alternate;
+ * the median of their ratios is reported. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "common/core/camera.h"
+#include "common/shell/program.h"
+#include "planar/square_internal.h"
+#include "tests/support/scene.h"
+#include "tests/support/terrains.h"
+
+enum { WIDTH = 640, HEIGHT = 480, PAIRS = 21 };
+
+static double now_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *values, int count)
+{
+    qsort(values, (size_t)count, sizeof *values, by_value);
+    return values[count / 2];
+}
+
+/* A mesh of ready-made positions, drawn with a position-only shader. */
+typedef struct plain_mesh {
+    GLuint program, vao, vertices, indices, draws, framebuffer, renderbuffers[2];
+    int strip_draws, list_draws;
+    GLint matrix;
+} plain_mesh;
+
+static void plain_create(const tc_gl *gl, plain_mesh *m, const float (*positions)[3], size_t count,
+                         const uint16_t *indices, int index_count, const tc_draw *draws, int strips, int lists)
+{
+    static const char *vs = "#version 450 core\nlayout(location = 0) in vec3 p; uniform mat4 m;\n"
+                            "void main() { gl_Position = m * vec4(p, 1.0); }\n";
+    static const char *fs = "#version 450 core\nout vec4 c; void main() { c = vec4(0.5, 0.6, 0.4, 1.0); }\n";
+    GLuint v = gl->CreateShader(GL_VERTEX_SHADER), f = gl->CreateShader(GL_FRAGMENT_SHADER);
+    gl->ShaderSource(v, 1, &vs, NULL), gl->CompileShader(v);
+    gl->ShaderSource(f, 1, &fs, NULL), gl->CompileShader(f);
+    m->program = gl->CreateProgram();
+    gl->AttachShader(m->program, v), gl->AttachShader(m->program, f), gl->LinkProgram(m->program);
+    gl->DeleteShader(v), gl->DeleteShader(f);
+    m->matrix = gl->GetUniformLocation(m->program, "m");
+    m->strip_draws = strips, m->list_draws = lists;
+    gl->CreateBuffers(1, &m->vertices);
+    gl->NamedBufferStorage(m->vertices, (GLsizeiptr)(count * sizeof *positions), positions, 0);
+    gl->CreateBuffers(1, &m->indices);
+    gl->NamedBufferStorage(m->indices, (GLsizeiptr)((size_t)index_count * sizeof *indices), indices, 0);
+    gl->CreateBuffers(1, &m->draws);
+    gl->NamedBufferStorage(m->draws, (GLsizeiptr)((size_t)(strips + lists) * sizeof *draws), draws, 0);
+    gl->CreateVertexArrays(1, &m->vao);
+    gl->VertexArrayElementBuffer(m->vao, m->indices);
+    gl->VertexArrayVertexBuffer(m->vao, 0, m->vertices, 0, sizeof *positions);
+    gl->EnableVertexArrayAttrib(m->vao, 0);
+    gl->VertexArrayAttribFormat(m->vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
+    gl->VertexArrayAttribBinding(m->vao, 0, 0);
+    gl->CreateRenderbuffers(2, m->renderbuffers);
+    gl->NamedRenderbufferStorage(m->renderbuffers[0], GL_RGBA8, WIDTH, HEIGHT);
+    gl->NamedRenderbufferStorage(m->renderbuffers[1], GL_DEPTH_COMPONENT32F, WIDTH, HEIGHT);
+    gl->CreateFramebuffers(1, &m->framebuffer);
+    gl->NamedFramebufferRenderbuffer(m->framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, m->renderbuffers[0]);
+    gl->NamedFramebufferRenderbuffer(m->framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, m->renderbuffers[1]);
+}
+
+static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *matrix)
+{
+    double start = now_ms();
+    gl->BindFramebuffer(GL_FRAMEBUFFER, m->framebuffer);
+    gl->Viewport(0, 0, WIDTH, HEIGHT);
+    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    gl->ClearNamedFramebufferfv(m->framebuffer, GL_DEPTH, 0, (float[]){0});
+    gl->ClearNamedFramebufferfv(m->framebuffer, GL_COLOR, 0, (float[]){0, 0, 0, 1});
+    gl->Enable(GL_DEPTH_TEST);
+    gl->DepthFunc(GL_GREATER);
+    gl->BindVertexArray(m->vao);
+    gl->UseProgram(m->program);
+    gl->ProgramUniformMatrix4fv(m->program, m->matrix, 1, GL_FALSE, matrix);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, m->draws);
+    gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, m->strip_draws, 0);
+    if (m->list_draws)
+        gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
+                                      (const void *)((size_t)m->strip_draws * sizeof(tc_draw)), m->list_draws, 0);
+    gl->Finish();
+    return now_ms() - start;
+}
+
+static void plain_destroy(const tc_gl *gl, plain_mesh *m)
+{
+    gl->DeleteProgram(m->program);
+    gl->DeleteVertexArrays(1, &m->vao);
+    gl->DeleteBuffers(3, (GLuint[]){m->vertices, m->indices, m->draws});
+    gl->DeleteFramebuffers(1, &m->framebuffer);
+    gl->DeleteRenderbuffers(2, m->renderbuffers);
+}
+
+/* The positions that the scene's vertex shader computes for this camera, relative to the eye, for every draw. */
+static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera, plain_mesh *m)
+{
+    tc_frame frame;
+    tc_frame_options options = {0};
+    s->surface->frame(s->surface, s->clipmap, camera, &options, &frame);
+    const tc_geometry *g = &s->surface->geometry;
+    square_viewer viewer = tc_square_viewer(s->clipmap, camera);
+    int count = frame.strip_draws + frame.list_draws;
+    int64_t mask = tc_clipmap_n(s->clipmap);
+    tc_level finest = tc_pyramid_level(s->pyramid, tc_pyramid_info(s->pyramid)->levels);
+    float(*positions)[3] = malloc((size_t)count * (size_t)g->vertex_count * sizeof *positions);
+    tc_draw *draws = malloc((size_t)count * sizeof *draws);
+    size_t used = 0;
+    for (int d = 0; d < count; d++) {
+        const int32_t *v = frame.instances[d].v;
+        int level = v[3] + 1;
+        const tc_clip_level *l = tc_clipmap_level(s->clipmap, level);
+        square_morph morph = tc_square_morph(s->clipmap, level, &viewer, false);
+        draws[d] = frame.draws[d];
+        draws[d].base_vertex = (int32_t)used;
+        draws[d].base_instance = 0;
+        int last = 0;
+        for (uint32_t k = 0; k < draws[d].count; k++) {
+            int index = g->indices[draws[d].first_index + k];
+            last = index > last ? index : last;
+        }
+        for (int k = 0; k <= last; k++) {
+            int64_t rx = v[0] + ((int64_t)g->vertices[k][0] << l->shift), ry = v[1] + ((int64_t)g->vertices[k][1] << l->shift);
+            int64_t i = (rx + viewer.snap_x) >> l->shift, j = (ry + viewer.snap_y) >> l->shift;
+            const float *z = tc_clipmap_heights(s->clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+            double cell = ldexp(1, l->shift), a = tc_square_alpha(&morph, (double)rx / cell, (double)ry / cell);
+            positions[used][0] = (float)((double)rx * finest.spacing_x - viewer.rest_x);
+            positions[used][1] = (float)((double)ry * finest.spacing_y - viewer.rest_y);
+            positions[used][2] = (float)((1 - a) * (double)z[0] + a * (double)z[1] - camera->z);
+            used++;
+        }
+    }
+    plain_create(gl, m, (const float(*)[3])positions, used, g->indices, g->index_count, draws, frame.strip_draws,
+                 frame.list_draws);
+    free(positions);
+    free(draws);
+}
+
+/* All samples of the finest level as one mesh in tiles of 128 x 128 cells. */
+static void plain_brute_force(const tc_gl *gl, const tc_pyramid *p, const tc_camera *camera, plain_mesh *m)
+{
+    enum { B = 128 };
+    tc_geometry g = {0};
+    square_geometry index;
+    tc_error error;
+    if (tc_square_geometry(B, &g, &index, &error))
+        exit(99);
+    int finest = tc_pyramid_info(p)->levels;
+    tc_level l = tc_pyramid_level(p, finest);
+    int64_t tiles = (l.width - 1) / B, count = tiles * tiles;
+    float(*positions)[3] = malloc((size_t)(count * g.vertex_count) * sizeof *positions), z[(B + 1) * (B + 1)];
+    tc_draw *draws = malloc((size_t)count * sizeof *draws);
+    for (int64_t t = 0; t < count; t++) {
+        int64_t x = t % tiles * B, y = t / tiles * B;
+        if (tc_pyramid_read(p, finest, (tc_rect){x, y, x + B + 1, y + B + 1}, z, NULL, B + 1))
+            exit(99);
+        for (int k = 0; k < g.vertex_count; k++) {
+            float *q = positions[t * g.vertex_count + k];
+            q[0] = (float)((double)(x + k % (B + 1)) * l.spacing_x - camera->x);
+            q[1] = (float)((double)(y + k / (B + 1)) * l.spacing_y - camera->y);
+            q[2] = (float)((double)z[k] - camera->z);
+        }
+        draws[t] = (tc_draw){tc_square_strip_count(B, B), 1, index.strip_first[B - 1], (int32_t)(t * g.vertex_count), 0};
+    }
+    plain_create(gl, m, (const float(*)[3])positions, (size_t)(count * g.vertex_count), g.indices, g.index_count, draws,
+                 (int)count, 0);
+    free(positions), free(draws), free(g.vertices), free(g.indices), free(index.strip_first);
+}
+
+static double scene_frame(scene *s, const tc_camera *camera)
+{
+    double start = now_ms();
+    scene_draw(s, camera, false);
+    return now_ms() - start;
+}
+
+/* Median ratio of the scene's frame to the mesh's, in pairs. */
+static double ratio(const tc_gl *gl, scene *s, const plain_mesh *m, const tc_camera *camera, int pairs, double *frame_ms,
+                    double *plain_ms)
+{
+    float matrix[16];
+    double ratios[PAIRS], a[PAIRS], b[PAIRS];
+    tc_camera_matrix(camera, 1e-4, matrix);
+    scene_draw(s, camera, true), plain_frame(gl, m, matrix);
+    for (int i = 0; i < pairs; i++) {
+        a[i] = scene_frame(s, camera);
+        b[i] = plain_frame(gl, m, matrix);
+        ratios[i] = a[i] / b[i];
+    }
+    *frame_ms = median(a, pairs), *plain_ms = median(b, pairs);
+    return median(ratios, pairs);
+}
+
+/* A square of `size` samples around the middle of a terrain repeated in mirror images. */
+static tc_pyramid *cut_out(const tc_grid *from, int64_t size)
+{
+    tc_grid g = {.width = size, .height = size, .spacing_x = from->spacing_x, .spacing_y = from->spacing_y,
+                 .z_min = from->z_min, .z_max = from->z_max};
+    g.z = malloc((size_t)(size * size) * sizeof *g.z);
+    int64_t period = 2 * (from->width - 1), offset = (from->width - size) / 2;
+    for (int64_t j = 0; j < size; j++)
+        for (int64_t i = 0; i < size; i++) {
+            int64_t x = ((i + offset) % period + period) % period, y = ((j + offset) % period + period) % period;
+            x = x < from->width ? x : period - x, y = y < from->height ? y : period - y;
+            g.z[j * size + i] = from->z[y * from->width + x];
+        }
+    tc_pyramid *p;
+    if (tc_pyramid_build(&g, 0, &p, NULL))
+        exit(99);
+    return p;
+}
+
+static void sizes(const tc_context *context, const tc_grid *terrain)
+{
+    const int64_t size[3] = {1025, 4097, 8193};
+    tc_scene_options options = {.background_set = true};
+    tc_pyramid *p[3];
+    scene s[3];
+    tc_camera camera[3];
+    for (int k = 0; k < 3; k++) {
+        p[k] = cut_out(terrain, size[k]);
+        s[k] = scene_create(context, p[k], 255, &options);
+        double middle = (double)(size[k] - 1) / 2 * terrain->spacing_x, ground;
+        tc_pyramid_height(p[k], middle, middle, &ground);
+        camera[k] = (tc_camera){.x = middle, .y = middle - 2000, .z = 4200, .heading = 0.3, .pitch = -55 * M_PI / 180,
+                                .fov = M_PI / 3, .width = WIDTH, .height = HEIGHT};
+        scene_draw(&s[k], &camera[k], true);
+    }
+    double ms[3][PAIRS], r[3][PAIRS];
+    for (int i = 0; i < PAIRS; i++)
+        for (int k = 0; k < 3; k++) {
+            ms[k][i] = scene_frame(&s[k], &camera[k]);
+            r[k][i] = ms[k][i] / ms[0][i];
+        }
+    for (int k = 0; k < 3; k++) {
+        tc_frame_stats stats = scene_draw(&s[k], &camera[k], false);
+        printf("frame: %lld x %lld: %.2f ms, %lld triangles, ratio to 1025 x 1025 %.3f\n", (long long)size[k],
+               (long long)size[k], median(ms[k], PAIRS), (long long)stats.triangles, median(r[k], PAIRS));
+        scene_destroy(&s[k]);
+        tc_pyramid_destroy(p[k]);
+    }
+}
+
+int main(void)
+{
+    tc_context *context = scene_context();
+    if (!context)
+        return 1;
+    const tc_gl *gl = tc_context_gl(context);
+    tc_grid terrain = terrain_grid(TERRAIN_DEFAULT, 4097, 4097, 30, 1);
+    tc_pyramid *p = cut_out(&terrain, 4097);
+    double middle = 2048 * 30, ground;
+    tc_pyramid_height(p, middle, middle, &ground);
+    tc_camera camera = {.x = middle, .y = middle, .z = ground + 30, .heading = 0.5, .pitch = -0.05, .fov = M_PI / 2,
+                        .width = WIDTH, .height = HEIGHT};
+    printf("frame: %s, 4097 x 4097, n 255, 90 degrees, %d x %d, 30 m above ground\n", tc_context_backend(context), WIDTH,
+           HEIGHT);
+    for (int lit = 0; lit < 2; lit++) {
+        tc_scene_options options = {.unlit = !lit, .background_set = !lit};
+        scene s = scene_create(context, p, 255, &options);
+        tc_frame_stats stats = scene_draw(&s, &camera, true);
+        plain_mesh same;
+        double ms, plain_ms;
+        plain_from_scene(gl, &s, &camera, &same);
+        double r = ratio(gl, &s, &same, &camera, PAIRS, &ms, &plain_ms);
+        if (!lit)
+            printf("frame: %lld of %lld triangles after culling: %.3f; %d draws, %d levels\n", (long long)stats.triangles,
+                   (long long)stats.triangles_unculled, (double)stats.triangles / (double)stats.triangles_unculled,
+                   stats.draws, stats.levels_active);
+        printf("frame: %s: %.2f ms, position-only %.2f ms, ratio %.3f\n", lit ? "lit, sky and haze" : "unlit", ms, plain_ms,
+               r);
+        plain_destroy(gl, &same);
+        if (lit) {
+            plain_mesh brute;
+            plain_brute_force(gl, p, &camera, &brute);
+            r = ratio(gl, &s, &brute, &camera, 5, &ms, &plain_ms);
+            printf("frame: brute force, 33,554,432 triangles: %.0f ms, %.1f times the lit frame\n", plain_ms, 1 / r);
+            plain_destroy(gl, &brute);
+        }
+        scene_destroy(&s);
+    }
+    tc_pyramid_destroy(p);
+    sizes(context, &terrain);
+    tc_grid_free(&terrain);
+    tc_context_destroy(context);
+    return 0;
+}

@@ -1,0 +1,266 @@
+/* test_options.c - the viewers' command line and the names of frames. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "common/shell/options.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_ARGUMENTS = 32 };
+
+/* Parses a command line given as words with single spaces between. */
+static tc_status parse(const char *line, tc_options *options, tc_error *error)
+{
+    static char words[1024]; /* options point into it */
+    char *argv[MAX_ARGUMENTS + 1] = {(char *)"viewer"};
+    int argc = 1;
+    snprintf(words, sizeof words, "%s", line);
+    for (char *rest = words, *word; (word = strsep(&rest, " ")) && argc < MAX_ARGUMENTS;)
+        if (*word)
+            argv[argc++] = strcmp(word, "''") == 0 ? (char *)"" : word;
+    return tc_options_parse(argc, argv, options, error);
+}
+
+static tc_options good(const char *line)
+{
+    tc_options options;
+    tc_error error = {.text = ""};
+    if (parse(line, &options, &error) != TC_OK)
+        fail_msg("'%s': %s", line, error.text);
+    return options;
+}
+
+static void defaults(void **state)
+{
+    (void)state;
+    tc_options o = good("a.tif");
+    assert_string_equal(o.terrain, "a.tif");
+    assert_int_equal(o.action, TC_RUN);
+    assert_null(o.output);
+    assert_int_equal(o.width, 1280);
+    assert_int_equal(o.height, 720);
+    assert_float_equal(o.fov, 75 * acos(-1) / 180, 1e-15);
+    assert_false(o.has_view);
+    assert_int_equal(o.backend, TC_BACKEND_AUTO);
+    assert_int_equal(o.clipmap.n, 0);
+    assert_true(o.scene.budget == 0);
+    assert_false(o.scene.unlit || o.scene.background_set || o.scene.wireframe || o.scene.frame.no_morph);
+}
+
+static void values_arrive(void **state)
+{
+    (void)state;
+    tc_options o = good("--view -1.5,2e3,+300,-90,-45.5 -o out.png --size 640x480 --fov=90 --n 127 --levels 5 t.hgt");
+    assert_true(o.has_view);
+    assert_true(o.view.x == -1.5 && o.view.y == 2000 && o.view.z == 300);
+    assert_float_equal(o.view.heading, -acos(-1) / 2, 1e-15);
+    assert_float_equal(o.view.pitch, -45.5 * acos(-1) / 180, 1e-15);
+    assert_string_equal(o.output, "out.png");
+    assert_int_equal(o.width, 640);
+    assert_int_equal(o.height, 480);
+    assert_float_equal(o.fov, acos(-1) / 2, 1e-15);
+    assert_int_equal(o.clipmap.n, 127);
+    assert_int_equal(o.clipmap.max_levels, 5);
+
+    o = good(
+        "t -oout.png --backend osmesa --stats s.json --explain --budget 5000000000 --background ff0080 --unlit -q");
+    assert_string_equal(o.output, "out.png");
+    assert_int_equal(o.backend, TC_BACKEND_OSMESA);
+    assert_string_equal(o.stats, "s.json");
+    assert_true(o.explain && o.scene.unlit && o.scene.background_set && o.quiet && !o.verbose);
+    assert_true(o.scene.budget == 5000000000);
+    assert_int_equal(o.scene.background[0], 255);
+    assert_int_equal(o.scene.background[1], 0);
+    assert_int_equal(o.scene.background[2], 128);
+
+    o = good("t --wireframe --level-colours --no-morph --spacing 30 --unit 0.5 --nodata -9999 --voids constant=-3 "
+             "--threads 3 --json -v");
+    assert_true(o.scene.wireframe && o.scene.level_colours && o.scene.frame.no_morph && o.json && o.verbose);
+    assert_true(o.source.spacing == 30 && o.source.unit == 0.5);
+    assert_true(o.source.has_nodata && o.source.nodata == -9999);
+    assert_int_equal(o.source.voids, TC_VOIDS_CONSTANT);
+    assert_true(o.source.void_constant == -3);
+    assert_int_equal(o.threads, 3);
+    assert_int_equal(good("--voids hole t").source.voids, TC_VOIDS_HOLE);
+    assert_int_equal(good("--voids hole --voids fill t").source.voids, TC_VOIDS_FILL);
+
+    o = good("--path p.txt --frames 10 -o f-%05d.png t");
+    assert_string_equal(o.path, "p.txt");
+    assert_int_equal(o.frames, 10);
+    assert_string_equal(good("-- -t").terrain, "-t");
+    assert_string_equal(good("-").terrain, "-");
+    assert_int_equal(good("--frames 10 t").frames, 10);
+    assert_string_equal(good("-o a%b.png t").output, "a%b.png");
+}
+
+static void help_and_version(void **state)
+{
+    (void)state;
+    assert_int_equal(good("--size 3x3 -h").action, TC_SHOW_HELP);
+    assert_int_equal(good("--help --nonsense").action, TC_SHOW_HELP);
+    assert_int_equal(good("--version").action, TC_SHOW_VERSION);
+
+    char text[16384];
+    FILE *file = fmemopen(text, sizeof text, "w");
+    assert_non_null(file);
+    tc_options_print_help(&(tc_options_program){.name = "viewer", .summary = "Shows."}, file);
+    fclose(file);
+    assert_non_null(strstr(text, "usage: viewer [OPTION]... TERRAIN"));
+    static const char *const names[] = {"--view X,Y,Z,HEADING,PITCH",
+                                        "-o, --output FILE.png",
+                                        "--size WxH",
+                                        "--fov DEG",
+                                        "--n N",
+                                        "--levels M",
+                                        "--path FILE",
+                                        "--frames N",
+                                        "--backend NAME",
+                                        "--stats FILE.json",
+                                        "--explain",
+                                        "--budget SAMPLES",
+                                        "--wireframe",
+                                        "--level-colours",
+                                        "--no-morph",
+                                        "--unlit",
+                                        "--background RRGGBB",
+                                        "--voids POLICY",
+                                        "--nodata V",
+                                        "--spacing M",
+                                        "--unit M",
+                                        "--json",
+                                        "--threads N",
+                                        "-h, --help",
+                                        "--version",
+                                        "-q, --quiet",
+                                        "-v, --verbose"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!strstr(text, names[i]))
+            fail_msg("help lacks %s", names[i]);
+    for (char *line = text, *next; line; line = next) {
+        next = strchr(line, '\n');
+        if (next)
+            *next++ = '\0';
+        assert_true(strlen(line) <= 120);
+    }
+}
+
+/* Each is refused, with this in the message. */
+static void nonsense_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line, *text;
+    } cases[] = {
+        {"", "TERRAIN: expected a file, found none"},
+        {"a b", "TERRAIN: expected one file, found also 'b'"},
+        {"t --size 0x5", "--size: expected WxH of 1..16384, found '0x5'"},
+        {"t --size 5x", "--size: "},
+        {"t --size x5", "--size: "},
+        {"t --size 5", "--size: "},
+        {"t --size 16385x1", "--size: "},
+        {"t --size 5x5x5", "--size: "},
+        {"t --size 5X5", "--size: "},
+        {"t --size +5x5", "--size: "},
+        {"t --size -5x5", "--size: "},
+        {"t --size 99999999999999999999x5", "--size: "},
+        {"t --size", "--size: expected WxH of 1..16384, found nothing"},
+        {"t --view 1,2,3,4", "--view: "},
+        {"t --view 1,2,3,4,5,6", "--view: "},
+        {"t --view 1,2,3,4,5,", "--view: "},
+        {"t --view 1,2,,4,5", "--view: "},
+        {"t --view nan,2,3,4,5", "--view: "},
+        {"t --view 1,2,inf,4,5", "--view: "},
+        {"t --view 1,2,1e999,4,5", "--view: "},
+        {"t --view 1,2,1e13,4,5", "--view: "},
+        {"t --view 1,2,3,4,91", "--view: "},
+        {"t --view 1,2,3,400,5", "--view: "},
+        {"t --view 0x10,2,3,4,5", "--view: "},
+        {"t --view 1;2;3;4;5", "--view: "},
+        {"t --view ''", "--view: "},
+        {"t --fov 0.5", "--fov: expected 1..170 degrees, found '0.5'"},
+        {"t --fov 171", "--fov: "},
+        {"t --fov nan", "--fov: "},
+        {"t --fov 90deg", "--fov: "},
+        {"t --n 128", "--n: expected 2^k - 1 of 15..2047, found '128'"},
+        {"t --n 7", "--n: "},
+        {"t --n 4095", "--n: "},
+        {"t --levels 0", "--levels: "},
+        {"t --levels 33", "--levels: "},
+        {"t --budget 0", "--budget: "},
+        {"t --budget -1", "--budget: "},
+        {"t --frames 0 --path p", "--frames: "},
+        {"t --frames 5 -o x.png", "--frames: expected --path FILE with it"},
+        {"t --path p", "--path: expected --frames N with it"},
+        {"t --path p --frames 3 -o x.png", "--output: "},
+        {"t --path p --frames 3 -o %s.png", "--output: "},
+        {"t --path p --frames 3 -o %05d%d.png", "--output: "},
+        {"t --path p --frames 3 --view 1,2,3,4,5", "--view: "},
+        {"t --backend egl", "--backend: expected -o FILE or --path FILE"},
+        {"t --backend vulkan", "--backend: expected auto, window, egl or osmesa, found 'vulkan'"},
+        {"t --background fff", "--background: "},
+        {"t --background 0x1234", "--background: "},
+        {"t --background -12345", "--background: "},
+        {"t --voids pit", "--voids: "},
+        {"t --voids constant", "--voids: "},
+        {"t --voids constant=", "--voids: "},
+        {"t --voids constant=x", "--voids: "},
+        {"t --nodata nan", "--nodata: "},
+        {"t --nodata 1e999", "--nodata: "},
+        {"t --spacing 0", "--spacing: "},
+        {"t --spacing -3", "--spacing: "},
+        {"t --spacing inf", "--spacing: "},
+        {"t --unit 0", "--unit: "},
+        {"t --threads 0", "--threads: "},
+        {"t --threads 1.5", "--threads: "},
+        {"t -o ''", "--output: "},
+        {"t --json=1", "--json: expected no value, found '1'"},
+        {"t --imagery x.png", "--imagery: no such option"},
+        {"t --synthesis 3", "--synthesis: no such option"},
+        {"t --scheme rings", "--scheme: no such option"},
+        {"t --siz 3x3", "--siz: no such option"},
+        {"t -z", "-z: no such option"},
+        {"t -vv", "-vv: no such option"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        tc_options options = {.frames = 4711};
+        tc_error error = {.text = ""};
+        tc_status status = parse(cases[i].line, &options, &error);
+        if (status != TC_ERR_USAGE || strncmp(error.text, cases[i].text, strlen(cases[i].text)) != 0)
+            fail_msg("'%s': status %d, '%s'", cases[i].line, status, error.text);
+        assert_int_equal(options.frames, 4711);
+    }
+}
+
+static void patterns_of_frames(void **state)
+{
+    (void)state;
+    char name[32];
+    assert_true(tc_frame_pattern_name("frame-%05d.png", 7, name, sizeof name));
+    assert_string_equal(name, "frame-00007.png");
+    assert_true(tc_frame_pattern_name("a/%d", 123456, name, sizeof name));
+    assert_string_equal(name, "a/123456");
+    assert_true(tc_frame_pattern_name("%03dx", 123456, name, sizeof name));
+    assert_string_equal(name, "123456x");
+    assert_false(tc_frame_pattern_name("frame-%05d.png", 7, name, 15));
+    static const char *const bad[] = {"",     "frame.png", "%",    "%%d",   "%5d",     "%00d", "%-5d",
+                                      "%05i", "%05x",      "%05s", "%n",    "%*d",     "%0d",  "%05d%%",
+                                      "%ld",  "% d",       "%+d",  "%010d", "%05dd%d", "%.3d"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        if (tc_frame_pattern_valid(bad[i]))
+            fail_msg("'%s' was taken", bad[i]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults),           cmocka_unit_test(values_arrive),
+        cmocka_unit_test(help_and_version),   cmocka_unit_test(nonsense_is_refused),
+        cmocka_unit_test(patterns_of_frames),
+    };
+    return cmocka_run_group_tests_name("options", tests, NULL, NULL);
+}

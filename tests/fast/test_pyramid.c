@@ -1,0 +1,189 @@
+/* test_pyramid.c - filters and the pyramid in memory. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/filter.h"
+#include "common/core/rect.h"
+#include "tests/support/terrains.h"
+
+/* D by its definition, on one axis, in double: the oracle. */
+static void lift(const double *x, int64_t n, ptrdiff_t stride, double *low)
+{
+    int64_t evens = (n + 1) / 2, odds = n / 2;
+    double *e = calloc((size_t)evens + 4, sizeof *e), *d = calloc((size_t)evens + 4, sizeof *d);
+    e += 1, d += 2;
+    for (int64_t i = 0; i < evens; i++)
+        e[i] = x[2 * i * stride];
+    double first = evens > 1 ? e[1] - e[0] : 0, last = evens > 1 ? e[evens - 1] - e[evens - 2] : 0;
+    e[-1] = e[0] - first, e[evens] = e[evens - 1] + last, e[evens + 1] = e[evens - 1] + 2 * last;
+    for (int64_t i = 0; i < odds; i++)
+        d[i] = x[(2 * i + 1) * stride] - (9 * (e[i] + e[i + 1]) - e[i - 1] - e[i + 2]) / 16;
+    for (int64_t i = 0; i < evens; i++)
+        low[i] = e[i] + 0.30 * (d[i - 1] + d[i]) - 0.05 * (d[i - 2] + d[i + 1]);
+    free(e - 1), free(d - 2);
+}
+
+static void downsample_follows_its_definition(void **state)
+{
+    (void)state;
+    const int64_t sizes[][2] = {{1, 1}, {2, 1}, {1, 2}, {2, 2}, {3, 3}, {4, 5}, {5, 4}, {7, 6}, {33, 18}, {64, 131}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        int64_t w = sizes[s][0], h = sizes[s][1], cw = (w + 1) / 2, ch = (h + 1) / 2;
+        float *z = malloc((size_t)(w * h) * sizeof *z), *coarse = malloc((size_t)(cw * ch) * sizeof *coarse);
+        double *rows = malloc((size_t)(cw * h) * sizeof *rows), *x = malloc((size_t)w * sizeof *x);
+        double *column = malloc((size_t)ch * sizeof *column);
+        test_random r = {s};
+        for (int64_t i = 0; i < w * h; i++)
+            z[i] = (float)test_random_range(&r, -1000, 1000);
+        for (int64_t j = 0; j < h; j++) {
+            for (int64_t i = 0; i < w; i++)
+                x[i] = z[j * w + i];
+            lift(x, w, 1, rows + j * cw);
+        }
+        /* In bands of every size: the cut must not matter. */
+        for (int64_t band = 1; band <= ch; band = band * 2 + 1) {
+            float *scratch = malloc(tc_downsample_scratch(w, band) * sizeof *scratch);
+            for (int64_t j = 0; j < ch; j += band)
+                tc_downsample(z, w, h, j, tc_min64(j + band, ch), coarse + j * cw, scratch);
+            free(scratch);
+            for (int64_t i = 0; i < cw; i++) {
+                lift(rows + i, h, cw, column);
+                for (int64_t j = 0; j < ch; j++)
+                    assert_float_equal(coarse[j * cw + i], column[j], 2e-3);
+            }
+        }
+        free(z), free(coarse), free(rows), free(x), free(column);
+    }
+}
+
+static void filters_reproduce_planes(void **state)
+{
+    (void)state;
+    const int64_t sizes[][2] = {{2, 2}, {3, 2}, {97, 64}, {130, 131}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        tc_pyramid *p = terrain_pyramid(TERRAIN_SLOPE, sizes[s][0], sizes[s][1], 1, 0);
+        for (int l = 1; l <= tc_pyramid_info(p)->levels; l++) {
+            tc_level level = tc_pyramid_level(p, l);
+            if (level.width < 2 || level.height < 2)
+                continue; /* of two samples only one is even: no line can be known */
+            for (int64_t j = 0; j < level.height; j++)
+                for (int64_t i = 0; i < level.width; i++) {
+                    float z;
+                    assert_int_equal(tc_pyramid_read(p, l, (tc_rect){i, j, i + 1, j + 1}, &z, NULL, 1), TC_OK);
+                    assert_float_equal(z, 0.25 * (double)i * level.spacing_x + 0.5 * (double)j * level.spacing_y, 1e-4);
+                }
+        }
+        tc_pyramid_destroy(p);
+    }
+}
+
+static void upsample_undoes_downsample_of_smooth_data(void **state)
+{
+    (void)state;
+    enum { N = 20 };
+    float c[(N + 3) * (N + 3)], fine[4 * N * N], scratch[2 * N * (N + 3)];
+    for (int j = 0; j < N + 3; j++)
+        for (int i = 0; i < N + 3; i++) /* cubic in both axes: four-point subdivision reproduces it */
+            c[j * (N + 3) + i] = (float)(i * i * i - 3 * i * j + 0.5 * j * j * j);
+    tc_upsample(c + N + 3 + 1, N + 3, N, N, fine, scratch);
+    for (int j = 0; j < 2 * N; j++)
+        for (int i = 0; i < 2 * N; i++) {
+            double x = i / 2.0 + 1, y = j / 2.0 + 1;
+            assert_float_equal(fine[j * 2 * N + i], x * x * x - 3 * x * y + 0.5 * y * y * y, 2e-2);
+        }
+}
+
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    tc_pyramid *a, *b;
+    tc_grid grid = terrain_grid(TERRAIN_CLIFF, 700, 501, 30, 5);
+    assert_int_equal(tc_pyramid_build(&grid, 1, &a, NULL), TC_OK);
+    grid = terrain_grid(TERRAIN_CLIFF, 700, 501, 30, 5);
+    assert_int_equal(tc_pyramid_build(&grid, 7, &b, NULL), TC_OK);
+    for (int l = 1; l <= tc_pyramid_info(a)->levels; l++) {
+        tc_level level = tc_pyramid_level(a, l);
+        size_t count = (size_t)(level.width * level.height);
+        float *za = malloc(count * sizeof *za), *zb = malloc(count * sizeof *zb);
+        tc_rect all = {0, 0, level.width, level.height};
+        assert_int_equal(tc_pyramid_read(a, l, all, za, NULL, level.width), TC_OK);
+        assert_int_equal(tc_pyramid_read(b, l, all, zb, NULL, level.width), TC_OK);
+        assert_memory_equal(za, zb, count * sizeof *za);
+        free(za), free(zb);
+    }
+    tc_pyramid_destroy(a), tc_pyramid_destroy(b);
+}
+
+static void bounds_hold(void **state)
+{
+    (void)state;
+    tc_pyramid *p = terrain_pyramid(TERRAIN_CLIFF, 333, 200, 30, 9);
+    test_random r = {1};
+    for (int k = 0; k < 3000; k++) {
+        int l = (int)test_random_int(&r, 1, tc_pyramid_info(p)->levels);
+        tc_level level = tc_pyramid_level(p, l);
+        int64_t x = test_random_int(&r, -5, level.width + 5), y = test_random_int(&r, -5, level.height + 5);
+        tc_rect rect = {x, y, x + test_random_int(&r, 1, 40), y + test_random_int(&r, 1, 40)}, part;
+        float lo, hi, z[40 * 40];
+        tc_pyramid_bounds(p, l, rect, &lo, &hi);
+        part = tc_rect_intersect(rect, (tc_rect){0, 0, level.width, level.height});
+        assert_int_equal(tc_pyramid_read(p, l, part, z, NULL, 40), TC_OK);
+        for (int64_t j = 0; j < part.y1 - part.y0; j++)
+            for (int64_t i = 0; i < part.x1 - part.x0; i++)
+                assert_true(z[40 * j + i] >= lo && z[40 * j + i] <= hi);
+    }
+    tc_pyramid_destroy(p);
+}
+
+static void reading_outside_is_refused(void **state)
+{
+    (void)state;
+    tc_pyramid *p = terrain_pyramid(TERRAIN_SMOOTH, 20, 10, 30, 0);
+    int m = tc_pyramid_info(p)->levels;
+    float z[4] = {7, 7, 7, 7};
+    const tc_rect bad[] = {{-1, 0, 1, 1}, {0, -1, 1, 1}, {19, 0, 21, 1}, {0, 9, 1, 11}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        assert_int_equal(tc_pyramid_read(p, m, bad[i], z, NULL, 2), TC_ERR_USAGE);
+    assert_int_equal(tc_pyramid_read(p, 0, (tc_rect){0, 0, 1, 1}, z, NULL, 1), TC_ERR_USAGE);
+    assert_int_equal(tc_pyramid_read(p, m + 1, (tc_rect){0, 0, 1, 1}, z, NULL, 1), TC_ERR_USAGE);
+    assert_true(z[0] == 7 && z[3] == 7);
+    tc_pyramid_destroy(p);
+}
+
+static void voids_travel_to_coarser_levels(void **state)
+{
+    (void)state;
+    tc_grid grid = terrain_grid(TERRAIN_SMOOTH, 65, 65, 30, 0);
+    grid.voids = calloc(65 * 65, 1);
+    for (int j = 20; j < 41; j++)
+        for (int i = 8; i < 33; i++)
+            grid.voids[j * 65 + i] = 1;
+    grid.void_count = 21 * 25;
+    tc_pyramid *p;
+    assert_int_equal(tc_pyramid_build(&grid, 0, &p, NULL), TC_OK);
+    int m = tc_pyramid_info(p)->levels;
+    float z[17 * 17];
+    uint8_t voids[17 * 17];
+    assert_int_equal(tc_pyramid_read(p, m - 2, (tc_rect){0, 0, 17, 17}, z, voids, 17), TC_OK);
+    for (int j = 0; j < 17; j++)
+        for (int i = 0; i < 17; i++)
+            assert_int_equal(voids[j * 17 + i], i >= 2 && i <= 8 && j >= 5 && j <= 10);
+    tc_pyramid_destroy(p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(downsample_follows_its_definition),
+        cmocka_unit_test(filters_reproduce_planes),
+        cmocka_unit_test(upsample_undoes_downsample_of_smooth_data),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(bounds_hold),
+        cmocka_unit_test(reading_outside_is_refused),
+        cmocka_unit_test(voids_travel_to_coarser_levels),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,850 @@
+/* test_source.c - elevation files in and out: formats, units, places, voids, and files that must be refused. */
+#include "tests/support/test.h"
+
+#include "common/shell/plugin.h"
+#include "common/shell/source.h"
+#include "tests/support/made_files.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* What a file's opening said. */
+typedef struct sayings {
+    int notes, warnings;
+    char text[2048];
+} sayings;
+
+static void hear(void *context, bool warning, const char *line)
+{
+    sayings *s = context;
+    *(warning ? &s->warnings : &s->notes) += 1;
+    size_t used = strlen(s->text);
+    snprintf(s->text + used, sizeof s->text - used, "%s\n", line);
+}
+
+/* Loads a file that must load. */
+static tc_grid load(const char *path, tc_source_options options, sayings *said)
+{
+    static sayings unheard;
+    said = said ? said : &unheard;
+    *said = (sayings){0};
+    options.say = hear;
+    options.say_context = said;
+    tc_grid grid = {0};
+    tc_error error = {0};
+    if (tc_grid_load(path, &options, &grid, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    return grid;
+}
+
+/* A file that must not load, for a reason that names the file and holds word, in one line. */
+static void refused_with(const char *path, tc_source_options options, tc_status status, const char *word)
+{
+    tc_grid grid = {0};
+    tc_error error = {0};
+    tc_status found = tc_grid_load(path, &options, &grid, &error);
+    if (found == TC_OK)
+        fail_msg("%s: expected to be refused (%s), was loaded", path, word);
+    if (found != status || error.status != status || !strstr(error.text, word) || strchr(error.text, '\n'))
+        fail_msg("expected status %d and \"%s\", found %d: %s", (int)status, word, (int)found, error.text);
+    assert_null(grid.z);
+    assert_int_equal(tc_grid_load(path, &options, &grid, NULL), status);
+}
+
+static void refused(const char *path, tc_status status, const char *word)
+{
+    refused_with(path, (tc_source_options){0}, status, word);
+}
+
+/* Height of a sample counted from the file's upper left. */
+static float at(const tc_grid *g, int64_t column, int64_t row)
+{
+    return g->z[(g->height - 1 - row) * g->width + column];
+}
+
+static bool void_at(const tc_grid *g, int64_t column, int64_t row)
+{
+    return g->voids && g->voids[(g->height - 1 - row) * g->width + column];
+}
+
+enum { W = 37, H = 23, COUNT = W * H };
+
+static double value(int column, int row)
+{
+    return 10 + 3 * column + row;
+}
+
+/* W x H samples of a type, large enough for all. */
+static const void *samples_of(int bits, made_format format, double factor, double offset)
+{
+    static double store[COUNT];
+    unsigned char *bytes = (unsigned char *)store;
+    for (int i = 0; i < COUNT; i++) {
+        double v = value(i % W, i / W) * factor + offset;
+        float f = (float)v;
+        int64_t n = (int64_t)v;
+        if (format == MADE_FLOAT)
+            memcpy(bytes + i * bits / 8, bits == 32 ? (void *)&f : (void *)&v, (size_t)bits / 8);
+        else
+            memcpy(bytes + i * bits / 8, &n, (size_t)bits / 8); /* the low bytes of a little-endian number */
+    }
+    return store;
+}
+
+static made_tiff plain_tiff(void)
+{
+    return (made_tiff){
+        .width = W, .height = H, .bits = 16, .format = MADE_INT, .samples = samples_of(16, MADE_INT, 1, 0)};
+}
+
+static void assert_values(const tc_grid *g)
+{
+    assert_int_equal(g->width, W);
+    assert_int_equal(g->height, H);
+    for (int row = 0; row < H; row++)
+        for (int column = 0; column < W; column++)
+            if (fabs(at(g, column, row) + g->z_base - value(column, row)) > 1e-6)
+                fail_msg("sample %d,%d: expected %g, found %g", column, row, value(column, row),
+                         at(g, column, row) + g->z_base);
+    assert_true(g->z_min + g->z_base == value(0, 0));
+    assert_true(g->z_max + g->z_base == value(W - 1, H - 1));
+}
+
+/* ---- Formats ---------------------------------------------------------------------------------------------------- */
+
+static void tiffs_of_all_types(void **state)
+{
+    (void)state;
+    const struct {
+        int bits;
+        made_format format;
+        const char *name;
+    } types[] = {{8, MADE_UINT, "uint8"},    {16, MADE_UINT, "uint16"}, {16, MADE_INT, "int16"},
+                 {32, MADE_UINT, "uint32"},  {32, MADE_INT, "int32"},   {32, MADE_FLOAT, "float32"},
+                 {64, MADE_FLOAT, "float64"}};
+    for (size_t t = 0; t < sizeof types / sizeof *types; t++) {
+        for (int tile = 0; tile <= 16; tile += 16) {
+            const char *path = made_path("type.tif");
+            make_tiff(path, &(made_tiff){.width = W,
+                                         .height = H,
+                                         .bits = types[t].bits,
+                                         .format = types[t].format,
+                                         .tile = tile,
+                                         .samples = samples_of(types[t].bits, types[t].format, 1, 0)});
+            sayings said;
+            tc_grid g = load(path, (tc_source_options){0}, &said);
+            assert_values(&g);
+            assert_null(g.voids);
+            assert_int_equal(g.void_count, 0);
+            assert_true(g.spacing_x == 1 && g.spacing_y == 1 && g.z_base == 0);
+            assert_false(g.georef.known);
+            assert_int_equal(said.warnings, types[t].bits == 8);
+            if (types[t].bits == 8)
+                assert_non_null(strstr(said.text, "256 steps"));
+            tc_grid_free(&g);
+
+            tc_source *source = NULL;
+            assert_int_equal(tc_source_open(path, NULL, &source, NULL), TC_OK);
+            const tc_source_info *info = tc_source_get_info(source);
+            assert_string_equal(info->sample_type, types[t].name);
+            assert_int_equal(info->integer, types[t].format != MADE_FLOAT);
+            tc_source_close(source);
+        }
+    }
+}
+
+static void pictures_and_other_formats(void **state)
+{
+    (void)state;
+    make_png(made_path("16.png"), W, H, 16, 0, samples_of(16, MADE_UINT, 1, 0));
+    make_png(made_path("8.png"), W, H, 8, 0, samples_of(8, MADE_UINT, 1, 0));
+    make_pgm(made_path("16.pgm"), W, H, samples_of(16, MADE_UINT, 1, 0));
+    make_exr(made_path("float.exr"), W, H, samples_of(32, MADE_FLOAT, 1, 0));
+    make_png(made_path("png-by-content.hgt"), W, H, 16, 0, samples_of(16, MADE_UINT, 1, 0));
+    make_exr(made_path("exr-by-content.png"), W, H, samples_of(32, MADE_FLOAT, 1, 0));
+    const char *const names[] = {"16.png", "8.png", "16.pgm", "float.exr", "png-by-content.hgt", "exr-by-content.png"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        sayings said;
+        tc_grid g = load(made_path(names[i]), (tc_source_options){0}, &said);
+        assert_values(&g);
+        assert_int_equal(said.warnings, strcmp(names[i], "8.png") == 0);
+        tc_grid_free(&g);
+    }
+
+    make_jp2(made_path("a.jp2"));
+    tc_grid g = load(made_path("a.jp2"), (tc_source_options){0}, NULL);
+    assert_true(g.width == 16 && g.height == 12);
+    for (int row = 0; row < 12; row++)
+        for (int column = 0; column < 16; column++)
+            assert_true(at(&g, column, row) == (float)(1000 + 10 * column + row));
+    tc_grid_free(&g);
+
+    const char grid[] = "ncols 3\nnrows 2\nxllcorner 1000\nyllcorner 2000\ncellsize 30\nNODATA_value -9999\n"
+                        "1 2 3\n4 -9999 6\n";
+    make_bytes(made_path("a.asc"), grid, strlen(grid));
+    g = load(made_path("a.asc"), (tc_source_options){0}, NULL);
+    assert_true(at(&g, 0, 0) == 1 && at(&g, 2, 1) == 6 && void_at(&g, 1, 1) && g.void_count == 1);
+    assert_true(g.spacing_x == 30 && g.spacing_y == 30);
+    tc_grid_free(&g);
+}
+
+static void vrt_mosaics(void **state)
+{
+    (void)state;
+    made_tiff tiff = plain_tiff();
+    make_tiff(made_path("part.tif"), &tiff);
+    char text[2048];
+    snprintf(text, sizeof text,
+             "<VRTDataset rasterXSize=\"%d\" rasterYSize=\"%d\"><GeoTransform>0, 5, 0, 0, 0, -5</GeoTransform>"
+             "<VRTRasterBand dataType=\"Int16\" band=\"1\"><NoDataValue>-1</NoDataValue>"
+             "<SimpleSource><SourceFilename relativeToVRT=\"1\">part.tif</SourceFilename><SourceBand>1</SourceBand>"
+             "<SrcRect xOff=\"0\" yOff=\"0\" xSize=\"%d\" ySize=\"%d\"/><DstRect xOff=\"0\" yOff=\"0\" xSize=\"%d\" "
+             "ySize=\"%d\"/>"
+             "</SimpleSource></VRTRasterBand></VRTDataset>",
+             W + 2, H, W, H, W, H);
+    make_bytes(made_path("mosaic.vrt"), text, strlen(text));
+    tc_grid g = load(made_path("mosaic.vrt"), (tc_source_options){0}, NULL);
+    assert_int_equal(g.void_count, 2 * H);
+    assert_true(at(&g, 3, 4) == value(3, 4) && void_at(&g, W, 0) && !void_at(&g, W - 1, 0));
+    assert_true(g.spacing_x == 5);
+    tc_grid_free(&g);
+
+    cut_file(made_path("part.tif"), -200); /* a part that is damaged, then missing, then on the network */
+    refused(made_path("mosaic.vrt"), TC_ERR_FORMAT, "");
+    unlink(made_path("part.tif"));
+    refused(made_path("mosaic.vrt"), TC_ERR_FORMAT, "part.tif");
+    char *name = strstr(text, "part.tif");
+    memcpy(name - strlen("relativeToVRT=\"1\">"), "relativeToVRT=\"0\">", strlen("relativeToVRT=\"0\">"));
+    char remote[2048];
+    snprintf(remote, sizeof remote, "%.*s/vsicurl/http://example.com/%s", (int)(name - text), text, name);
+    make_bytes(made_path("remote.vrt"), remote, strlen(remote));
+    refused(made_path("remote.vrt"), TC_ERR_UNSUPPORTED, "network");
+}
+
+static void srtm_tiles(void **state)
+{
+    (void)state;
+    enum { SIDE = 1201 };
+    int16_t *heights = malloc(SIDE * SIDE * sizeof *heights);
+    for (int i = 0; i < SIDE * SIDE; i++)
+        heights[i] = (int16_t)(i % SIDE - i / SIDE);
+    heights[5 * SIDE + 7] = -32768;
+    heights[9 * SIDE + 2] = -9999;
+    make_hgt(made_path("N46E008.hgt"), SIDE, heights);
+    make_hgt(made_path("s07w100.HGT"), SIDE, heights);
+    make_hgt(made_path("renamed.hgt"), SIDE, heights);
+    free(heights);
+
+    sayings said;
+    tc_grid g = load(made_path("N46E008.hgt"), (tc_source_options){0}, &said);
+    assert_int_equal(g.width, SIDE);
+    assert_int_equal(g.void_count, 1);
+    assert_true(void_at(&g, 7, 5) && at(&g, 0, 0) == 0 && at(&g, SIDE - 1, 0) == SIDE - 1 && at(&g, 2, 9) == -9999);
+    assert_true(fabsf(at(&g, 7, 5) - 2) < 0.1f); /* on a ramp */
+    assert_true(g.georef.known && g.georef.geographic && g.georef.crs_wkt);
+    assert_float_equal(g.georef.transform[0], 8 - 1. / 2400, 1e-9);
+    assert_float_equal(g.georef.transform[3], 47 + 1. / 2400, 1e-9);
+    assert_float_equal(g.spacing_x, 63.969, 0.001);
+    assert_float_equal(g.spacing_y, 92.634, 0.001);
+    assert_non_null(strstr(said.text, "mean latitude of 46.5000"));
+    tc_grid_free(&g);
+
+    g = load(made_path("N46E008.hgt"), (tc_source_options){.has_nodata = true, .nodata = -9999}, NULL);
+    assert_true(g.void_count == 2 && void_at(&g, 2, 9));
+    tc_grid_free(&g);
+    g = load(made_path("s07w100.HGT"), (tc_source_options){0}, NULL);
+    assert_float_equal(g.georef.transform[0], -100 - 1. / 2400, 1e-9);
+    assert_float_equal(g.georef.transform[3], -6 + 1. / 2400, 1e-9);
+    tc_grid_free(&g);
+    g = load(made_path("renamed.hgt"), (tc_source_options){0}, &said);
+    assert_true(!g.georef.known && g.void_count == 1);
+    assert_float_equal(g.spacing_x, 92.766, 0.001);
+    assert_float_equal(g.spacing_y, 92.766, 0.001);
+    assert_non_null(strstr(said.text, "3 arc-s"));
+    tc_grid_free(&g);
+
+    cut_file(made_path("N46E008.hgt"), -1);
+    refused(made_path("N46E008.hgt"), TC_ERR_FORMAT, "2884801");
+}
+
+/* ---- Place and unit --------------------------------------------------------------------------------------------- */
+
+static void places(void **state)
+{
+    (void)state;
+    const char *path = made_path("place.tif");
+    made_tiff tiff = plain_tiff();
+    tiff.epsg = 32633;
+    tiff.transform = (const double[]){500000, 10, 0, 4000000, 0, -20};
+    make_tiff(path, &tiff);
+    tc_grid g = load(path, (tc_source_options){0}, NULL);
+    assert_values(&g);
+    assert_true(g.spacing_x == 10 && g.spacing_y == 20 && g.georef.known && !g.georef.geographic);
+    assert_true(g.georef.transform[0] == 500000 && g.georef.semi_major == 6378137);
+    tc_grid_free(&g);
+    g = load(path, (tc_source_options){.spacing = 2.5}, NULL);
+    assert_true(g.spacing_x == 2.5 && g.spacing_y == 2.5 && g.georef.known);
+    tc_grid_free(&g);
+
+    tiff.point = true; /* the same numbers now place the sample, not the corner */
+    make_tiff(path, &tiff);
+    g = load(path, (tc_source_options){0}, NULL);
+    assert_true(g.georef.transform[0] == 499995 && g.georef.transform[3] == 4000010);
+    tc_grid_free(&g);
+    tiff.point = false;
+
+    tiff.epsg = 2227; /* in US survey feet */
+    make_tiff(path, &tiff);
+    g = load(path, (tc_source_options){0}, NULL);
+    assert_float_equal(g.spacing_x, 10 * 1200. / 3937, 1e-9);
+    tc_grid_free(&g);
+    tiff.epsg = 32633;
+
+    /* Rows south to north, columns east to west. */
+    tiff.transform = (const double[]){500000, 10, 0, 4000000, 0, 20};
+    make_tiff(path, &tiff);
+    g = load(path, (tc_source_options){0}, NULL);
+    assert_true(g.z[0] == value(0, 0) && g.z[(H - 1) * W + 2] == value(2, H - 1));
+    assert_true(g.georef.transform[3] == 4000000 + 20 * H && g.georef.transform[5] == -20);
+    tc_grid_free(&g);
+    tiff.transform = (const double[]){500000, -10, 0, 4000000, 0, -20};
+    make_tiff(path, &tiff);
+    g = load(path, (tc_source_options){0}, NULL);
+    assert_true(at(&g, 0, 0) == value(W - 1, 0) && at(&g, W - 1, 3) == value(0, 3));
+    assert_true(g.georef.transform[0] == 500000 - 10 * W && g.georef.transform[1] == 10);
+    tc_grid_free(&g);
+
+    tiff.transform = (const double[]){500000, 3, 4, 4000000, 4, -3};
+    make_tiff(path, &tiff);
+    sayings said;
+    g = load(path, (tc_source_options){0}, &said);
+    assert_values(&g);
+    assert_true(g.spacing_x == 5 && g.spacing_y == 5 && said.warnings == 1 && strstr(said.text, "rotated"));
+    tc_grid_free(&g);
+
+    /* Around the whole globe: the mean latitude is 0. */
+    tiff.epsg = 4326;
+    tiff.transform = (const double[]){-180, 360. / W, 0, 90, 0, -180. / H};
+    make_tiff(path, &tiff);
+    g = load(path, (tc_source_options){0}, NULL);
+    assert_float_equal(g.spacing_x, 2 * acos(-1) * 6378137 / W, 1e-3);
+    assert_true(g.georef.geographic);
+    tc_grid_free(&g);
+
+    /* Degrees that do not say so. */
+    tiff.epsg = 0;
+    tiff.transform = (const double[]){8, 1. / 1200, 0, 46.5 + H / 2400., 0, -1. / 1200};
+    make_tiff(path, &tiff);
+    g = load(path, (tc_source_options){0}, &said);
+    assert_float_equal(g.spacing_x, 63.969, 0.001);
+    assert_int_equal(said.warnings, 1);
+    tc_grid_free(&g);
+}
+
+static void units(void **state)
+{
+    (void)state;
+    const char *path = made_path("unit.tif");
+    made_tiff tiff = plain_tiff();
+    tiff.metadata = "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">0.5</Item>"
+                    "<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">-100</Item>"
+                    "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">ft</Item>";
+    make_tiff(path, &tiff);
+    tc_grid g = load(path, (tc_source_options){0}, NULL);
+    assert_float_equal(at(&g, 4, 5), (value(4, 5) * 0.5 - 100) * 0.3048, 1e-5);
+    tc_grid_free(&g);
+    g = load(path, (tc_source_options){.unit = 2}, NULL);
+    assert_float_equal(at(&g, 4, 5), value(4, 5) * 2 - 100 * 0.3048, 1e-4);
+    tc_grid_free(&g);
+
+    tiff.metadata = "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">fathom</Item>";
+    make_tiff(path, &tiff);
+    sayings said;
+    g = load(path, (tc_source_options){0}, &said);
+    assert_values(&g);
+    assert_true(said.warnings == 1 && strstr(said.text, "fathom"));
+    tc_grid_free(&g);
+}
+
+/* Relief of millimetres on a million metres does not drown in a float. */
+static void small_relief_far_up(void **state)
+{
+    (void)state;
+    const char *path = made_path("base.tif");
+    const struct {
+        int bits;
+        made_format format;
+        double factor, offset, unit;
+    } kinds[] = {{64, MADE_FLOAT, 1e-3, 1e6, 1}, {32, MADE_INT, 1, 1e9, 1e-3}, {32, MADE_UINT, 1, 1e9, 1e-3}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        make_tiff(path, &(made_tiff){.width = W,
+                                     .height = H,
+                                     .bits = kinds[k].bits,
+                                     .format = kinds[k].format,
+                                     .samples =
+                                         samples_of(kinds[k].bits, kinds[k].format, kinds[k].factor, kinds[k].offset)});
+        tc_grid g = load(path, (tc_source_options){.unit = kinds[k].unit}, NULL);
+        assert_true(g.z_base == 1e6);
+        for (int i = 0; i < COUNT; i++)
+            assert_float_equal(at(&g, i % W, i / W), 1e-3 * value(i % W, i / W), 1e-7);
+        tc_grid_free(&g);
+    }
+}
+
+/* ---- Voids ------------------------------------------------------------------------------------------------------ */
+
+static void voids_of_all_kinds(void **state)
+{
+    (void)state;
+    const char *path = made_path("void.tif");
+    float heights[COUNT];
+    memcpy(heights, samples_of(32, MADE_FLOAT, 1, 0), sizeof heights);
+    heights[3] = NAN;
+    heights[W + 5] = INFINITY;
+    heights[2 * W + 7] = -INFINITY;
+    heights[4 * W + 4] = -3.4028234663852886e38f;
+    heights[6 * W + 6] = -9999;
+    made_tiff tiff = {.width = W, .height = H, .bits = 32, .format = MADE_FLOAT, .samples = heights, .nodata = "-9999"};
+    make_tiff(path, &tiff);
+    for (tc_void_policy policy = TC_VOIDS_FILL; policy <= TC_VOIDS_CONSTANT; policy++) {
+        sayings said;
+        tc_grid g = load(path, (tc_source_options){.voids = policy, .void_constant = -77}, &said);
+        assert_int_equal(g.void_count, 5);
+        assert_int_equal(said.warnings, 1); /* of the fill value */
+        assert_true(void_at(&g, 3, 0) && void_at(&g, 5, 1) && void_at(&g, 7, 2) && void_at(&g, 4, 4) &&
+                    void_at(&g, 6, 6));
+        assert_true(g.z_min == (float)value(0, 0) && g.z_max == (float)value(W - 1, H - 1));
+        for (int i = 0; i < COUNT; i++) {
+            double expected = value(i % W, i / W);
+            bool constant = policy == TC_VOIDS_CONSTANT && void_at(&g, i % W, i / W);
+            assert_float_equal(at(&g, i % W, i / W), constant ? -77 : expected, 2);
+        }
+        tc_grid_free(&g);
+    }
+
+    /* A nodata tag with the digits that a float has as text. */
+    tiff.nodata = "-3.40282346638529e+38";
+    make_tiff(path, &tiff);
+    sayings said;
+    tc_grid g = load(path, (tc_source_options){.has_nodata = true, .nodata = -9999}, &said);
+    assert_true(g.void_count == 5 && said.warnings == 0);
+    tc_grid_free(&g);
+
+    /* In row order and in any other, the source gives the same. */
+    tc_source *source = NULL;
+    assert_int_equal(tc_source_open(path, NULL, &source, NULL), TC_OK);
+    float row[W], all[COUNT];
+    uint8_t mask[W], masks[COUNT];
+    assert_int_equal(tc_source_read(source, 0, H, all, masks, NULL), TC_OK);
+    for (int64_t y = 0; y < H; y++) {
+        assert_int_equal(tc_source_read(source, y, 1, row, mask, NULL), TC_OK);
+        assert_memory_equal(row, all + y * W, sizeof row);
+        assert_memory_equal(mask, masks + y * W, sizeof mask);
+    }
+    assert_true(masks[(H - 1) * W + 3] == 1 && all[(H - 1) * W + 3] == 0);
+    assert_int_equal(tc_source_read(source, 0, H + 1, all, masks, NULL), TC_ERR_USAGE);
+    assert_int_equal(tc_source_read(source, -1, 1, all, masks, NULL), TC_ERR_USAGE);
+    tc_source_close(source);
+}
+
+/* ---- Refusals --------------------------------------------------------------------------------------------------- */
+
+static void refuses_what_is_no_file(void **state)
+{
+    (void)state;
+    refused(made_path("missing.tif"), TC_ERR_IO, "No such file");
+    refused(made_folder(), TC_ERR_IO, "directory");
+    refused("/dev/null", TC_ERR_IO, "device");
+    make_bytes(made_path("empty.tif"), "", 0);
+    refused(made_path("empty.tif"), TC_ERR_FORMAT, "empty");
+    make_bytes(made_path("one.byte"), "I", 1);
+    refused(made_path("one.byte"), TC_ERR_UNSUPPORTED, "neither GDAL nor OpenImageIO");
+    make_bytes(made_path("unknown.xyzzy"), "what is this?", 13);
+    refused(made_path("unknown.xyzzy"), TC_ERR_UNSUPPORTED, "neither GDAL nor OpenImageIO");
+    make_bytes(made_path("short.hgt"), "abcd", 4);
+    refused(made_path("short.hgt"), TC_ERR_FORMAT, "SRTM");
+    make_bytes(made_path("text.pgm"), "P2\n2 2\n9\n1 2 3 4\n", 17);
+    refused(made_path("text.pgm"), TC_ERR_UNSUPPORTED, "P5");
+}
+
+static void refuses_colours(void **state)
+{
+    (void)state;
+    unsigned char *bytes = calloc(COUNT, 3);
+    make_png(made_path("rgb.png"), W, H, 8, 2, bytes);
+    refused(made_path("rgb.png"), TC_ERR_UNSUPPORTED, "Terrarium");
+    refused(made_path("rgb.png"), TC_ERR_UNSUPPORTED, "Mapbox");
+    make_png(made_path("palette.png"), W, H, 8, 3, bytes);
+    refused(made_path("palette.png"), TC_ERR_UNSUPPORTED, "palette");
+    make_tiff(made_path("rgb.tif"),
+              &(made_tiff){.width = W, .height = H, .bits = 8, .format = MADE_UINT, .channels = 3, .samples = bytes});
+    refused(made_path("rgb.tif"), TC_ERR_UNSUPPORTED, "three channels");
+    make_tiff(made_path("palette.tif"),
+              &(made_tiff){.width = W, .height = H, .bits = 8, .format = MADE_UINT, .palette = true, .samples = bytes});
+    refused(made_path("palette.tif"), TC_ERR_UNSUPPORTED, "palette");
+    free(bytes);
+}
+
+static void refuses_what_is_no_height(void **state)
+{
+    (void)state;
+    made_tiff tiff = plain_tiff();
+    int16_t nothing[COUNT];
+    for (int i = 0; i < COUNT; i++)
+        nothing[i] = -5;
+    tiff.samples = nothing;
+    tiff.nodata = "-5";
+    make_tiff(made_path("void.tif"), &tiff);
+    refused(made_path("void.tif"), TC_ERR_FORMAT, "all void");
+    refused_with(made_path("void.tif"), (tc_source_options){.voids = TC_VOIDS_CONSTANT}, TC_ERR_FORMAT, "all void");
+
+    make_tiff(
+        made_path("high.tif"),
+        &(made_tiff){
+            .width = W, .height = H, .bits = 32, .format = MADE_FLOAT, .samples = samples_of(32, MADE_FLOAT, 1e9, 0)});
+    refused(made_path("high.tif"), TC_ERR_FORMAT, "1e9");
+
+    const char huge[] = "<VRTDataset rasterXSize=\"2000000\" rasterYSize=\"2000000\"><VRTRasterBand dataType=\"Int16\" "
+                        "band=\"1\"></VRTRasterBand></VRTDataset>";
+    make_bytes(made_path("huge.vrt"), huge, strlen(huge));
+    refused(made_path("huge.vrt"), TC_ERR_MEMORY, "GiB");
+}
+
+static void refuses_options_out_of_range(void **state)
+{
+    (void)state;
+    const char *path = made_path("fine.tif");
+    made_tiff tiff = plain_tiff();
+    make_tiff(path, &tiff);
+    const double bad[] = {-1, NAN, INFINITY, 1e-300, 1e300};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        refused_with(path, (tc_source_options){.spacing = bad[i]}, TC_ERR_USAGE, "spacing");
+        refused_with(path, (tc_source_options){.unit = bad[i]}, TC_ERR_USAGE, "unit");
+    }
+    refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = NAN}, TC_ERR_USAGE, "voids");
+    refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = 1e30}, TC_ERR_USAGE, "voids");
+}
+
+/* Every format, cut at many lengths: never a crash, never taken for whole. */
+static void refuses_truncated_files(void **state)
+{
+    (void)state;
+    made_tiff tiff = plain_tiff();
+    const char *const names[] = {"strips.tif", "tiles.tif", "whole.png", "whole.pgm", "whole.exr", "whole.jp2"};
+    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+        const char *path = made_path(names[n]);
+        long size = 0;
+        for (int cut = 0; cut < 24; cut++) {
+            tiff.tile = n == 1 ? 16 : 0;
+            switch (n) {
+            case 0:
+            case 1: make_tiff(path, &tiff); break;
+            case 2: make_png(path, W, H, 16, 0, samples_of(16, MADE_UINT, 1, 0)); break;
+            case 3: make_pgm(path, W, H, samples_of(16, MADE_UINT, 1, 0)); break;
+            case 4: make_exr(path, W, H, samples_of(32, MADE_FLOAT, 1, 0)); break;
+            case 5: make_jp2(path); break;
+            }
+            struct stat about;
+            stat(path, &about);
+            size = (long)about.st_size;
+            cut_file(path, cut < 4 ? -1 - 3 * cut : size * (cut - 3) / 21);
+            if (size * (cut - 3) / 21 == size)
+                continue;
+            tc_grid grid = {0};
+            tc_error error = {0};
+            tc_status status = tc_grid_load(path, NULL, &grid, &error);
+            if (status == TC_OK)
+                fail_msg("%s: taken for whole after cut %d", path, cut);
+            assert_true(strlen(error.text) > 0 && !strchr(error.text, '\n'));
+            assert_int_equal(tc_exit_code(status), 1);
+        }
+    }
+}
+
+/* The samples of a TIFF whose directory comes first, cut in the middle: libtiff has all it needs to open it. */
+static void refuses_missing_samples(void **state)
+{
+    (void)state;
+    for (int tile = 0; tile <= 16; tile += 16) {
+        const char *path = made_path("late.tif");
+        made_tiff tiff = plain_tiff();
+        tiff.tile = tile;
+        make_tiff(path, &tiff);
+        /* Offsets of the blocks moved beyond the end say the same as an end cut off. */
+        FILE *file = fopen(path, "r+b");
+        unsigned char bytes[65536];
+        size_t size = fread(bytes, 1, sizeof bytes, file);
+        uint32_t directory;
+        memcpy(&directory, bytes + 4, 4);
+        for (unsigned char *e = bytes + directory + 2; e < bytes + size; e += 12) {
+            uint16_t tag;
+            memcpy(&tag, e, 2);
+            if (tag != 273 && tag != 324)
+                continue;
+            uint32_t count, where, late = (uint32_t)size - 10;
+            memcpy(&count, e + 4, 4);
+            memcpy(&where, e + 8, 4);
+            fseek(file, (long)(where + 4 * (count / 2)), SEEK_SET);
+            fwrite(&late, 4, 1, file);
+            break;
+        }
+        fclose(file);
+        refused(path, TC_ERR_FORMAT, "damaged or truncated");
+    }
+}
+
+static void sizes_at_the_edge(void **state)
+{
+    (void)state;
+    const int sizes[][2] = {{1, 1}, {1, 9}, {9, 1}, {2, 2}, {70000, 3}, {3, 1000}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        int w = sizes[s][0], h = sizes[s][1];
+        uint16_t *heights = malloc((size_t)(w * h) * sizeof *heights);
+        for (int i = 0; i < w * h; i++)
+            heights[i] = (uint16_t)(i % 60000);
+        const char *path = made_path("size.tif");
+        make_tiff(path, &(made_tiff){.width = w, .height = h, .bits = 16, .format = MADE_UINT, .samples = heights});
+        tc_grid g = load(path, (tc_source_options){0}, NULL);
+        assert_true(g.width == w && g.height == h);
+        for (int i = 0; i < w * h; i++)
+            assert_true(at(&g, i % w, i / w) == heights[i]);
+        tc_grid_free(&g);
+        free(heights);
+    }
+}
+
+/* ---- Writing ---------------------------------------------------------------------------------------------------- */
+
+typedef struct asked {
+    int64_t width, next; /* rows are asked for from the north */
+    int64_t fail_at;
+    float factor;
+} asked;
+
+static tc_status give_row(void *context, int64_t y, float *z)
+{
+    asked *a = context;
+    assert_int_equal(y, a->next--);
+    if (y == a->fail_at)
+        return TC_ERR_MEMORY;
+    for (int64_t x = 0; x < a->width; x++)
+        z[x] = a->factor * (float)(x - 2 * y) + 0.25f;
+    return TC_OK;
+}
+
+static void tiffs_come_back(void **state)
+{
+    (void)state;
+    const int64_t sizes[][2] = {{1, 1}, {300, 270}, {5, 600}, {513, 3}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
+        for (int int16 = 0; int16 < 2; int16++) {
+            int64_t w = sizes[s][0], h = sizes[s][1];
+            tc_error error = {0};
+            asked a = {w, h - 1, -1, 1};
+            int before = made_folder_count();
+            const char *path = made_path("written.tif");
+            unlink(path);
+            tc_tiff_options options = {.width = w, .height = h, .spacing = 12.5, .int16 = int16};
+            if (tc_write_tiff(path, &options, give_row, &a, &error) != TC_OK)
+                fail_msg("%s", error.text);
+            assert_true(made_folder_count() <= before + 1);
+            sayings said;
+            tc_grid g = load(path, (tc_source_options){0}, &said);
+            assert_true(g.width == w && g.height == h && g.spacing_x == 12.5 && g.spacing_y == 12.5);
+            assert_true(said.warnings == 0 && !g.voids);
+            for (int64_t i = 0; i < w * h; i++)
+                assert_true(g.z[i] == (float)(i % w - 2 * (i / w)) + (int16 ? 0 : 0.25f));
+            /* The south-west sample is the origin. */
+            assert_true(g.georef.transform[0] == -6.25 && g.georef.transform[3] == 12.5 * (double)h - 6.25);
+            tc_grid_free(&g);
+        }
+    }
+}
+
+static void failed_writing_leaves_no_trace(void **state)
+{
+    (void)state;
+    const char *path = made_path("kept.tif");
+    make_bytes(path, "old", 3);
+    int before = made_folder_count();
+    tc_error error = {0};
+    asked a = {300, 299, 10, 1};
+    tc_tiff_options options = {.width = 300, .height = 300, .spacing = 1};
+    assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_MEMORY);
+    a = (asked){300, 299, -1, 1000};
+    options.int16 = true;
+    assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_USAGE);
+    assert_non_null(strstr(error.text, "int16"));
+    options.spacing = 0;
+    assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_USAGE);
+    assert_int_equal(made_folder_count(), before);
+    FILE *file = fopen(path, "rb");
+    char old[4] = "";
+    assert_int_equal(fread(old, 1, 4, file), 3);
+    fclose(file);
+    assert_string_equal(old, "old");
+
+    options.spacing = 1;
+    assert_int_equal(tc_write_tiff(made_path("no/such/folder.tif"), &options, give_row, &a, &error), TC_ERR_IO);
+    assert_int_equal(tc_write_tiff(made_folder(), &options, give_row, &a, &error), TC_ERR_IO);
+    assert_int_equal(tc_write_tiff("/dev/full", &options, give_row, &a, &error), TC_ERR_IO);
+}
+
+static void pictures_are_written(void **state)
+{
+    (void)state;
+    uint8_t rgb[4 * 3 * 3];
+    for (int i = 0; i < 36; i++)
+        rgb[i] = (uint8_t)(7 * i);
+    tc_error error = {0};
+    int before = made_folder_count();
+    if (tc_write_picture(made_path("frame.png"), 4, 3, rgb, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    assert_int_equal(made_folder_count(), before + 1);
+    refused(made_path("frame.png"), TC_ERR_UNSUPPORTED, "three channels"); /* so it is there, and RGB */
+    assert_int_equal(tc_write_picture(made_path("frame.unknown"), 4, 3, rgb, &error), TC_ERR_USAGE);
+    assert_non_null(strstr(error.text, "extension"));
+    assert_int_equal(tc_write_picture(made_path("frame"), 4, 3, rgb, &error), TC_ERR_USAGE);
+    assert_int_equal(tc_write_picture(made_path("no/such/folder.png"), 4, 3, rgb, &error), TC_ERR_IO);
+    assert_int_equal(tc_write_picture(made_path("frame.png"), 0, 3, rgb, &error), TC_ERR_USAGE);
+    assert_int_equal(made_folder_count(), before + 1);
+}
+
+/* ---- The rest --------------------------------------------------------------------------------------------------- */
+
+static void *load_plugin(void *unused)
+{
+    (void)unused;
+    const void *table = NULL;
+    return tc_plugin_load("gdal", &table, NULL) == TC_OK ? (void *)(uintptr_t)table : NULL;
+}
+
+static void plugins_load_once(void **state)
+{
+    (void)state;
+    pthread_t threads[4];
+    void *tables[4];
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, load_plugin, NULL), 0);
+    for (int i = 0; i < 4; i++)
+        pthread_join(threads[i], &tables[i]);
+    for (int i = 0; i < 4; i++)
+        assert_true(tables[i] && tables[i] == tables[0]);
+    const void *table = NULL;
+    tc_error error = {0};
+    assert_int_equal(tc_plugin_load("none", &table, &error), TC_ERR_UNSUPPORTED);
+    assert_non_null(strstr(error.text, "terraclip-none.so"));
+    assert_int_equal(tc_plugin_load("a-name-that-is-far-too-long", &table, &error), TC_ERR_USAGE);
+    assert_null(table);
+}
+
+/* Reading writes nothing beside what it reads. */
+static void reading_leaves_no_trace(void **state)
+{
+    (void)state;
+    made_folder_remove();
+    made_tiff tiff = plain_tiff();
+    make_tiff(made_path("a.tif"), &tiff);
+    make_png(made_path("a.png"), W, H, 16, 0, samples_of(16, MADE_UINT, 1, 0));
+    make_pgm(made_path("a.pgm"), W, H, samples_of(16, MADE_UINT, 1, 0));
+    make_exr(made_path("a.exr"), W, H, samples_of(32, MADE_FLOAT, 1, 0));
+    make_jp2(made_path("a.jp2"));
+    const char *const names[] = {"a.tif", "a.png", "a.pgm", "a.exr", "a.jp2"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        tc_grid g = load(made_path(names[i]), (tc_source_options){0}, NULL);
+        tc_grid_free(&g);
+    }
+    assert_int_equal(made_folder_count(), 5);
+}
+
+/* Real elevation models, where they are. Figures as in their description. */
+static void real_data(void **state)
+{
+    (void)state;
+    const char *place = getenv("TERRACLIP_DATA");
+    if (!place) {
+        print_message("TERRACLIP_DATA is not set: real elevation models not tried\n");
+        skip();
+    }
+    const struct {
+        const char *name;
+        int64_t width, height, voids;
+        double low, high, spacing_x, spacing_y, semi_major;
+        int column, row;
+        double value; /* of that sample, by gdallocationinfo */
+    } files[] = {
+        {"N37W119.hgt", 1201, 1201, 5756, 1167, 4320, 73.688, 92.489, 6378137, 600, 600, 1542},
+        {"N37W120.hgt", 1201, 1201, 6457, 90, 3971, 73.688, 92.489, 6378137, 400, 960, 735},
+        {"N46E008.tif", 1201, 1201, 103743, 187, 4173, 63.969, 92.634, 6378137, 400, 960, 1100},
+        {"srtm3_tatra_poland_4801.tif", 4801, 4801, 64, -2, 2636, 58.498, 92.707, 6378137, 1600, 3840, 594},
+        {"srtm3_canyonlands_voids_2401x3601.tif", 2401, 3601, 104445, 1092, 3862, 73.688, 92.489, 6378137, 800, 2880,
+         2226},
+        {"moon_gld100_256ppd_ne_4097.png", 4097, 4097, 0, 5367, 12592, 1, 1, 0, 1365, 3277, 10527},
+        {"moon_gld100_256ppd_ne_8193.tif", 8193, 8193, 0, -6310, 3581, 107.354, 118.451, 1737400, 2731, 6554, -158},
+        {"moon_gld100_global_5760x2880.tif", 5760, 2880, 0, -9052, 10745, 1895.209, 1895.209, 1737400, 1920, 2303,
+         -1748},
+        {"earth_etopo20_1080x540_f32.tif", 1080, 540, 0, -9026.625, 6228.8125, 37106.497, 36858.092, 6378137, 540, 269,
+         -4859.625},
+        {"ps_height_1k.png", 1025, 1025, 0, 0, 43798, 1, 1, 0, 341, 819, 941},
+    };
+    for (size_t f = 0; f < sizeof files / sizeof *files; f++) {
+        char path[1024];
+        snprintf(path, sizeof path, "%s/%s", place, files[f].name);
+        if (access(path, R_OK) != 0) {
+            print_message("%s: not there, not tried\n", path);
+            continue;
+        }
+        tc_grid g = load(path, (tc_source_options){0}, NULL);
+        assert_int_equal(g.width, files[f].width);
+        assert_int_equal(g.height, files[f].height);
+        assert_int_equal(g.void_count, files[f].voids);
+        assert_true(g.z_min == files[f].low && g.z_max == files[f].high);
+        assert_float_equal(g.spacing_x, files[f].spacing_x, 0.001);
+        assert_float_equal(g.spacing_y, files[f].spacing_y, 0.001);
+        assert_true(g.georef.semi_major == files[f].semi_major);
+        assert_float_equal(at(&g, files[f].column, files[f].row), files[f].value, 1e-3);
+        for (int64_t i = 0; i < g.width * g.height; i++)
+            assert_true(g.z[i] >= g.z_min && g.z[i] <= g.z_max);
+        tc_grid_free(&g);
+    }
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    made_folder_remove();
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tiffs_of_all_types),
+        cmocka_unit_test(pictures_and_other_formats),
+        cmocka_unit_test(vrt_mosaics),
+        cmocka_unit_test(srtm_tiles),
+        cmocka_unit_test(places),
+        cmocka_unit_test(units),
+        cmocka_unit_test(small_relief_far_up),
+        cmocka_unit_test(voids_of_all_kinds),
+        cmocka_unit_test(refuses_what_is_no_file),
+        cmocka_unit_test(refuses_colours),
+        cmocka_unit_test(refuses_what_is_no_height),
+        cmocka_unit_test(refuses_options_out_of_range),
+        cmocka_unit_test(refuses_truncated_files),
+        cmocka_unit_test(refuses_missing_samples),
+        cmocka_unit_test(sizes_at_the_edge),
+        cmocka_unit_test(tiffs_come_back),
+        cmocka_unit_test(failed_writing_leaves_no_trace),
+        cmocka_unit_test(pictures_are_written),
+        cmocka_unit_test(reading_leaves_no_trace),
+        cmocka_unit_test(plugins_load_once),
+        cmocka_unit_test(real_data),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_folder);
+}

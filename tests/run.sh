@@ -1,0 +1,19 @@
+#!/bin/sh
+# Runs test programs and scripts one after the other: run.sh BUILD_DIR TEST...
+# Each prints its own result; a last line sums up. Ends with 1 where any failed.
+build=$1; shift
+export MESA_SHADER_CACHE_DISABLE=true TERRACLIP_BUILD="$build"
+passed=0; failed=0; failures=
+for t; do
+    start=$(date +%s)
+    case "$t" in
+        *.sh) sh "$t" "$build" ;;
+        *) "$t" ;;
+    esac
+    rc=$?
+    echo "== ${t##*/}: $([ $rc = 0 ] && echo passed || echo "FAILED ($rc)") in $(($(date +%s) - start)) s"
+    if [ $rc = 0 ]; then passed=$((passed + 1)); else failed=$((failed + 1)); failures="$failures ${t##*/}"; fi
+done
+[ -z "$failures" ] || echo "failed:$failures"
+echo "$passed passed, $failed failed"
+[ $failed = 0 ]

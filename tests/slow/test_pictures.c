@@ -1,0 +1,177 @@
+/* test_pictures.c - what a picture may depend on, and what it must not. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/support/scene.h"
+#include "tests/support/terrains.h"
+
+enum { WIDTH = 320, HEIGHT = 240, SIZE = 1025, SPACING = 30 };
+
+static tc_context *context;
+static tc_pyramid *terrain;
+
+static int set_up(void **state)
+{
+    (void)state;
+    context = scene_context();
+    terrain = terrain_pyramid(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 7);
+    return context ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    tc_pyramid_destroy(terrain);
+    tc_context_destroy(context);
+    return 0;
+}
+
+static tc_camera random_view(test_random *r)
+{
+    double extent = (SIZE - 1) * SPACING, ground;
+    tc_camera c = {.x = test_random_range(r, -0.2, 1.2) * extent, .y = test_random_range(r, -0.2, 1.2) * extent,
+                   .heading = test_random_range(r, 0, 2 * M_PI), .pitch = test_random_range(r, -1.5, 0.4),
+                   .fov = test_random_range(r, 0.4, 1.9), .width = WIDTH, .height = HEIGHT};
+    tc_pyramid_height(terrain, c.x, c.y, &ground);
+    c.z = ground + pow(10, test_random_range(r, 0, 4.5));
+    return c;
+}
+
+static int64_t different_pixels(const uint8_t *a, const uint8_t *b)
+{
+    int64_t count = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        count += memcmp(a + 3 * i, b + 3 * i, 3) != 0;
+    return count;
+}
+
+/* Two flights of different paths, speeds and budgets end in the same view. */
+static void a_picture_depends_on_the_view_alone(void **state)
+{
+    (void)state;
+    test_random r = {1};
+    tc_scene_options options[2] = {{.budget = 0}, {.budget = 700}};
+    scene s[2];
+    for (int k = 0; k < 2; k++)
+        s[k] = scene_create(context, terrain, 63, &options[k]);
+    for (int view = 0; view < 60; view++) {
+        tc_camera end = random_view(&r);
+        uint8_t *pixels[2];
+        for (int k = 0; k < 2; k++) {
+            for (int64_t leg = test_random_int(&r, 0, 12); leg > 0; leg--) {
+                tc_camera c = random_view(&r);
+                scene_draw(&s[k], &c, test_random_unit(&r) < 0.3);
+            }
+            scene_draw(&s[k], &end, true);
+            pixels[k] = scene_pixels(&s[k], &end);
+        }
+        assert_int_equal(different_pixels(pixels[0], pixels[1]), 0);
+        free(pixels[0]), free(pixels[1]);
+    }
+    scene_destroy(&s[0]), scene_destroy(&s[1]);
+}
+
+static void culling_removes_nothing_visible(void **state)
+{
+    (void)state;
+    test_random r = {2};
+    tc_scene_options all = {.frame.no_cull = true}, culled = {0};
+    scene s = scene_create(context, terrain, 63, &culled);
+    int64_t drawn = 0, without = 0;
+    for (int view = 0; view < 100; view++) {
+        tc_camera c = random_view(&r);
+        tc_renderer_set_options(s.renderer, &culled);
+        tc_frame_stats stats = scene_draw(&s, &c, true);
+        drawn += stats.triangles, without += stats.triangles_unculled;
+        uint8_t *a = scene_pixels(&s, &c);
+        tc_renderer_set_options(s.renderer, &all);
+        stats = scene_draw(&s, &c, true);
+        assert_int_equal(stats.triangles, stats.triangles_unculled);
+        uint8_t *b = scene_pixels(&s, &c);
+        assert_int_equal(different_pixels(a, b), 0);
+        free(a), free(b);
+    }
+    printf("culling: %.3f of the triangles drawn over 100 views\n", (double)drawn / (double)without);
+    assert_true(drawn < without * 7 / 10);
+    scene_destroy(&s);
+}
+
+/* North is up the picture, east to its right: a hill in the north-east of a plain, seen from above. */
+static void maps_are_not_mirrored(void **state)
+{
+    (void)state;
+    enum { N = 257 };
+    tc_grid g = terrain_grid(TERRAIN_SMOOTH, N, N, SPACING, 0);
+    for (int j = 0; j < N; j++)
+        for (int i = 0; i < N; i++)
+            g.z[j * N + i] = hypot(i - 200, j - 180) < 20 ? 3000 : 100;
+    g.z_min = 100, g.z_max = 3000;
+    tc_pyramid *p;
+    assert_int_equal(tc_pyramid_build(&g, 0, &p, NULL), TC_OK);
+    tc_scene_options options = {.unlit = true, .background_set = true};
+    scene s = scene_create(context, p, 63, &options);
+    tc_camera c = {.x = 128 * SPACING, .y = 128 * SPACING, .z = 20000, .heading = 0, .pitch = -M_PI / 2, .fov = 0.6,
+                   .width = WIDTH, .height = HEIGHT};
+    scene_draw(&s, &c, true);
+    uint8_t *rgb = scene_pixels(&s, &c);
+    double x = 0, y = 0, count = 0;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        if (rgb[3 * i] > 200 && rgb[3 * i + 2] > 200) /* snow on the hill */
+            x += i % WIDTH, y += i / WIDTH, count++;
+    assert_true(count > 20);
+    /* The hill's top is 17 km below the eye. */
+    double scale = WIDTH / (2 * tan(0.3)) * SPACING / 17000;
+    assert_float_equal(x / count, WIDTH / 2.0 + (200 - 128) * scale, 2);
+    assert_float_equal(y / count, HEIGHT / 2.0 - (180 - 128) * scale, 2);
+    free(rgb);
+    scene_destroy(&s);
+    tc_pyramid_destroy(p);
+}
+
+/* Pixels and depth of a frame agree with the surface in double: unprojected depth lies on it. */
+static void drawn_depth_is_the_surface(void **state)
+{
+    (void)state;
+    test_random r = {3};
+    tc_scene_options options = {.unlit = true, .background_set = true};
+    scene s = scene_create(context, terrain, 63, &options);
+    float *depth = malloc(sizeof *depth * WIDTH * HEIGHT);
+    double worst = 0;
+    int64_t pixels = 0;
+    for (int view = 0; view < 20; view++) {
+        tc_camera c = random_view(&r);
+        scene_draw(&s, &c, true);
+        tc_renderer_read(s.renderer, NULL, depth);
+        for (int i = 0; i < WIDTH * HEIGHT; i += 7) {
+            double p[3], z;
+            if (depth[i] == 0)
+                continue;
+            tc_renderer_unproject(s.renderer, &c, i % WIDTH + 0.5, i / WIDTH + 0.5, depth[i], p);
+            if (!s.surface->drawn_height(s.surface, s.clipmap, &c, &options.frame, p[0], p[1], &z))
+                continue; /* a pixel on the very rim */
+            double d = sqrt(pow(p[0] - c.x, 2) + pow(p[1] - c.y, 2) + pow(p[2] - c.z, 2));
+            worst = fmax(worst, fabs(p[2] - z) / d * WIDTH / (2 * tan(c.fov / 2)));
+            pixels++;
+        }
+    }
+    printf("depth: %lld pixels unprojected, at most %.4f pixels from the surface in double\n", (long long)pixels, worst);
+    assert_true(pixels > 50000);
+    assert_true(worst < 0.5);
+    free(depth);
+    scene_destroy(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_picture_depends_on_the_view_alone),
+        cmocka_unit_test(culling_removes_nothing_visible),
+        cmocka_unit_test(maps_are_not_mirrored),
+        cmocka_unit_test(drawn_depth_is_the_surface),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

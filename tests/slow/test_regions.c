@@ -1,0 +1,85 @@
+/* test_regions.c - LH04's region constraints and the windows' content after each of 100,000 random moves.
+ *
+ * Terrains of several sizes (odd, even, narrow, smaller than a window), window sizes and budgets share the moves.
+ * After every move the constraints are checked on all levels, and every sample of some rows of one level, drawn anew
+ * for each move, is compared with the pyramid; at the end all of them are. */
+#include "tests/support/test.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "planar/square_internal.h"
+#include "tests/support/regions.h"
+
+enum { MOVES = 100000 };
+
+typedef struct tour {
+    terrain_kind kind;
+    int64_t width, height;
+    int n;
+    int64_t budget;
+    bool normals;
+    int moves;
+} tour;
+
+static void check(const char *broken, int move)
+{
+    if (broken) {
+        printf("after move %d: %s\n", move, broken);
+        fail();
+    }
+}
+
+static int64_t run(const tour *t, uint64_t seed)
+{
+    tc_pyramid *p = terrain_pyramid(t->kind, t->width, t->height, 30, seed);
+    tc_clipmap *c;
+    tc_clipmap_options options = {.n = t->n, .normals = t->normals};
+    assert_int_equal(tc_clipmap_create(p, &options, &c, NULL), TC_OK);
+    wanderer w = wanderer_start(p, seed);
+    test_random r = {seed + 1};
+    tc_rect wanted[TC_MAX_LEVELS];
+    int64_t samples = 0;
+    for (int move = 0; move < t->moves; move++) {
+        wanderer_move(&w, p);
+        tc_square_wanted(NULL, c, &w.camera, wanted);
+        samples += tc_clipmap_update(c, wanted, t->budget);
+        check(regions_broken(c), move);
+        int level = (int)test_random_int(&r, 1, tc_clipmap_levels(c));
+        check(content_broken(c, level, test_random_int(&r, 0, 15), t->normals ? 61 : 31), move);
+    }
+    for (int frames = 0; !tc_clipmap_resident(c); frames++) { /* it catches up once the viewer stands still */
+        assert_true(frames < 10000);
+        tc_clipmap_update(c, wanted, t->budget);
+    }
+    for (int level = 1; level <= tc_clipmap_levels(c); level++)
+        check(content_broken(c, level, 0, 1), t->moves);
+    tc_clipmap_destroy(c);
+    tc_pyramid_destroy(p);
+    return samples;
+}
+
+static void constraints_and_content_hold(void **state)
+{
+    (void)state;
+    const tour tours[] = {
+        {TERRAIN_CLIFF, 1025, 1025, 63, 63 * 63, false, 25000}, {TERRAIN_CLIFF, 1500, 1001, 31, -1, false, 20000},
+        {TERRAIN_CLIFF, 3001, 2000, 63, 1000, false, 20000},     {TERRAIN_SMOOTH, 777, 778, 31, 400, true, 10000},
+        {TERRAIN_CLIFF, 20, 500, 15, 225, true, 10000},          {TERRAIN_CLIFF, 2, 4099, 15, 60, false, 5000},
+        {TERRAIN_CLIFF, 9, 13, 31, 1000, true, 4000},            {TERRAIN_CLIFF, 2600, 2600, 255, 255 * 255, true, 6000},
+    };
+    int moves = 0;
+    for (size_t i = 0; i < sizeof tours / sizeof *tours; i++) {
+        int64_t samples = run(&tours[i], i + 1);
+        moves += tours[i].moves;
+        printf("regions: %lldx%lld n %d: %d moves, %lld samples read\n", (long long)tours[i].width,
+               (long long)tours[i].height, tours[i].n, tours[i].moves, (long long)samples);
+    }
+    assert_true(moves >= MOVES);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(constraints_and_content_hold)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

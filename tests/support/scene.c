@@ -1,0 +1,74 @@
+/* scene.c - a planar scene over a pyramid, for picture tests. */
+#include "scene.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "planar/square.h"
+
+tc_context *scene_context(void)
+{
+    tc_context *context;
+    tc_error error;
+    if (tc_context_create(TC_BACKEND_OSMESA, &context, &error) == TC_OK ||
+        tc_context_create(TC_BACKEND_AUTO, &context, &error) == TC_OK)
+        return context;
+    printf("no OpenGL context: %s\n", error.text);
+    return NULL;
+}
+
+static void must(tc_status status, const tc_error *error)
+{
+    if (status) {
+        fprintf(stderr, "scene: %s\n", error->text);
+        exit(99);
+    }
+}
+
+scene scene_create(const tc_context *context, const tc_pyramid *pyramid, int n, const tc_scene_options *options)
+{
+    scene s = {.pyramid = pyramid};
+    tc_error error;
+    tc_clipmap_options clip = {.n = n, .normals = !options->unlit, .holes = options->holes};
+    must(tc_clipmap_create(pyramid, &clip, &s.clipmap, &error), &error);
+    must(tc_square_create(s.clipmap, &s.surface, &error), &error);
+    must(tc_renderer_create(tc_context_gl(context), pyramid, s.surface, s.clipmap, options, &s.renderer, &error), &error);
+    return s;
+}
+
+void scene_destroy(scene *s)
+{
+    tc_renderer_destroy(s->renderer);
+    if (s->surface)
+        s->surface->destroy(s->surface);
+    tc_clipmap_destroy(s->clipmap);
+}
+
+tc_frame_stats scene_draw(scene *s, const tc_camera *camera, bool resident)
+{
+    tc_frame_stats stats;
+    tc_error error;
+    do
+        must(tc_renderer_frame(s->renderer, camera, true, &stats, &error), &error);
+    while (resident && !stats.resident);
+    return stats;
+}
+
+uint8_t *scene_pixels(scene *s, const tc_camera *camera)
+{
+    uint8_t *rgb = malloc(3 * (size_t)camera->width * (size_t)camera->height);
+    if (!rgb)
+        exit(99);
+    tc_renderer_read(s->renderer, rgb, NULL);
+    return rgb;
+}
+
+void write_ppm(const char *path, const uint8_t *rgb, int width, int height)
+{
+    FILE *f = fopen(path, "wb");
+    if (!f)
+        return;
+    fprintf(f, "P6\n%d %d\n255\n", width, height);
+    fwrite(rgb, 3, (size_t)width * (size_t)height, f);
+    fclose(f);
+}
