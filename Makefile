@@ -136,11 +136,16 @@ $(eval $(call test_rule,slow))
 $(eval $(call test_rule,bench))
 .SECONDARY:
 
+# Makes elevation files for the command-line tests.
+$(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o
+	@mkdir -p $(@D)
+	$(LINK)
+
 .PHONY: check test bench
 check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
-test: all $(FAST) $(SLOW)
+test: all $(FAST) $(SLOW) $(O)/tests/make-file
 	@sh tests/run.sh $(O) $(FAST) $(SLOW) $(wildcard tests/cli/test_*.sh)
 
 bench: all $(BENCH)

@@ -62,22 +62,22 @@ typedef struct tc_rect {
 
 /* Where a grid lies on the Earth or another body; zero where the file does not say. */
 typedef struct tc_georef {
-    bool known;             /* the file had a geotransform */
-    bool geographic;        /* its unit is degrees */
-    double transform[6];    /* GDAL's geotransform of the file: corner-based, rows north to south, file units */
-    double semi_major;      /* metres; 0 unknown. Tells Earth from other bodies */
-    char *crs_wkt;          /* coordinate system; NULL none; owned by the grid */
+    bool known;          /* the file had a geotransform */
+    bool geographic;     /* its unit is degrees */
+    double transform[6]; /* GDAL's geotransform of the file: corner-based, rows north to south, file units */
+    double semi_major;   /* metres; 0 unknown. Tells Earth from other bodies */
+    char *crs_wkt;       /* coordinate system; NULL none; owned by the grid */
 } tc_georef;
 
 /* A rectangle of heights held in memory. */
 typedef struct tc_grid {
-    int64_t width, height;        /* samples */
-    float *z;                     /* metres above z_base, [j * width + i], row 0 southernmost; owned. Finite everywhere: voids are filled */
-    uint8_t *voids;               /* 1 where the source had no height, laid out as z; NULL where there is none; owned */
+    int64_t width, height; /* samples */
+    float *z; /* metres above z_base, [j * width + i], row 0 southernmost; owned. Finite everywhere: voids are filled */
+    uint8_t *voids; /* 1 where the source had no height, laid out as z; NULL where there is none; owned */
     int64_t void_count;
-    double z_base;                /* metres; what must be added to z. 0 unless the relief would drown in a float */
-    double spacing_x, spacing_y;  /* metres */
-    float z_min, z_max;           /* of z over samples that are not void */
+    double z_base;               /* metres; what must be added to z. 0 unless the relief would drown in a float */
+    double spacing_x, spacing_y; /* metres */
+    float z_min, z_max;          /* of z over samples that are not void */
     tc_georef georef;
 } tc_grid;
 
@@ -90,17 +90,17 @@ typedef struct tc_pyramid tc_pyramid;
 
 /* One level of a pyramid. */
 typedef struct tc_level {
-    int64_t width, height;        /* samples: ceil of half the next finer level's */
-    double spacing_x, spacing_y;  /* metres */
+    int64_t width, height;       /* samples: ceil of half the next finer level's */
+    double spacing_x, spacing_y; /* metres */
 } tc_level;
 
 /* What is true of the whole terrain. */
 typedef struct tc_terrain_info {
-    int levels;                   /* m; the coarsest level has one sample */
-    double z_base;                /* metres; added to every height read */
-    float z_min, z_max;           /* metres above z_base, finest level, without voids */
-    int64_t void_count;           /* of the finest level */
-    bool other_body;              /* georeferenced on a body that is not the Earth */
+    int levels;         /* m; the coarsest level has one sample */
+    double z_base;      /* metres; added to every height read */
+    float z_min, z_max; /* metres above z_base, finest level, without voids */
+    int64_t void_count; /* of the finest level */
+    bool other_body;    /* georeferenced on a body that is not the Earth */
 } tc_terrain_info;
 
 /* Builds the pyramid of *grid in memory and takes the grid over (it is zeroed, also on failure freed).
@@ -116,7 +116,8 @@ tc_level tc_pyramid_level(const tc_pyramid *pyramid, int level);
 /* Copies the samples of rect, which must lie within the level, to z[(j - rect.y0) * stride + (i - rect.x0)],
  * metres above z_base. voids, where not NULL, gets 1 for void and 0 for valid samples in the same layout.
  * Thread-safe. */
-tc_status tc_pyramid_read(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
+tc_status tc_pyramid_read(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids,
+                          ptrdiff_t stride);
 
 /* Lower and upper bound of the level's heights over rect (cut to the level; metres above z_base). Conservative:
  * may be wider than the truth, never narrower. Thread-safe, takes no time to speak of. */
@@ -132,10 +133,10 @@ tc_status tc_pyramid_height(const tc_pyramid *pyramid, double x, double y, doubl
 /* ---- Camera ------------------------------------------------------------------------------------------------- */
 
 typedef struct tc_camera {
-    double x, y, z;           /* eye, metres; z absolute (z_base included) */
-    double heading, pitch;    /* radians; heading clockwise from north, pitch up from the horizon */
-    double fov;               /* horizontal field of view, radians */
-    int width, height;        /* pixels of the frame */
+    double x, y, z;        /* eye, metres; z absolute (z_base included) */
+    double heading, pitch; /* radians; heading clockwise from north, pitch up from the horizon */
+    double fov;            /* horizontal field of view, radians */
+    int width, height;     /* pixels of the frame */
 } tc_camera;
 
 #ifdef __cplusplus

@@ -18,8 +18,8 @@
 typedef struct square_surface {
     tc_surface head;
     square_geometry index;
-    int capacity;                       /* draws of either kind */
-    tc_draw *strips, *lists;            /* strips has room for both */
+    int capacity;            /* draws of either kind */
+    tc_draw *strips, *lists; /* strips has room for both */
     tc_instance *strip_data, *list_data;
     float level_uniforms[TC_MAX_LEVELS][TC_LEVEL_UNIFORMS];
     float surface_uniforms[TC_SURFACE_UNIFORMS];
@@ -30,10 +30,10 @@ typedef struct assembly {
     square_surface *s;
     const tc_clipmap *clipmap;
     const tc_pyramid *pyramid;
-    square_viewer viewer;       /* of the camera drawn */
-    tc_frustum frustum;         /* of the camera culled for */
-    double eye[3];              /* of the camera culled for; x, y relative to viewer's snapped sample, z above z_base */
-    double spacing[2];          /* of the finest level */
+    square_viewer viewer; /* of the camera drawn */
+    tc_frustum frustum;   /* of the camera culled for */
+    double eye[3];        /* of the camera culled for; x, y relative to viewer's snapped sample, z above z_base */
+    double spacing[2];    /* of the finest level */
     bool no_cull;
     int level;
     const tc_clip_level *l;
@@ -112,9 +112,9 @@ static void add_closers(assembly *a, int64_t x, int64_t y, int64_t cells, bool r
         if (!visible(a, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}) || a->list_count == a->s->capacity)
             continue;
         a->s->list_data[a->list_count] = instance(a, sx, sy);
-        a->s->lists[a->list_count++] =
-            (tc_draw){.count = (uint32_t)(3 * (run / 2)), 1,
-                      .first_index = row ? a->s->index.row_first : a->s->index.column_first};
+        a->s->lists[a->list_count++] = (tc_draw){.count = (uint32_t)(3 * (run / 2)),
+                                                 1,
+                                                 .first_index = row ? a->s->index.row_first : a->s->index.column_first};
     }
 }
 
@@ -186,8 +186,11 @@ static void set_uniforms(assembly *a, const tc_frame_options *options)
 {
     square_surface *s = a->s;
     const tc_clip_level *l = tc_clipmap_level(a->clipmap, 1);
-    float surface[TC_SURFACE_UNIFORMS] = {(float)a->spacing[0], (float)a->spacing[1], (float)a->viewer.rest_x,
-                                          (float)a->viewer.rest_y, int_bits(l->edge_x - a->viewer.snap_x),
+    float surface[TC_SURFACE_UNIFORMS] = {(float)a->spacing[0],
+                                          (float)a->spacing[1],
+                                          (float)a->viewer.rest_x,
+                                          (float)a->viewer.rest_y,
+                                          int_bits(l->edge_x - a->viewer.snap_x),
                                           int_bits(l->edge_y - a->viewer.snap_y)};
     memcpy(s->surface_uniforms, surface, sizeof surface);
     for (int level = 1; level <= tc_clipmap_levels(a->clipmap); level++) {
@@ -221,8 +224,12 @@ static void square_frame(tc_surface *surface, const tc_clipmap *clipmap, const t
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     const tc_camera *cull = options->cull_camera ? options->cull_camera : camera;
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
-    assembly a = {.s = s, .clipmap = clipmap, .pyramid = pyramid, .viewer = tc_square_viewer(clipmap, camera),
-                  .frustum = tc_camera_frustum(cull), .spacing = {finest.spacing_x, finest.spacing_y},
+    assembly a = {.s = s,
+                  .clipmap = clipmap,
+                  .pyramid = pyramid,
+                  .viewer = tc_square_viewer(clipmap, camera),
+                  .frustum = tc_camera_frustum(cull),
+                  .spacing = {finest.spacing_x, finest.spacing_y},
                   .no_cull = options->no_cull};
     a.eye[0] = cull->x - (double)a.viewer.snap_x * finest.spacing_x;
     a.eye[1] = cull->y - (double)a.viewer.snap_y * finest.spacing_y;
@@ -242,11 +249,16 @@ static void square_frame(tc_surface *surface, const tc_clipmap *clipmap, const t
     for (int i = 0; i < a.strip_count + a.list_count; i++)
         s->strips[i].base_instance = (uint32_t)i;
     set_uniforms(&a, options);
-    *frame_ret = (tc_frame){.draws = s->strips, .instances = s->strip_data, .strip_draws = a.strip_count,
-                            .list_draws = a.list_count, .triangles = a.triangles,
+    *frame_ret = (tc_frame){.draws = s->strips,
+                            .instances = s->strip_data,
+                            .strip_draws = a.strip_count,
+                            .list_draws = a.list_count,
+                            .triangles = a.triangles,
                             .one_sided = seen_from_above(surface, clipmap, camera, options),
-                            .triangles_unculled = a.triangles_unculled, .levels_active = active,
-                            .level_uniforms = s->level_uniforms, .surface_uniforms = s->surface_uniforms};
+                            .triangles_unculled = a.triangles_unculled,
+                            .levels_active = active,
+                            .level_uniforms = s->level_uniforms,
+                            .surface_uniforms = s->surface_uniforms};
 }
 
 static void square_destroy(tc_surface *surface)
@@ -272,8 +284,12 @@ tc_status tc_square_create(const tc_clipmap *clipmap, tc_surface **surface_ret, 
     square_surface *s = calloc(1, sizeof *s);
     if (!s)
         return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
-    s->head = (tc_surface){.name = "square", .vertex_parts = parts, .wanted = tc_square_wanted, .frame = square_frame,
-                           .drawn_height = tc_square_drawn_height, .destroy = square_destroy};
+    s->head = (tc_surface){.name = "square",
+                           .vertex_parts = parts,
+                           .wanted = tc_square_wanted,
+                           .frame = square_frame,
+                           .drawn_height = tc_square_drawn_height,
+                           .destroy = square_destroy};
     int n = tc_clipmap_n(clipmap), block = n + 1 >= 128 ? (n + 1) / 16 : 8, across = (n + 1) / block + 1;
     /* Blocks of a level: every tile, those around the hole cut in up to four; closers: four sides. */
     s->capacity = tc_clipmap_levels(clipmap) * (across * across + 12 * across + 16);

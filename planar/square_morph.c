@@ -69,10 +69,10 @@ void tc_square_wanted(tc_surface *surface, const tc_clipmap *clipmap, const tc_c
  * the snapped viewer; v: the viewer in such cells. inner_lo .. inner_hi: the finer level's active region (where alpha
  * must be 0), empty where there is none. */
 typedef struct axis {
-    int64_t lo, hi;              /* first and last active sample */
+    int64_t lo, hi; /* first and last active sample */
     int64_t extent_lo, extent_hi;
-    double inner_lo, inner_hi;   /* cells, relative to the snapped viewer; inner_lo > inner_hi: none */
-    double snap;                 /* the snapped viewer in samples of the level */
+    double inner_lo, inner_hi; /* cells, relative to the snapped viewer; inner_lo > inner_hi: none */
+    double snap;               /* the snapped viewer in samples of the level */
     double v;
 } axis;
 
@@ -80,7 +80,7 @@ static void ramps(const axis *a, int n, bool no_morph, double *start, double *ra
 {
     double lo = (double)a->lo - a->snap, hi = (double)a->hi - a->snap;
     bool lo_meets = a->lo > a->extent_lo, hi_meets = a->hi < a->extent_hi; /* a coarser level goes on there */
-    if (no_morph) { /* the perimeter alone */
+    if (no_morph) {                                                        /* the perimeter alone */
         start[0] = lo + 0.75, start[1] = hi - 0.75;
         rate[0] = lo_meets ? 4 : 0, rate[1] = hi_meets ? 4 : 0;
         return;
@@ -109,9 +109,21 @@ square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
     double cell = ldexp(1, l->shift);
-    axis x = {l->active.x0, l->active.x1 - 1, l->extent.x0, l->extent.x1 - 1, 1, 0, (double)viewer->snap_x / cell,
+    axis x = {l->active.x0,
+              l->active.x1 - 1,
+              l->extent.x0,
+              l->extent.x1 - 1,
+              1,
+              0,
+              (double)viewer->snap_x / cell,
               viewer->rest_x / finest.spacing_x / cell};
-    axis y = {l->active.y0, l->active.y1 - 1, l->extent.y0, l->extent.y1 - 1, 1, 0, (double)viewer->snap_y / cell,
+    axis y = {l->active.y0,
+              l->active.y1 - 1,
+              l->extent.y0,
+              l->extent.y1 - 1,
+              1,
+              0,
+              (double)viewer->snap_y / cell,
               viewer->rest_y / finest.spacing_y / cell};
     if (level < tc_clipmap_levels(clipmap)) {
         const tc_rect *fine = &tc_clipmap_level(clipmap, level + 1)->active;

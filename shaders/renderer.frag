@@ -54,8 +54,9 @@ void main()
 #ifdef WATER
     n = sea ? vec3(0.2 * n.xy, 1.0) : n; // the bottom just shows through
 #endif
-    float direct = max(dot(n, sun.xyz), 0.0) * sun.w, ambient = 0.30 + 0.18 * n.z;
-    c *= direct * vec3(1.0, 0.95, 0.86) + ambient * vec3(0.72, 0.86, 1.05);
+    // The sun, light of the sky from above and of the ground around from the side (softer than Lambert's law alone).
+    float facing = dot(n, sun.xyz), direct = max(facing, 0.0) * sun.w, ambient = 0.34 + 0.14 * n.z + 0.12 * facing;
+    c *= direct * vec3(1.0, 0.96, 0.88) + ambient * vec3(0.82, 0.91, 1.0);
 #endif
 #ifdef LEVEL_COLOURS
     const vec3 hues[6] = vec3[](vec3(1.0, 0.25, 0.2), vec3(1.0, 0.75, 0.2), vec3(0.35, 0.9, 0.3), vec3(0.2, 0.85, 0.9),
@@ -68,5 +69,5 @@ void main()
     float l2 = haze.w * (1.0 + dot(across, across));
     c += (haze.rgb - c) * (l2 / (gl_FragCoord.z * gl_FragCoord.z + l2));
 #endif
-    colour = vec4(c, 1.0);
+    colour = vec4(sqrt(c), 1.0);
 }

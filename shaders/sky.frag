@@ -8,6 +8,8 @@ void main()
     float up = max(d.z, 0.0), s = max(dot(d, sun.xyz), 0.0);
     vec3 c = mix(haze.rgb, zenith.rgb, up * (up + 1.2) / (up * up + 1.2 * up + 0.25));
     s *= s, s *= s, s *= s;
-    c += vec3(0.32, 0.26, 0.18) * s * s * s;
-    colour = vec4(sqrt(c * (1.0 + 0.25 * min(d.z, 0.0))), 1.0);
+    c += haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
+    // Noise of one step of colour, so that the gradient shows no bands (interleaved gradient noise, Jimenez 2014).
+    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+    colour = vec4(sqrt(c * (1.0 + 0.25 * min(d.z, 0.0))) + noise / 255.0, 1.0);
 }

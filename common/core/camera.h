@@ -13,7 +13,8 @@ tc_basis tc_camera_basis(const tc_camera *camera);
 /* Focal lengths: half the frame is this many tangents wide and high. */
 void tc_camera_tangents(const tc_camera *camera, double *half_width_ret, double *half_height_ret);
 
-/* Pixels per unit of size over distance, W / (2 tan(fov / 2)): an object of size s at distance d covers s / d of these. */
+/* Pixels per unit of size over distance, W / (2 tan(fov / 2)): an object of size s at distance d covers s / d of these.
+ */
 double tc_camera_pixel_scale(const tc_camera *camera);
 
 /* Column-major matrix from positions relative to the eye (map axes, metres) to clip space: reversed depth near / w in

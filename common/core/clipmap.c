@@ -26,14 +26,38 @@ int tc_clipmap_n_for(const tc_camera *camera)
     return (1 << (int)fmin(fmax(k, 6), 11)) - 1;
 }
 
-int tc_clipmap_n(const tc_clipmap *clipmap) { return clipmap->n; }
-int tc_clipmap_levels(const tc_clipmap *clipmap) { return clipmap->levels; }
-const tc_pyramid *tc_clipmap_pyramid(const tc_clipmap *clipmap) { return clipmap->pyramid; }
-int tc_clipmap_pyramid_level(const tc_clipmap *clipmap, int level) { return state(clipmap, level)->pyramid_level; }
-const tc_clip_level *tc_clipmap_level(const tc_clipmap *clipmap, int level) { return &state(clipmap, level)->view; }
-const float (*tc_clipmap_heights(const tc_clipmap *clipmap, int level))[2] { return state(clipmap, level)->heights; }
-const int8_t (*tc_clipmap_normals(const tc_clipmap *clipmap, int level))[4] { return state(clipmap, level)->normals; }
-const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level) { return state(clipmap, level)->voids; }
+int tc_clipmap_n(const tc_clipmap *clipmap)
+{
+    return clipmap->n;
+}
+int tc_clipmap_levels(const tc_clipmap *clipmap)
+{
+    return clipmap->levels;
+}
+const tc_pyramid *tc_clipmap_pyramid(const tc_clipmap *clipmap)
+{
+    return clipmap->pyramid;
+}
+int tc_clipmap_pyramid_level(const tc_clipmap *clipmap, int level)
+{
+    return state(clipmap, level)->pyramid_level;
+}
+const tc_clip_level *tc_clipmap_level(const tc_clipmap *clipmap, int level)
+{
+    return &state(clipmap, level)->view;
+}
+const float (*tc_clipmap_heights(const tc_clipmap *clipmap, int level))[2]
+{
+    return state(clipmap, level)->heights;
+}
+const int8_t (*tc_clipmap_normals(const tc_clipmap *clipmap, int level))[4]
+{
+    return state(clipmap, level)->normals;
+}
+const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level)
+{
+    return state(clipmap, level)->voids;
+}
 
 /* Vertices from 0 to the terrain's edge, rounded up so that the last one is even. */
 static int64_t vertices_to_edge(int64_t edge, int shift)
@@ -41,7 +65,8 @@ static int64_t vertices_to_edge(int64_t edge, int shift)
     return 2 * tc_ceil_shift(edge, shift + 1) + 1;
 }
 
-/* The part of a level's rectangle that lies `distance` samples within, but up to the terrain's end where it reaches it. */
+/* The part of a level's rectangle that lies `distance` samples within, but up to the terrain's end where it reaches it.
+ */
 static tc_rect erode(tc_rect r, tc_rect extent, int64_t distance)
 {
     if (tc_rect_empty(r))
@@ -199,9 +224,7 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget, in
             grown.y0 -= affordable(clip->y0 - target.y0, w, left);
             add.y0 = grown.y0, add.y1 = clip->y0;
             break;
-        default:
-            grown.y1 += affordable(target.y1 - clip->y1, w, left);
-            add.y0 = clip->y1, add.y1 = grown.y1;
+        default: grown.y1 += affordable(target.y1 - clip->y1, w, left); add.y0 = clip->y1, add.y1 = grown.y1;
         }
         if (tc_rect_empty(add))
             continue;

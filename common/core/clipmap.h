@@ -17,10 +17,10 @@
 typedef struct tc_clipmap tc_clipmap;
 
 typedef struct tc_clipmap_options {
-    int n;            /* window size, 2^k - 1, 15 .. 2047; 0: 255 */
-    int max_levels;   /* 0: as many as the pyramid needs */
-    bool normals;     /* keep normals, too, at twice the resolution */
-    bool holes;       /* keep the void mask, too */
+    int n;          /* window size, 2^k - 1, 15 .. 2047; 0: 255 */
+    int max_levels; /* 0: as many as the pyramid needs */
+    bool normals;   /* keep normals, too, at twice the resolution */
+    bool holes;     /* keep the void mask, too */
 } tc_clipmap_options;
 
 /* The levels of a clipmap are the pyramid's from the first that fits in a window to the finest (or max_levels of
@@ -42,18 +42,19 @@ int tc_clipmap_pyramid_level(const tc_clipmap *clipmap, int level);
 
 /* One level as it stands. */
 typedef struct tc_clip_level {
-    tc_rect extent;    /* the whole map of this level */
-    tc_rect clip;      /* samples held */
-    tc_rect active;    /* samples to be drawn: LH04's active region; its perimeter lies on even samples */
-    tc_rect wanted;    /* what clip is on its way to */
-    int shift;         /* spacing = finest of the clipmap << shift */
+    tc_rect extent;              /* the whole map of this level */
+    tc_rect clip;                /* samples held */
+    tc_rect active;              /* samples to be drawn: LH04's active region; its perimeter lies on even samples */
+    tc_rect wanted;              /* what clip is on its way to */
+    int shift;                   /* spacing = finest of the clipmap << shift */
     double spacing_x, spacing_y; /* metres */
     int64_t edge_x, edge_y;      /* where the terrain ends, in samples of the clipmap's finest level */
 } tc_clip_level;
 const tc_clip_level *tc_clipmap_level(const tc_clipmap *clipmap, int level);
 
 /* Toroidal arrays of a level, row stride n+1 (normals: 2(n+1)): pairs (z, z_c) in metres above z_base; normals as
- * (x, y) in 1/127, the level's own and then the coarser level's on the same spot; voids 0 or 255. NULL where not kept. */
+ * (x, y) in 1/127, the level's own and then the coarser level's on the same spot; voids 0 or 255. NULL where not kept.
+ */
 const float (*tc_clipmap_heights(const tc_clipmap *clipmap, int level))[2];
 const int8_t (*tc_clipmap_normals(const tc_clipmap *clipmap, int level))[4];
 const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level);
@@ -63,8 +64,8 @@ const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level);
  * for progress). Crops what falls behind so that
  * LH04's four constraints hold:
  *   clip(l+1) within clip(l) eroded by 1; active(l) within clip(l); perimeter of active(l) on even samples;
- *   active(l+1) within active(l) eroded by 2 (each in the coarser level's samples; nothing is eroded where the terrain ends).
- * Returns the samples read. */
+ *   active(l+1) within active(l) eroded by 2 (each in the coarser level's samples; nothing is eroded where the terrain
+ * ends). Returns the samples read. */
 int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget);
 
 /* Whether every wanted window is held. */

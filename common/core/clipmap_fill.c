@@ -25,8 +25,8 @@ size_t tc_fill_scratch(int n)
 
 /* How heights go on beyond the level's last samples. */
 typedef struct beyond {
-    bool straight;   /* in a straight line; else all on the terrain's edge: */
-    float x, y;      /* the edge lies this far beyond the last sample, 0 <= x < 1 */
+    bool straight; /* in a straight line; else all on the terrain's edge: */
+    float x, y;    /* the edge lies this far beyond the last sample, 0 <= x < 1 */
 } beyond;
 
 /* Steps of the slope between the last two samples to add at sample i of `size`; 0 inside. */
@@ -46,8 +46,8 @@ static inline int64_t inner(int64_t b, int64_t size)
     return size < 2 ? b : b == 0 ? 1 : b == size - 1 ? size - 2 : b;
 }
 
-/* Reads rect, which may go beyond the level, into buffer; *z_ret points at its first sample, rows are *stride_ret apart.
- * buffer: (width + 2) * (height + 2) floats. voids: the same layout, or NULL. */
+/* Reads rect, which may go beyond the level, into buffer; *z_ret points at its first sample, rows are *stride_ret
+ * apart. buffer: (width + 2) * (height + 2) floats. voids: the same layout, or NULL. */
 static tc_status read_beyond(const tc_pyramid *pyramid, int level, tc_rect rect, beyond how, float *buffer,
                              uint8_t *voids, float **z_ret, ptrdiff_t *stride_ret)
 {

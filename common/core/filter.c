@@ -95,9 +95,9 @@ void tc_downsample(const float *fine, int64_t width, int64_t height, int64_t j0,
 {
     int64_t cw = tc_coarse_size(width), evens = tc_coarse_size(height), odds = height / 2, rows = j1 - j0;
     float *e = scratch + 1, *d_row = e + cw + 3 + 2;
-    float *detail = scratch + 2 * (cw + 8);           /* rows + 3 rows of details */
-    float *line = detail + (rows + 3) * cw;           /* three extended rows */
-    float *low = line + 3 * cw;                       /* the band */
+    float *detail = scratch + 2 * (cw + 8); /* rows + 3 rows of details */
+    float *line = detail + (rows + 3) * cw; /* three extended rows */
+    float *low = line + 3 * cw;             /* the band */
 
     int64_t first = j0 - REACH > 0 ? 2 * (j0 - REACH) : 0;
     int64_t end = 2 * (j1 + REACH) < height ? 2 * (j1 + REACH) : height;

@@ -9,7 +9,10 @@
 #include "../terraclip.h"
 
 /* Samples of the next coarser level along an axis of `fine` samples. */
-static inline int64_t tc_coarse_size(int64_t fine) { return (fine + 1) / 2; }
+static inline int64_t tc_coarse_size(int64_t fine)
+{
+    return (fine + 1) / 2;
+}
 
 /* Writes rows j0 <= j < j1 of D(fine): coarse[(j - j0) * tc_coarse_size(width) + i]. Rows are independent of how the
  * range is cut. scratch: tc_downsample_scratch floats. */

@@ -82,12 +82,15 @@ tc_status tc_lod_error_measure(const tc_pyramid *pyramid, int level, int n, int 
     tc_status status = tc_error_stats_init(&m.total);
     if (status)
         return status;
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels), own = tc_pyramid_level(pyramid, level);
+    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels),
+             own = tc_pyramid_level(pyramid, level);
     tc_parallel_for(threads, (finest.height + ROWS - 1) / ROWS, measure_task, &m);
     if (!m.status) {
-        double g = fmin(own.spacing_x, own.spacing_y), pixels = width_px / (2 * tan(fov / 2)) / (0.4 * n * g / 2);
-        tc_lod_error e = {.spacing_m = g, .rms_m = tc_error_stats_rms(&m.total),
-                          .p999_m = tc_error_stats_percentile(&m.total, 0.999), .max_m = m.total.max};
+        double g = fmin(own.spacing_x, own.spacing_y), pixels = width_px / (2 * tan(fov / 2)) / (0.4 * n * g);
+        tc_lod_error e = {.spacing_m = g,
+                          .rms_m = tc_error_stats_rms(&m.total),
+                          .p999_m = tc_error_stats_percentile(&m.total, 0.999),
+                          .max_m = m.total.max};
         e.rms_px = e.rms_m * pixels, e.p999_px = e.p999_m * pixels, e.max_px = e.max_m * pixels;
         *error_ret = e;
     }

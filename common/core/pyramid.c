@@ -16,8 +16,8 @@ void tc_pyramid_set_levels(tc_pyramid *pyramid, tc_level finest)
     pyramid->level[levels - 1] = finest;
     for (int l = levels - 1; l >= 1; l--) {
         tc_level f = pyramid->level[l];
-        pyramid->level[l - 1] = (tc_level){tc_coarse_size(f.width), tc_coarse_size(f.height), 2 * f.spacing_x,
-                                           2 * f.spacing_y};
+        pyramid->level[l - 1] =
+            (tc_level){tc_coarse_size(f.width), tc_coarse_size(f.height), 2 * f.spacing_x, 2 * f.spacing_y};
     }
 }
 

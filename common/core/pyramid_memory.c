@@ -10,14 +10,14 @@
 #include "status.h"
 
 enum {
-    TILE = 16,      /* samples of a bounds tile along a side */
-    BAND = 64       /* rows that one task filters */
+    TILE = 16, /* samples of a bounds tile along a side */
+    BAND = 64  /* rows that one task filters */
 };
 
 typedef struct memory_level {
-    float *z;        /* [j * width + i] */
-    uint8_t *voids;  /* the same; NULL where the terrain has no voids */
-    float *bounds;   /* (min, max) of each tile */
+    float *z;       /* [j * width + i] */
+    uint8_t *voids; /* the same; NULL where the terrain has no voids */
+    float *bounds;  /* (min, max) of each tile */
     int64_t tiles_x;
 } memory_level;
 

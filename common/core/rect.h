@@ -4,15 +4,33 @@
 
 #include "../terraclip.h"
 
-static inline int64_t tc_min64(int64_t a, int64_t b) { return a < b ? a : b; }
-static inline int64_t tc_max64(int64_t a, int64_t b) { return a > b ? a : b; }
-static inline int64_t tc_clamp64(int64_t v, int64_t lo, int64_t hi) { return v < lo ? lo : v > hi ? hi : v; }
+static inline int64_t tc_min64(int64_t a, int64_t b)
+{
+    return a < b ? a : b;
+}
+static inline int64_t tc_max64(int64_t a, int64_t b)
+{
+    return a > b ? a : b;
+}
+static inline int64_t tc_clamp64(int64_t v, int64_t lo, int64_t hi)
+{
+    return v < lo ? lo : v > hi ? hi : v;
+}
 
 /* floor(a / 2^k) and ceil(a / 2^k), also for negative a. */
-static inline int64_t tc_floor_shift(int64_t a, int k) { return a >> k; }
-static inline int64_t tc_ceil_shift(int64_t a, int k) { return -((-a) >> k); }
+static inline int64_t tc_floor_shift(int64_t a, int k)
+{
+    return a >> k;
+}
+static inline int64_t tc_ceil_shift(int64_t a, int k)
+{
+    return -((-a) >> k);
+}
 
-static inline bool tc_rect_empty(tc_rect r) { return r.x1 <= r.x0 || r.y1 <= r.y0; }
+static inline bool tc_rect_empty(tc_rect r)
+{
+    return r.x1 <= r.x0 || r.y1 <= r.y0;
+}
 
 static inline int64_t tc_rect_area(tc_rect r)
 {
@@ -33,8 +51,7 @@ static inline bool tc_rect_within(tc_rect a, tc_rect b)
 
 static inline bool tc_rect_equal(tc_rect a, tc_rect b)
 {
-    return (tc_rect_empty(a) && tc_rect_empty(b)) ||
-           (a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1);
+    return (tc_rect_empty(a) && tc_rect_empty(b)) || (a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1);
 }
 
 static inline bool tc_rect_contains(tc_rect r, int64_t x, int64_t y)

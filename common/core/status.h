@@ -10,8 +10,7 @@ extern "C" {
 
 /* Sets *error (where not NULL) to status and the formatted line, and returns status:
  *     return tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno)); */
-tc_status tc_fail(tc_error *error, tc_status status, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+tc_status tc_fail(tc_error *error, tc_status status, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
 #ifdef __cplusplus
 }

@@ -36,9 +36,9 @@ typedef struct tc_frame {
     const tc_draw *draws;         /* strips first, then triangle lists */
     const tc_instance *instances; /* one a draw */
     int strip_draws, list_draws;
-    bool one_sided;               /* no back of a strip's triangle (counter-clockwise from the eye) can be seen */
-    int64_t triangles;            /* that cover area: without joints and without crack closers */
-    int64_t triangles_unculled;   /* the same if nothing had been outside the view */
+    bool one_sided;             /* no back of a strip's triangle (counter-clockwise from the eye) can be seen */
+    int64_t triangles;          /* that cover area: without joints and without crack closers */
+    int64_t triangles_unculled; /* the same if nothing had been outside the view */
     int levels_active;
     float (*level_uniforms)[TC_LEVEL_UNIFORMS]; /* [TC_MAX_LEVELS], index level - 1: GLSL `vec4 level[3 * 32]` */
     float *surface_uniforms;                    /* TC_SURFACE_UNIFORMS floats */
@@ -46,16 +46,16 @@ typedef struct tc_frame {
 
 /* How a frame is drawn; zero is the default. */
 typedef struct tc_frame_options {
-    bool no_morph;        /* levels meet abruptly, yet without cracks */
-    bool no_stitch;       /* leaves T-junctions open: for the tests that look for cracks */
-    bool no_cull;         /* draws what is outside the view, too */
+    bool no_morph;                /* levels meet abruptly, yet without cracks */
+    bool no_stitch;               /* leaves T-junctions open: for the tests that look for cracks */
+    bool no_cull;                 /* draws what is outside the view, too */
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
 } tc_frame_options;
 
 typedef struct tc_surface tc_surface;
 struct tc_surface {
-    const char *name;                 /* as in figures: "square", "rings", ... */
-    const char *const *vertex_parts;  /* GLSL files that map a vertex, NULL-terminated */
+    const char *name;                /* as in figures: "square", "rings", ... */
+    const char *const *vertex_parts; /* GLSL files that map a vertex, NULL-terminated */
     tc_geometry geometry;
     /* Windows wanted at each level for this camera: wanted[level - 1]; empty for levels too fine for it. */
     void (*wanted)(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted);

@@ -50,8 +50,8 @@ typedef struct target {
     const tc_gl *gl;
     GLuint texture;
     GLenum format, type;
-    int64_t size;       /* texels along a side: a power of two */
-    int bytes;          /* a texel */
+    int64_t size; /* texels along a side: a power of two */
+    int bytes;    /* a texel */
     int layer;
     const void *texels; /* the whole toroidal array */
 } target;
@@ -81,19 +81,20 @@ int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, t
     for (int level = 1; level <= tc_clipmap_levels(clipmap); level++) {
         tc_rect changes[TC_MAX_CHANGES];
         int count = tc_clipmap_take_changes(clipmap, level, changes, TC_MAX_CHANGES);
-        target heights = {gl, textures->heights, GL_RG, GL_FLOAT, size, 8, level - 1, tc_clipmap_heights(clipmap, level)};
-        target voids = {gl, textures->voids, GL_RED, GL_UNSIGNED_BYTE, size, 1, level - 1,
-                        tc_clipmap_voids(clipmap, level)};
-        target normals = {gl, textures->normals, GL_RGBA, GL_BYTE, 2 * size, 4, level - 1,
-                          tc_clipmap_normals(clipmap, level)};
+        target heights = {
+            gl, textures->heights, GL_RG, GL_FLOAT, size, 8, level - 1, tc_clipmap_heights(clipmap, level)};
+        target voids = {
+            gl, textures->voids, GL_RED, GL_UNSIGNED_BYTE, size, 1, level - 1, tc_clipmap_voids(clipmap, level)};
+        target normals = {
+            gl, textures->normals, GL_RGBA, GL_BYTE, 2 * size, 4, level - 1, tc_clipmap_normals(clipmap, level)};
         for (int i = 0; i < count; i++) {
             tc_rect r = changes[i];
             bytes += upload_wrapped(&heights, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
             if (textures->voids)
                 bytes += upload_wrapped(&voids, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
             if (textures->normals) /* from half a sample before to half a sample behind */
-                bytes += upload_wrapped(&normals, 2 * r.x0 - 1, 2 * r.y0 - 1, 2 * (r.x1 - r.x0) + 1,
-                                        2 * (r.y1 - r.y0) + 1);
+                bytes +=
+                    upload_wrapped(&normals, 2 * r.x0 - 1, 2 * r.y0 - 1, 2 * (r.x1 - r.x0) + 1, 2 * (r.y1 - r.y0) + 1);
         }
     }
     gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);

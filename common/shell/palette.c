@@ -4,15 +4,16 @@
 #include <math.h>
 
 typedef struct stop {
-    double at;          /* 0 .. 1 of its range */
-    uint8_t rgb[3];     /* sRGB-like, as seen */
+    double at;      /* 0 .. 1 of its range */
+    uint8_t rgb[3]; /* sRGB-like, as seen */
 } stop;
 
-static const stop sea[] = {{0.0, {34, 58, 88}}, {0.6, {48, 84, 116}}, {0.93, {78, 122, 146}}, {1.0, {104, 150, 164}}};
-static const stop land[] = {{0.00, {142, 152, 110}}, {0.10, {124, 142, 92}},  {0.25, {112, 130, 82}},
-                            {0.40, {132, 138, 96}},  {0.54, {158, 148, 116}}, {0.68, {150, 140, 126}},
-                            {0.76, {168, 164, 158}}, {0.84, {232, 234, 236}}, {1.00, {252, 253, 254}}};
-static const stop dust[] = {{0.0, {88, 84, 80}}, {0.35, {128, 123, 116}}, {0.7, {164, 158, 150}}, {1.0, {204, 199, 192}}};
+static const stop sea[] = {{0.0, {24, 48, 82}}, {0.6, {36, 74, 112}}, {0.93, {64, 112, 140}}, {1.0, {92, 142, 158}}};
+static const stop land[] = {{0.00, {124, 134, 92}},  {0.06, {104, 124, 74}},  {0.22, {86, 108, 60}},
+                            {0.38, {108, 116, 74}},  {0.52, {140, 128, 98}},  {0.66, {130, 120, 108}},
+                            {0.75, {154, 150, 146}}, {0.82, {230, 232, 235}}, {1.00, {252, 253, 254}}};
+static const stop dust[] = {
+    {0.0, {88, 84, 80}}, {0.35, {128, 123, 116}}, {0.7, {164, 158, 150}}, {1.0, {204, 199, 192}}};
 
 enum { HALF = TC_RAMP_SIZE / 2 };
 
@@ -38,6 +39,12 @@ tc_palette tc_palette_make(const tc_terrain_info *info)
     const double SUMMITS = 2600; /* metres above the lowest land, at least, where the ramp ends: no snow on hills */
     const double SHORE = 0.0008; /* of the land's height */
     tc_palette p = {.natural = !info->other_body};
+    static const float sky[2][2][3] = {{{0.004f, 0.004f, 0.005f}, {0.001f, 0.001f, 0.002f}},
+                                       {{0.56f, 0.66f, 0.78f}, {0.055f, 0.17f, 0.45f}}};
+    for (int c = 0; c < 3; c++) {
+        p.horizon[c] = sky[p.natural][0][c];
+        p.zenith[c] = sky[p.natural][1][c];
+    }
     double lo = info->z_min + info->z_base, hi = info->z_max + info->z_base;
     p.water = p.natural && lo <= 0 && hi > 0;
     double bottom = p.natural ? fmax(lo, 0) : lo;

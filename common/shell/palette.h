@@ -7,10 +7,11 @@
 enum { TC_RAMP_SIZE = 512 };
 
 typedef struct tc_palette {
-    uint8_t ramp[TC_RAMP_SIZE][4];     /* squared colours: sea from deep to shallow, then land from shore to summit */
-    float heights[4];                  /* sea level above z_base, 1 / depth, 1 / height of the land, height of the shore */
-    bool water;                        /* some of the terrain lies below the sea */
-    bool natural;                      /* a land with soil, rock and snow, not another body's dust */
+    uint8_t ramp[TC_RAMP_SIZE][4]; /* squared colours: sea from deep to shallow, then land from shore to summit */
+    float heights[4];              /* sea level above z_base, 1 / depth, 1 / height of the land, height of the shore */
+    bool water;                    /* some of the terrain lies below the sea */
+    bool natural;                  /* a land with soil, rock and snow under air, not another body's dust under space */
+    float horizon[3], zenith[3];   /* squared colours of the sky */
 } tc_palette;
 
 /* Colours for a terrain: an Earth-like land gets water below zero, green lowlands, rock and snow by absolute height;

@@ -19,9 +19,9 @@
 #include "program.h"
 
 enum {
-    SLOTS = 3,        /* frames whose buffers may be in flight */
+    SLOTS = 3, /* frames whose buffers may be in flight */
     MAX_LEFT_OUT = 8,
-    VARIANTS = 2      /* with and without level colours */
+    VARIANTS = 2 /* with and without level colours */
 };
 
 /* The uniform block of shaders/frame.glsl. */
@@ -45,14 +45,14 @@ struct tc_renderer {
     tc_clipmap *clipmap;
     tc_scene_options options;
     tc_palette palette;
-    double extent;                     /* metres, the terrain's diagonal */
-    double near_plane;                 /* metres */
+    double extent;     /* metres, the terrain's diagonal */
+    double near_plane; /* metres */
     tc_level_textures textures;
     GLuint ramp;
-    GLuint terrain[VARIANTS], sky;     /* programs; 0: not built yet, or not needed */
+    GLuint terrain[VARIANTS], sky; /* programs; 0: not built yet, or not needed */
     GLuint vao, vertices, indices;
     GLuint uniforms[SLOTS], draws[SLOTS];
-    size_t draw_capacity[SLOTS];       /* draws that draws[] has room for */
+    size_t draw_capacity[SLOTS]; /* draws that draws[] has room for */
     int slot;
     GLuint framebuffer, colour, depth; /* drawn to */
     GLuint resolved, resolved_colour;  /* what it comes to where several samples make a pixel; else 0 */
@@ -71,14 +71,20 @@ static double now_ms(void)
 
 /* ---- Creation ------------------------------------------------------------------------------------------------ */
 
+/* Whether there is air to see: none in space, none before a flat background. */
+static bool hazy(const tc_renderer *r)
+{
+    return !r->options.background_set && r->palette.natural;
+}
+
 static tc_status build_terrain(tc_renderer *r, bool level_colours, GLuint *program_ret, tc_error *error)
 {
     const tc_scene_options *o = &r->options;
     char defines[512];
-    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n%s%s%s%s%s%s",
-             tc_clipmap_n(r->clipmap), o->unlit ? "" : "#define LIT\n", o->holes ? "#define HOLES\n" : "",
-             o->background_set ? "" : "#define HAZE\n", level_colours ? "#define LEVEL_COLOURS\n" : "",
-             r->palette.natural ? "#define NATURAL_LAND\n" : "", r->palette.water ? "#define WATER\n" : "");
+    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n%s%s%s%s%s%s", tc_clipmap_n(r->clipmap),
+             o->unlit ? "" : "#define LIT\n", o->holes ? "#define HOLES\n" : "", hazy(r) ? "#define HAZE\n" : "",
+             level_colours ? "#define LEVEL_COLOURS\n" : "", r->palette.natural ? "#define NATURAL_LAND\n" : "",
+             r->palette.water ? "#define WATER\n" : "");
     const char *vertex[16] = {"frame.glsl", "vertex_inputs.glsl"};
     int count = 2;
     for (const char *const *p = r->surface->vertex_parts; *p && count < 14; p++)
@@ -130,6 +136,8 @@ static void note_left_out(tc_renderer *r)
         r->left_out[n++] = "normal map and lighting: unlit";
     if (r->options.background_set)
         r->left_out[n++] = "sky and haze: flat background";
+    else if (!hazy(r))
+        r->left_out[n++] = "haze: a body without air";
     if (!r->options.holes)
         r->left_out[n++] = "void mask: no holes to show";
     if (r->options.frame.no_morph)
@@ -267,14 +275,13 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     memcpy(u->heights, r->palette.heights, sizeof u->heights);
     const double azimuth = 310 * M_PI / 180, elevation = 38 * M_PI / 180; /* the cartographer's light, a bit softer */
     float sun[4] = {(float)(sin(azimuth) * cos(elevation)), (float)(cos(azimuth) * cos(elevation)),
-                    (float)sin(elevation), 1.25f};
+                    (float)sin(elevation), 1.1f};
     memcpy(u->sun, sun, sizeof sun);
     double height = fmax(0, eye - tc_pyramid_info(r->pyramid)->z_min);
-    double distance = 1.1 * r->extent + 4 * height; /* half of what one sees there is haze */
-    float haze[4] = {0.56f, 0.66f, 0.78f, (float)pow(r->near_plane / distance, 2)};
-    memcpy(u->haze, haze, sizeof haze);
-    float zenith[4] = {0.055f, 0.17f, 0.45f, 0};
-    memcpy(u->zenith, zenith, sizeof zenith);
+    double distance = 0.65 * r->extent + 4 * height; /* half of what one sees there is haze */
+    memcpy(u->haze, r->palette.horizon, sizeof r->palette.horizon);
+    u->haze[3] = (float)pow(r->near_plane / distance, 2);
+    memcpy(u->zenith, r->palette.zenith, sizeof r->palette.zenith);
     float lens[4] = {(float)(2 * tx / camera->width), (float)(2 * ty / camera->height), (float)tx, (float)ty};
     memcpy(u->lens, lens, sizeof lens);
 }
@@ -329,7 +336,8 @@ static void draw(tc_renderer *r, const tc_frame *frame)
     gl->Disable(GL_CULL_FACE);
     if (frame->list_draws && !r->options.wireframe)
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
-                                      (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)), frame->list_draws, 0);
+                                      (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)), frame->list_draws,
+                                      0);
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (r->sky) {
         gl->DepthFunc(GL_GEQUAL); /* depth 0 is infinity: where nothing was drawn */
@@ -387,8 +395,8 @@ static GLuint drawn(const tc_renderer *r)
 
 void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height)
 {
-    renderer->gl->BlitNamedFramebuffer(drawn(renderer), 0, 0, 0, renderer->width, renderer->height, 0, 0,
-                                       window_width, window_height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    renderer->gl->BlitNamedFramebuffer(drawn(renderer), 0, 0, 0, renderer->width, renderer->height, 0, 0, window_width,
+                                       window_height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 /* Turns rows that OpenGL gives bottom to top. */
@@ -437,11 +445,11 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
     size_t draws = 0;
     for (int i = 0; i < SLOTS; i++)
         draws += renderer->draw_capacity[i] * (sizeof(tc_draw) + sizeof(tc_instance)) + sizeof(frame_uniforms);
-    *stats_ret = (tc_memory_stats){
-        .geometry = (size_t)g->vertex_count * sizeof *g->vertices + (size_t)g->index_count * sizeof *g->indices + draws,
-        .heights = renderer->textures.height_bytes + tc_clipmap_bytes(renderer->clipmap),
-        .normals = renderer->textures.normal_bytes,
-        .pyramid = tc_pyramid_bytes(renderer->pyramid)};
+    *stats_ret = (tc_memory_stats){.geometry = (size_t)g->vertex_count * sizeof *g->vertices +
+                                               (size_t)g->index_count * sizeof *g->indices + draws,
+                                   .heights = renderer->textures.height_bytes + tc_clipmap_bytes(renderer->clipmap),
+                                   .normals = renderer->textures.normal_bytes,
+                                   .pyramid = tc_pyramid_bytes(renderer->pyramid)};
 }
 
 const char *const *tc_renderer_left_out(const tc_renderer *renderer)

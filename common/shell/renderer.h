@@ -8,23 +8,23 @@
 
 /* What the scene needs, settled once; what is not needed is neither compiled nor allocated. */
 typedef struct tc_scene_options {
-    bool unlit;              /* colours without light: no normal map */
-    bool background_set;     /* flat background: no sky, no haze */
-    uint8_t background[3];   /* RGB */
-    bool holes;              /* voids are left out of the mesh */
-    int samples;             /* a pixel; 0: 1. The most that the driver has where it has fewer */
-    int64_t budget;          /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
-    bool level_colours;      /* may be switched while running, as may the next two */
+    bool unlit;            /* colours without light: no normal map */
+    bool background_set;   /* flat background: no sky, no haze */
+    uint8_t background[3]; /* RGB */
+    bool holes;            /* voids are left out of the mesh */
+    int samples;           /* a pixel; 0: 1. The most that the driver has where it has fewer */
+    int64_t budget;        /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
+    bool level_colours;    /* may be switched while running, as may the next two */
     bool wireframe;
     tc_frame_options frame;
 } tc_scene_options;
 
 typedef struct tc_frame_stats {
-    double update_ms, draw_ms;    /* CPU time of filling windows and uploading; of drawing (until finished, offscreen) */
+    double update_ms, draw_ms; /* CPU time of filling windows and uploading; of drawing (until finished, offscreen) */
     int64_t triangles, triangles_unculled;
     int draws, levels_active;
     int64_t samples_updated, bytes_uploaded;
-    bool resident;                /* the clipmap held all that this view needs */
+    bool resident; /* the clipmap held all that this view needs */
 } tc_frame_stats;
 
 /* Bytes by item. */

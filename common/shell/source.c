@@ -34,6 +34,8 @@ struct tc_source {
 /* Rows are read in chunks of about this size: large enough for GDAL to decode tiles in parallel, small against any
  * terrain worth caring. */
 enum { CHUNK_BYTES = 16 << 20 };
+/* A row must fit in memory; one longer than this comes from a damaged header. */
+enum { LONGEST_ROW = 1 << 30 };
 
 void tc_say(const tc_source_options *options, bool warning, const char *format, ...)
 {
@@ -214,6 +216,9 @@ static tc_status settle(tc_source *source, tc_error *error)
     settle_unit(source);
 
     int64_t row_bytes = raster->width * (int64_t)tc_sample_size(raster->type);
+    if (row_bytes > LONGEST_ROW)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: expected rows of at most 1 GiB, found %lld samples of %.1f GiB",
+                       source->path, (long long)raster->width, (double)row_bytes / LONGEST_ROW);
     int64_t block = raster->block_rows < raster->height ? raster->block_rows : raster->height;
     int64_t rows = CHUNK_BYTES / row_bytes / block * block;
     /* Whole rows of blocks, unless those are enormous (a file stored as one block). */

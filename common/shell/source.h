@@ -68,4 +68,7 @@ tc_status tc_write_tiff(const char *path, const tc_tiff_options *options, tc_row
  * the target and renamed. */
 tc_status tc_write_picture(const char *path, int width, int height, const uint8_t *rgb, tc_error *error);
 
+/* TC_ERR_USAGE where path has no extension that tc_write_picture knows. */
+tc_status tc_check_picture_name(const char *path, tc_error *error);
+
 #endif

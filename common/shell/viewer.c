@@ -257,8 +257,8 @@ static tc_status report(tc_viewer *v, tc_error *error)
 static tc_status check_writable(const char *path, tc_error *error)
 {
     struct stat old;
-    if (!path || (stat(path, &old) == 0 && !S_ISREG(old.st_mode))) /* a device, a pipe: will be seen */
-        return TC_OK;
+    if (!path || (stat(path, &old) == 0 && !S_ISREG(old.st_mode) && !S_ISDIR(old.st_mode)))
+        return TC_OK; /* a device, a pipe: will be seen */
     tc_outfile probe;
     tc_status status = tc_outfile_begin(path, &probe, error);
     if (status == TC_OK)
@@ -273,6 +273,8 @@ static tc_status run(tc_viewer *v, tc_error *error)
     tc_status status = check_writable(v->options.stats, error);
     if (status == TC_OK) /* of a flight, the pattern itself stands for the frames */
         status = check_writable(v->options.output, error);
+    if (status == TC_OK && v->options.output)
+        status = tc_check_picture_name(v->options.output, error);
     if (status == TC_OK)
         status = load_terrain(v, error);
     if (status == TC_OK)

@@ -78,7 +78,7 @@ static void plain_create(const tc_gl *gl, plain_mesh *m, const float (*positions
     gl->NamedFramebufferRenderbuffer(m->framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, m->renderbuffers[1]);
 }
 
-static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *matrix)
+static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *matrix, bool one_sided)
 {
     double start = now_ms();
     gl->BindFramebuffer(GL_FRAMEBUFFER, m->framebuffer);
@@ -92,7 +92,11 @@ static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *mat
     gl->UseProgram(m->program);
     gl->ProgramUniformMatrix4fv(m->program, m->matrix, 1, GL_FALSE, matrix);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, m->draws);
+    gl->FrontFace(GL_CW);
+    if (one_sided)
+        gl->Enable(GL_CULL_FACE);
     gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, m->strip_draws, 0);
+    gl->Disable(GL_CULL_FACE);
     if (m->list_draws)
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
                                       (const void *)((size_t)m->strip_draws * sizeof(tc_draw)), m->list_draws, 0);
@@ -137,7 +141,8 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
             last = index > last ? index : last;
         }
         for (int k = 0; k <= last; k++) {
-            int64_t rx = v[0] + ((int64_t)g->vertices[k][0] << l->shift), ry = v[1] + ((int64_t)g->vertices[k][1] << l->shift);
+            int64_t rx = v[0] + ((int64_t)g->vertices[k][0] << l->shift),
+                    ry = v[1] + ((int64_t)g->vertices[k][1] << l->shift);
             int64_t i = (rx + viewer.snap_x) >> l->shift, j = (ry + viewer.snap_y) >> l->shift;
             const float *z = tc_clipmap_heights(s->clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
             double cell = ldexp(1, l->shift), a = tc_square_alpha(&morph, (double)rx / cell, (double)ry / cell);
@@ -177,7 +182,8 @@ static void plain_brute_force(const tc_gl *gl, const tc_pyramid *p, const tc_cam
             q[1] = (float)((double)(y + k / (B + 1)) * l.spacing_y - camera->y);
             q[2] = (float)((double)z[k] - camera->z);
         }
-        draws[t] = (tc_draw){tc_square_strip_count(B, B), 1, index.strip_first[B - 1], (int32_t)(t * g.vertex_count), 0};
+        draws[t] =
+            (tc_draw){tc_square_strip_count(B, B), 1, index.strip_first[B - 1], (int32_t)(t * g.vertex_count), 0};
     }
     plain_create(gl, m, (const float(*)[3])positions, (size_t)(count * g.vertex_count), g.indices, g.index_count, draws,
                  (int)count, 0);
@@ -192,16 +198,16 @@ static double scene_frame(scene *s, const tc_camera *camera)
 }
 
 /* Median ratio of the scene's frame to the mesh's, in pairs. */
-static double ratio(const tc_gl *gl, scene *s, const plain_mesh *m, const tc_camera *camera, int pairs, double *frame_ms,
-                    double *plain_ms)
+static double ratio(const tc_gl *gl, scene *s, const plain_mesh *m, const tc_camera *camera, bool one_sided, int pairs,
+                    double *frame_ms, double *plain_ms)
 {
     float matrix[16];
     double ratios[PAIRS], a[PAIRS], b[PAIRS];
     tc_camera_matrix(camera, 1e-4, matrix);
-    scene_draw(s, camera, true), plain_frame(gl, m, matrix);
+    scene_draw(s, camera, true), plain_frame(gl, m, matrix, one_sided);
     for (int i = 0; i < pairs; i++) {
         a[i] = scene_frame(s, camera);
-        b[i] = plain_frame(gl, m, matrix);
+        b[i] = plain_frame(gl, m, matrix, one_sided);
         ratios[i] = a[i] / b[i];
     }
     *frame_ms = median(a, pairs), *plain_ms = median(b, pairs);
@@ -211,8 +217,12 @@ static double ratio(const tc_gl *gl, scene *s, const plain_mesh *m, const tc_cam
 /* A square of `size` samples around the middle of a terrain repeated in mirror images. */
 static tc_pyramid *cut_out(const tc_grid *from, int64_t size)
 {
-    tc_grid g = {.width = size, .height = size, .spacing_x = from->spacing_x, .spacing_y = from->spacing_y,
-                 .z_min = from->z_min, .z_max = from->z_max};
+    tc_grid g = {.width = size,
+                 .height = size,
+                 .spacing_x = from->spacing_x,
+                 .spacing_y = from->spacing_y,
+                 .z_min = from->z_min,
+                 .z_max = from->z_max};
     g.z = malloc((size_t)(size * size) * sizeof *g.z);
     int64_t period = 2 * (from->width - 1), offset = (from->width - size) / 2;
     for (int64_t j = 0; j < size; j++)
@@ -239,8 +249,14 @@ static void sizes(const tc_context *context, const tc_grid *terrain)
         s[k] = scene_create(context, p[k], 255, &options);
         double middle = (double)(size[k] - 1) / 2 * terrain->spacing_x, ground;
         tc_pyramid_height(p[k], middle, middle, &ground);
-        camera[k] = (tc_camera){.x = middle, .y = middle - 2000, .z = 4200, .heading = 0.3, .pitch = -55 * M_PI / 180,
-                                .fov = M_PI / 3, .width = WIDTH, .height = HEIGHT};
+        camera[k] = (tc_camera){.x = middle,
+                                .y = middle - 2000,
+                                .z = 4200,
+                                .heading = 0.3,
+                                .pitch = -55 * M_PI / 180,
+                                .fov = M_PI / 3,
+                                .width = WIDTH,
+                                .height = HEIGHT};
         scene_draw(&s[k], &camera[k], true);
     }
     double ms[3][PAIRS], r[3][PAIRS];
@@ -268,10 +284,16 @@ int main(void)
     tc_pyramid *p = cut_out(&terrain, 4097);
     double middle = 2048 * 30, ground;
     tc_pyramid_height(p, middle, middle, &ground);
-    tc_camera camera = {.x = middle, .y = middle, .z = ground + 30, .heading = 0.5, .pitch = -0.05, .fov = M_PI / 2,
-                        .width = WIDTH, .height = HEIGHT};
-    printf("frame: %s, 4097 x 4097, n 255, 90 degrees, %d x %d, 30 m above ground\n", tc_context_backend(context), WIDTH,
-           HEIGHT);
+    tc_camera camera = {.x = middle,
+                        .y = middle,
+                        .z = ground + 30,
+                        .heading = 0.5,
+                        .pitch = -0.05,
+                        .fov = M_PI / 2,
+                        .width = WIDTH,
+                        .height = HEIGHT};
+    printf("frame: %s, 4097 x 4097, n 255, 90 degrees, %d x %d, 30 m above ground\n", tc_context_backend(context),
+           WIDTH, HEIGHT);
     for (int lit = 0; lit < 2; lit++) {
         tc_scene_options options = {.unlit = !lit, .background_set = !lit};
         scene s = scene_create(context, p, 255, &options);
@@ -279,18 +301,21 @@ int main(void)
         plain_mesh same;
         double ms, plain_ms;
         plain_from_scene(gl, &s, &camera, &same);
-        double r = ratio(gl, &s, &same, &camera, PAIRS, &ms, &plain_ms);
+        double r = ratio(gl, &s, &same, &camera, false, PAIRS, &ms, &plain_ms);
         if (!lit)
-            printf("frame: %lld of %lld triangles after culling: %.3f; %d draws, %d levels\n", (long long)stats.triangles,
-                   (long long)stats.triangles_unculled, (double)stats.triangles / (double)stats.triangles_unculled,
-                   stats.draws, stats.levels_active);
-        printf("frame: %s: %.2f ms, position-only %.2f ms, ratio %.3f\n", lit ? "lit, sky and haze" : "unlit", ms, plain_ms,
-               r);
+            printf("frame: %lld of %lld triangles after culling: %.3f; %d draws, %d levels\n",
+                   (long long)stats.triangles, (long long)stats.triangles_unculled,
+                   (double)stats.triangles / (double)stats.triangles_unculled, stats.draws, stats.levels_active);
+        printf("frame: %s: %.2f ms, position-only %.2f ms, ratio %.3f\n", lit ? "lit, sky and haze" : "unlit", ms,
+               plain_ms, r);
+        r = ratio(gl, &s, &same, &camera, true, PAIRS, &ms, &plain_ms);
+        printf("frame: %s, the other frame leaving out backs of triangles, too: %.2f ms, ratio %.3f\n",
+               lit ? "lit" : "unlit", plain_ms, r);
         plain_destroy(gl, &same);
         if (lit) {
             plain_mesh brute;
             plain_brute_force(gl, p, &camera, &brute);
-            r = ratio(gl, &s, &brute, &camera, 5, &ms, &plain_ms);
+            r = ratio(gl, &s, &brute, &camera, false, 5, &ms, &plain_ms);
             printf("frame: brute force, 33,554,432 triangles: %.0f ms, %.1f times the lit frame\n", plain_ms, 1 / r);
             plain_destroy(gl, &brute);
         }

@@ -47,7 +47,8 @@ static void look(walk *w, const double *alpha_step, bool no_morph, double *drawn
         assert_true(tc_square_drawn_height(NULL, w->clipmap, &w->camera, &options, w->x[k], w->y[k], &drawn[k]));
         slack[k] = 0;
         for (int l = tc_clipmap_levels(w->clipmap); l >= 1 && slack[k] == 0; l--)
-            slack[k] = alpha_step[l] * cell_difference(w->clipmap, l, w->x[k] / finest.spacing_x, w->y[k] / finest.spacing_y);
+            slack[k] =
+                alpha_step[l] * cell_difference(w->clipmap, l, w->x[k] / finest.spacing_x, w->y[k] / finest.spacing_y);
     }
 }
 

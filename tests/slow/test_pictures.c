@@ -33,9 +33,13 @@ static int tear_down(void **state)
 static tc_camera random_view(test_random *r)
 {
     double extent = (SIZE - 1) * SPACING, ground;
-    tc_camera c = {.x = test_random_range(r, -0.2, 1.2) * extent, .y = test_random_range(r, -0.2, 1.2) * extent,
-                   .heading = test_random_range(r, 0, 2 * M_PI), .pitch = test_random_range(r, -1.5, 0.4),
-                   .fov = test_random_range(r, 0.4, 1.9), .width = WIDTH, .height = HEIGHT};
+    tc_camera c = {.x = test_random_range(r, -0.2, 1.2) * extent,
+                   .y = test_random_range(r, -0.2, 1.2) * extent,
+                   .heading = test_random_range(r, 0, 2 * M_PI),
+                   .pitch = test_random_range(r, -1.5, 0.4),
+                   .fov = test_random_range(r, 0.4, 1.9),
+                   .width = WIDTH,
+                   .height = HEIGHT};
     tc_pyramid_height(terrain, c.x, c.y, &ground);
     c.z = ground + pow(10, test_random_range(r, 0, 4.5));
     return c;
@@ -114,8 +118,14 @@ static void maps_are_not_mirrored(void **state)
     assert_int_equal(tc_pyramid_build(&g, 0, &p, NULL), TC_OK);
     tc_scene_options options = {.unlit = true, .background_set = true};
     scene s = scene_create(context, p, 63, &options);
-    tc_camera c = {.x = 128 * SPACING, .y = 128 * SPACING, .z = 20000, .heading = 0, .pitch = -M_PI / 2, .fov = 0.6,
-                   .width = WIDTH, .height = HEIGHT};
+    tc_camera c = {.x = 128 * SPACING,
+                   .y = 128 * SPACING,
+                   .z = 20000,
+                   .heading = 0,
+                   .pitch = -M_PI / 2,
+                   .fov = 0.6,
+                   .width = WIDTH,
+                   .height = HEIGHT};
     scene_draw(&s, &c, true);
     uint8_t *rgb = scene_pixels(&s, &c);
     double x = 0, y = 0, count = 0;
@@ -158,7 +168,8 @@ static void drawn_depth_is_the_surface(void **state)
             pixels++;
         }
     }
-    printf("depth: %lld pixels unprojected, at most %.4f pixels from the surface in double\n", (long long)pixels, worst);
+    printf("depth: %lld pixels unprojected, at most %.4f pixels from the surface in double\n", (long long)pixels,
+           worst);
     assert_true(pixels > 50000);
     assert_true(worst < 0.5);
     free(depth);

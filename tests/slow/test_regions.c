@@ -64,9 +64,9 @@ static void constraints_and_content_hold(void **state)
     (void)state;
     const tour tours[] = {
         {TERRAIN_CLIFF, 1025, 1025, 63, 63 * 63, false, 25000}, {TERRAIN_CLIFF, 1500, 1001, 31, -1, false, 20000},
-        {TERRAIN_CLIFF, 3001, 2000, 63, 1000, false, 20000},     {TERRAIN_SMOOTH, 777, 778, 31, 400, true, 10000},
-        {TERRAIN_CLIFF, 20, 500, 15, 225, true, 10000},          {TERRAIN_CLIFF, 2, 4099, 15, 60, false, 5000},
-        {TERRAIN_CLIFF, 9, 13, 31, 1000, true, 4000},            {TERRAIN_CLIFF, 2600, 2600, 255, 255 * 255, true, 6000},
+        {TERRAIN_CLIFF, 3001, 2000, 63, 1000, false, 20000},    {TERRAIN_SMOOTH, 777, 778, 31, 400, true, 10000},
+        {TERRAIN_CLIFF, 20, 500, 15, 225, true, 10000},         {TERRAIN_CLIFF, 2, 4099, 15, 60, false, 5000},
+        {TERRAIN_CLIFF, 9, 13, 31, 1000, true, 4000},           {TERRAIN_CLIFF, 2600, 2600, 255, 255 * 255, true, 6000},
     };
     int moves = 0;
     for (size_t i = 0; i < sizeof tours / sizeof *tours; i++) {

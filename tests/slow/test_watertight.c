@@ -126,8 +126,11 @@ static tc_camera random_view(test_random *r, const tc_pyramid *p)
 static void run(const tc_context *context, const tc_pyramid *p, int n, int views, bool lagging, bool no_stitch,
                 uint64_t seed, totals *t)
 {
-    tc_scene_options options = {.unlit = true, .background_set = true, .background = {255, 0, 255},
-                                .frame.no_stitch = no_stitch, .frame.no_morph = (seed & 3) == 3};
+    tc_scene_options options = {.unlit = true,
+                                .background_set = true,
+                                .background = {255, 0, 255},
+                                .frame.no_stitch = no_stitch,
+                                .frame.no_morph = (seed & 3) == 3};
     scene s = scene_create(context, p, n, &options);
     test_random r = {seed};
     const double extent = (SIZE - 1) * SPACING;
@@ -143,8 +146,10 @@ static void run(const tc_context *context, const tc_pyramid *p, int n, int views
         scene_draw(&s, &camera, !lagging);
         bool outside = camera.x < 0 || camera.y < 0 || camera.x > extent || camera.y > extent;
         double z;
-        if (!outside && s.surface->drawn_height(s.surface, s.clipmap, &camera, &options.frame, camera.x, camera.y, &z) &&
-            z >= camera.z) { /* a level that lags may stand higher than the eye: it looks up at the surface from below */
+        if (!outside &&
+            s.surface->drawn_height(s.surface, s.clipmap, &camera, &options.frame, camera.x, camera.y, &z) &&
+            z >=
+                camera.z) { /* a level that lags may stand higher than the eye: it looks up at the surface from below */
             t->below_surface++;
             continue;
         }

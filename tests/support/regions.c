@@ -59,7 +59,8 @@ static double sample(const tc_pyramid *p, int pl, int64_t i, int64_t j, bool str
     double g = ldexp(1, m - pl);
     double u = straight ? (double)i : fmin((double)i, (double)(top.width - 1) / g);
     double v = straight ? (double)j : fmin((double)j, (double)(top.height - 1) / g);
-    int64_t a = tc_clamp64((int64_t)floor(u), 0, tc_max64(0, size.width - 2)), b = tc_clamp64((int64_t)floor(v), 0, tc_max64(0, size.height - 2));
+    int64_t a = tc_clamp64((int64_t)floor(u), 0, tc_max64(0, size.width - 2)),
+            b = tc_clamp64((int64_t)floor(v), 0, tc_max64(0, size.height - 2));
     float z[4];
     tc_rect r = {a, b, tc_min64(a + 2, size.width), tc_min64(b + 2, size.height)};
     if (tc_pyramid_read(p, pl, r, z, NULL, 2))
@@ -183,7 +184,9 @@ const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_r
 wanderer wanderer_start(const tc_pyramid *pyramid, uint64_t seed)
 {
     tc_level l = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
-    wanderer w = {.random = {seed}, .spacing = l.spacing_x, .size_x = (double)(l.width - 1) * l.spacing_x,
+    wanderer w = {.random = {seed},
+                  .spacing = l.spacing_x,
+                  .size_x = (double)(l.width - 1) * l.spacing_x,
                   .size_y = (double)(l.height - 1) * l.spacing_y};
     w.camera = (tc_camera){.x = w.size_x / 2, .y = w.size_y / 2, .z = 0, .fov = 1, .width = 64, .height = 64};
     return w;

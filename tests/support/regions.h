@@ -5,7 +5,8 @@
 #include "common/core/clipmap.h"
 #include "tests/support/terrains.h"
 
-/* LH04's four constraints of section 5, and that no region leaves its window or the terrain; NULL, or what is broken. */
+/* LH04's four constraints of section 5, and that no region leaves its window or the terrain; NULL, or what is broken.
+ */
 const char *regions_broken(const tc_clipmap *clipmap);
 
 /* Every sample held against the pyramid: heights (also on the terrain's edge), morph targets, voids, and normals

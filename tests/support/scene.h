@@ -12,7 +12,8 @@ typedef struct scene {
     tc_renderer *renderer;
 } scene;
 
-/* An offscreen context (OSMesa where there is one: the reference); NULL, with the reason printed, where none can be had. */
+/* An offscreen context (OSMesa where there is one: the reference); NULL, with the reason printed, where none can be
+ * had. */
 tc_context *scene_context(void);
 
 /* Ends the program with the error on failure. n: 0 for the default. */

@@ -38,7 +38,8 @@ static float cliff(int64_t i, int64_t j, test_random *r)
 
 static float smooth(int64_t i, int64_t j)
 {
-    return (float)(600 + 300 * sin((double)i * 0.011) * cos((double)j * 0.017) + 250 * sin((double)(i + 2 * j) * 0.0041));
+    return (float)(600 + 300 * sin((double)i * 0.011) * cos((double)j * 0.017) +
+                   250 * sin((double)(i + 2 * j) * 0.0041));
 }
 
 tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed)
@@ -50,7 +51,8 @@ tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double sp
     test_random r = {seed};
     if (kind == TERRAIN_DEFAULT) {
         tc_error error;
-        if (width != height || tc_synth_planar(width, &(tc_synth_planar_options){.seed = seed, .spacing = spacing}, g.z, &error)) {
+        if (width != height ||
+            tc_synth_planar(width, &(tc_synth_planar_options){.seed = seed, .spacing = spacing}, g.z, &error)) {
             fprintf(stderr, "default terrain: %s\n", error.text);
             exit(99);
         }

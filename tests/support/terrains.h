@@ -16,7 +16,7 @@ typedef struct test_random {
     uint64_t state;
 } test_random;
 uint64_t test_random_bits(test_random *r);
-double test_random_unit(test_random *r);                       /* 0 <= u < 1 */
+double test_random_unit(test_random *r); /* 0 <= u < 1 */
 double test_random_range(test_random *r, double lo, double hi);
 int64_t test_random_int(test_random *r, int64_t lo, int64_t hi); /* lo <= i <= hi */
 

@@ -1,0 +1,28 @@
+#!/bin/sh
+# Default terrain and its pictures: demo.sh BUILD_DIR (by `make demo`). A terrain that is there already is kept.
+set -eu
+build=${1:?usage: demo.sh BUILD_DIR}
+out=$build/demo
+terrain=$out/terrain.tif
+mkdir -p "$out"
+
+if [ ! -f "$terrain" ]; then
+    echo "  SYNTH $terrain"
+    "$build/terraclip" synth --kind planar --size 4097 --seed 4 -o "$terrain"
+fi
+
+# picture NAME VIEW [OPTION]...
+picture() {
+    name=$1 view=$2
+    shift 2
+    echo "  VIEW  $out/$name.png"
+    "$build/planar-viewer" "$terrain" -o "$out/$name.png" --size 1280x720 --view="$view" "$@"
+}
+
+picture terrain -12000,172000,84000,145,-39 --fov 66
+picture ridge 80000,80000,4207,125,-8.5 --fov 42
+picture coast 82000,113500,1219,150,-7 --fov 55
+picture levels 80000,80000,4207,125,-10 --fov 60 --n 127 --level-colours
+picture wireframe 80000,80000,4207,125,-14 --fov 60 --n 63 --wireframe --background 0c1420
+
+echo "Pictures are in $out; fly over the terrain yourself with: $build/planar-viewer $terrain"
