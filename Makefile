@@ -30,6 +30,7 @@ CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(COMMON) $(opt.$(config)) $(WARN) $(CFLAGS)
 CXXFLAGS_ALL = -std=c++17 $(COMMON) $(opt.$(config)) $(WARNXX) $(CXXFLAGS)
 LDFLAGS_ALL = -pthread $(filter -fsanitize%,$(opt.$(config))) $(LDFLAGS)
 LIBS := -lm -ldl
+comma := ,
 
 CORE := $(wildcard common/core/*.c)
 PLUGIN_SRC := $(wildcard common/shell/plugin_*.c common/shell/plugin_*.cpp)
@@ -129,12 +130,15 @@ define test_rule
 $(O)/tests/%: $(OBJ)/tests/$(1)/%.o $(TEST_OBJ)
 	@mkdir -p $$(@D)
 	@echo "  LINK  $$@"
-	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$^ -o $$@ -lcmocka $$(LIBS)
+	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(LDFLAGS_$$*) $$^ -o $$@ -lcmocka $$(LIBS)
 endef
 $(eval $(call test_rule,fast))
 $(eval $(call test_rule,slow))
 $(eval $(call test_rule,bench))
 .SECONDARY:
+
+# Counts what our own objects allocate, not what the driver does.
+LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc aligned_alloc free)
 
 # Makes elevation files for the command-line tests.
 $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o

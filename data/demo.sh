@@ -19,9 +19,9 @@ picture() {
     "$build/planar-viewer" "$terrain" -o "$out/$name.png" --size 1280x720 --view="$view" "$@"
 }
 
-picture terrain -12000,172000,84000,145,-39 --fov 66
+picture terrain -16000,176000,90000,145,-41 --fov 66
 picture ridge 80000,80000,4207,125,-8.5 --fov 42
-picture coast 82000,113500,1219,150,-7 --fov 55
+picture coast 112000,103000,1556,200,-7 --fov 45
 picture levels 80000,80000,4207,125,-10 --fov 60 --n 127 --level-colours
 picture wireframe 80000,80000,4207,125,-14 --fov 60 --n 63 --wireframe --background 0c1420
 

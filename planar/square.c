@@ -212,7 +212,7 @@ static bool seen_from_above(tc_surface *surface, const tc_clipmap *clipmap, cons
                             const tc_frame_options *options)
 {
     double z;
-    return !tc_clipmap_voids(clipmap, 1) && !options->no_cull &&
+    return !tc_clipmap_voids(clipmap, 1) && !options->two_sided &&
            tc_square_drawn_height(surface, clipmap, camera, options, camera->x, camera->y, &z) &&
            camera->z > z + 1e-6 * fabs(z);
 }

@@ -27,7 +27,7 @@ typedef struct square_morph {
     double start[4], rate[4], least;
 } square_morph;
 
-/* Where the viewer is: the nearest sample of the pyramid's finest level, and the offset from it. */
+/* Where the viewer is: the sample of the pyramid's finest level south-west of it, and the offset from it. */
 typedef struct square_viewer {
     int64_t snap_x, snap_y; /* finest samples, within the terrain */
     double rest_x, rest_y;  /* metres, eye minus snapped sample */

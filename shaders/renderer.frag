@@ -45,7 +45,7 @@ void main()
     vec3 n = map_normal(level, v_terrain.w - 2.0 * level - 0.5);
 #ifdef NATURAL_LAND
     // Bare rock where it is steep, and snow that does not lie there.
-    float steep = clamp((0.90 - n.z) * 5.0, 0.0, 0.75);
+    float steep = clamp((0.92 - n.z) * 2.2, 0.0, 0.65);
 #ifdef WATER
     steep = sea ? 0.0 : steep;
 #endif

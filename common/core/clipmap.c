@@ -196,15 +196,15 @@ static tc_rect seed(tc_rect target, int64_t budget)
     return tc_rect_intersect(target, (tc_rect){x, y, x + side, y + side});
 }
 
-/* Adds rows and columns to s->view.clip on its way to target; returns the height samples of the budget spent. */
-static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget, int64_t *samples)
+/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. */
+static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget)
 {
     tc_clip_state *s = &c->level[level - 1];
     tc_rect *clip = &s->view.clip;
     int64_t spent = 0;
     if (tc_rect_empty(*clip) && !tc_rect_empty(target)) {
         tc_rect first = seed(target, budget);
-        *samples += tc_clipmap_fill(c, level, first);
+        tc_clipmap_fill(c, level, first);
         *clip = first;
         spent += tc_rect_area(first);
     }
@@ -228,7 +228,7 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget, in
         }
         if (tc_rect_empty(add))
             continue;
-        *samples += tc_clipmap_fill(c, level, add);
+        tc_clipmap_fill(c, level, add);
         *clip = grown;
         spent += tc_rect_area(add);
     }
@@ -260,7 +260,8 @@ int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t bu
             v->wanted = target;
             target = tc_rect_intersect(target, allowed);
             v->clip = tc_rect_intersect(v->clip, target);
-            int64_t spent = grow(clipmap, l, target, budget, &samples);
+            int64_t spent = grow(clipmap, l, target, budget);
+            samples += spent;
             if (budget >= 0)
                 budget = tc_max64(0, budget - spent);
         }
@@ -282,25 +283,22 @@ bool tc_clipmap_failed(const tc_clipmap *clipmap)
     return clipmap->failed;
 }
 
-int tc_clipmap_take_changes(tc_clipmap *clipmap, int level, tc_rect *changes, int capacity)
+int tc_clipmap_take_changes(tc_clipmap *clipmap, int level, tc_rect changes[TC_MAX_CHANGES])
 {
     tc_clip_state *s = &clipmap->level[level - 1];
     int count = s->change_count;
-    if (count > capacity) {
-        changes[0] = (tc_rect){0, 0, clipmap->n + 1, clipmap->n + 1};
-        count = 1;
-    } else {
-        memcpy(changes, s->changes, (size_t)count * sizeof *changes);
-    }
+    memcpy(changes, s->changes, (size_t)count * sizeof *changes);
     s->change_count = 0;
     return count;
 }
 
-size_t tc_clipmap_bytes(const tc_clipmap *clipmap)
+void tc_clipmap_bytes(const tc_clipmap *clipmap, size_t *heights_ret, size_t *normals_ret)
 {
-    size_t count = (size_t)(clipmap->n + 1) * (size_t)(clipmap->n + 1), bytes = 0;
-    for (int l = 0; l < clipmap->levels; l++)
-        bytes += count * (sizeof(float[2]) + (clipmap->level[l].normals ? 4 * sizeof(int8_t[4]) : 0) +
-                          (clipmap->level[l].voids ? 1 : 0));
-    return bytes + tc_fill_scratch(clipmap->n) * sizeof(float);
+    size_t count = (size_t)(clipmap->n + 1) * (size_t)(clipmap->n + 1);
+    *heights_ret = tc_fill_scratch(clipmap->n) * sizeof(float);
+    *normals_ret = 0;
+    for (int l = 0; l < clipmap->levels; l++) {
+        *heights_ret += count * (sizeof(float[2]) + (clipmap->level[l].voids ? 1 : 0));
+        *normals_ret += clipmap->level[l].normals ? 4 * count * sizeof(int8_t[4]) : 0;
+    }
 }

@@ -65,7 +65,8 @@ const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level);
  * LH04's four constraints hold:
  *   clip(l+1) within clip(l) eroded by 1; active(l) within clip(l); perimeter of active(l) on even samples;
  *   active(l+1) within active(l) eroded by 2 (each in the coarser level's samples; nothing is eroded where the terrain
- * ends). Returns the samples read. */
+ * ends). Returns the height samples filled, which the budget counts (normals read up to four times as many from the
+ * next finer level). */
 int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget);
 
 /* Whether every wanted window is held. */
@@ -74,11 +75,12 @@ bool tc_clipmap_resident(const tc_clipmap *clipmap);
 /* Whether the pyramid could not be read at some time: what is shown there is older data. */
 bool tc_clipmap_failed(const tc_clipmap *clipmap);
 
-/* Rectangles of a level's toroidal array changed since they were last taken: at most capacity, returns how many and
- * forgets them. In samples of the level; a rectangle may wrap. */
-int tc_clipmap_take_changes(tc_clipmap *clipmap, int level, tc_rect *changes, int capacity);
+/* Rectangles of a level's toroidal array changed since they were last taken, in samples of the level (one may wrap);
+ * returns how many and forgets them. */
+enum { TC_MAX_CHANGES = 64 };
+int tc_clipmap_take_changes(tc_clipmap *clipmap, int level, tc_rect changes[TC_MAX_CHANGES]);
 
-/* Bytes held by heights, normals and void masks. */
-size_t tc_clipmap_bytes(const tc_clipmap *clipmap);
+/* Bytes held by heights with their void masks and working space, and by normals. */
+void tc_clipmap_bytes(const tc_clipmap *clipmap, size_t *heights_ret, size_t *normals_ret);
 
 #endif

@@ -158,20 +158,18 @@ static void morph_targets(const tc_clip_state *s, const tc_clip_state *coarse, i
 
 /* Heights at twice the resolution around rect, for normals: first sample at (2 rect.x0 - 2, 2 rect.y0 - 2). */
 static tc_status fine_heights(const tc_clipmap *clipmap, const tc_clip_state *s, tc_rect rect, float **z_ret,
-                              ptrdiff_t *stride_ret, int64_t *samples)
+                              ptrdiff_t *stride_ret)
 {
     const tc_pyramid *pyramid = clipmap->pyramid;
     beyond straight = {.straight = true};
     int64_t w = rect.x1 - rect.x0, h = rect.y1 - rect.y0;
     if (s->pyramid_level < tc_pyramid_info(pyramid)->levels) {
         tc_rect fine = {2 * rect.x0 - 2, 2 * rect.y0 - 2, 2 * rect.x1 + 1, 2 * rect.y1 + 1};
-        *samples += tc_rect_area(fine);
         return read_beyond(pyramid, s->pyramid_level + 1, fine, straight, clipmap->scratch, NULL, z_ret, stride_ret);
     }
     size_t side = (size_t)(2 * clipmap->n + MARGIN);
     float *fine = clipmap->scratch, *rows = fine + side * side, *buffer = rows + side * (size_t)(clipmap->n + MARGIN);
     tc_rect coarse = {rect.x0 - 2, rect.y0 - 2, rect.x1 + 3, rect.y1 + 3};
-    *samples += tc_rect_area(coarse);
     float *z;
     ptrdiff_t stride;
     tc_status status = read_beyond(pyramid, s->pyramid_level, coarse, straight, buffer, NULL, &z, &stride);
@@ -200,12 +198,12 @@ static void coarse_normals(const tc_clip_state *coarse, int64_t mask, int64_t a,
 }
 
 /* Normals of the texels (2 rect.x0 - 1 .. 2 rect.x1 - 1), and so in y, by central differences. */
-static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect, int64_t *samples)
+static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect)
 {
     const tc_clip_state *s = &clipmap->level[level - 1];
     float *z;
     ptrdiff_t stride;
-    tc_status status = fine_heights(clipmap, s, rect, &z, &stride, samples);
+    tc_status status = fine_heights(clipmap, s, rect, &z, &stride);
     if (status)
         return status;
     int64_t mask = 2 * (clipmap->n + 1) - 1, w = 2 * (rect.x1 - rect.x0) + 1, h = 2 * (rect.y1 - rect.y0) + 1;
@@ -226,7 +224,7 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
     return TC_OK;
 }
 
-static tc_status fill_heights(const tc_clipmap *clipmap, int level, tc_rect rect, int64_t *samples)
+static tc_status fill_heights(const tc_clipmap *clipmap, int level, tc_rect rect)
 {
     tc_clip_state *s = (tc_clip_state *)&clipmap->level[level - 1];
     const tc_clip_state *coarse = level > 1 ? s - 1 : NULL;
@@ -242,7 +240,6 @@ static tc_status fill_heights(const tc_clipmap *clipmap, int level, tc_rect rect
     tc_status status = read_beyond(clipmap->pyramid, s->pyramid_level, rect, edge, buffer, voids, &z, &stride);
     if (status)
         return status;
-    *samples += tc_rect_area(rect);
     int64_t w = rect.x1 - rect.x0;
     for (int64_t j = rect.y0; j < rect.y1; j++) {
         const float *in = z + (j - rect.y0) * stride;
@@ -271,16 +268,13 @@ static void note_change(tc_clip_state *s, tc_rect rect, int n)
     s->changes[s->change_count++] = rect;
 }
 
-int64_t tc_clipmap_fill(tc_clipmap *clipmap, int level, tc_rect rect)
+void tc_clipmap_fill(tc_clipmap *clipmap, int level, tc_rect rect)
 {
     if (tc_rect_empty(rect))
-        return 0;
+        return;
     tc_clip_state *s = &clipmap->level[level - 1];
-    int64_t samples = 0;
-    if (fill_heights(clipmap, level, rect, &samples) || (s->normals && fill_normals(clipmap, level, rect, &samples))) {
+    if (fill_heights(clipmap, level, rect) || (s->normals && fill_normals(clipmap, level, rect)))
         clipmap->failed = true;
-        return samples;
-    }
-    note_change(s, rect, clipmap->n);
-    return samples;
+    else
+        note_change(s, rect, clipmap->n);
 }

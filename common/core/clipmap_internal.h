@@ -5,8 +5,6 @@
 #include "clipmap.h"
 #include "surface.h"
 
-enum { TC_MAX_CHANGES = 64 };
-
 typedef struct tc_clip_state {
     tc_clip_level view;
     int pyramid_level;
@@ -29,7 +27,7 @@ struct tc_clipmap {
 size_t tc_fill_scratch(int n);
 
 /* Reads the samples of rect (within the extent) from the pyramid into the level's toroidal arrays, with z_c from the
- * coarser level's (which must hold rect / 2), and with normals and voids where kept. Returns the samples read. */
-int64_t tc_clipmap_fill(tc_clipmap *clipmap, int level, tc_rect rect);
+ * coarser level's (which must hold rect / 2), and with normals and voids where kept. */
+void tc_clipmap_fill(tc_clipmap *clipmap, int level, tc_rect rect);
 
 #endif

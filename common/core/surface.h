@@ -1,8 +1,8 @@
 /* surface.h - what a scheme (square grids, rings, hexagons, ...) hands the shared clipmap and renderer.
  *
- * A surface is: static support geometry; a map transform, in GLSL (vertex_parts) and in C double (position); the
- * windows of the map that a camera wants; and the visible parts of the geometry for a camera. Everything else is
- * shared. No GL in it. */
+ * A surface is: static support geometry; a map transform in GLSL (vertex_parts); the windows of the map that a camera
+ * wants; the visible parts of the geometry for a camera; and the surface so drawn in C double (drawn_height), the oracle
+ * of tests. Everything else is shared. No GL in it. */
 #ifndef TC_SURFACE_H
 #define TC_SURFACE_H
 
@@ -49,6 +49,7 @@ typedef struct tc_frame_options {
     bool no_morph;                /* levels meet abruptly, yet without cracks */
     bool no_stitch;               /* leaves T-junctions open: for the tests that look for cracks */
     bool no_cull;                 /* draws what is outside the view, too */
+    bool two_sided;               /* draws backs of triangles, too, even where none can be seen */
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
 } tc_frame_options;
 

@@ -1,7 +1,6 @@
 /* level_textures.c - uploads of toroidal rectangles, cut where they wrap. */
 #include "level_textures.h"
 
-#include "../core/clipmap_internal.h"
 #include "../core/rect.h"
 #include "../core/status.h"
 
@@ -80,7 +79,7 @@ int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, t
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     for (int level = 1; level <= tc_clipmap_levels(clipmap); level++) {
         tc_rect changes[TC_MAX_CHANGES];
-        int count = tc_clipmap_take_changes(clipmap, level, changes, TC_MAX_CHANGES);
+        int count = tc_clipmap_take_changes(clipmap, level, changes);
         target heights = {
             gl, textures->heights, GL_RG, GL_FLOAT, size, 8, level - 1, tc_clipmap_heights(clipmap, level)};
         target voids = {

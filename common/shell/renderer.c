@@ -442,13 +442,14 @@ void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera,
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
 {
     const tc_geometry *g = &renderer->surface->geometry;
-    size_t draws = 0;
+    size_t draws = 0, heights, normals;
+    tc_clipmap_bytes(renderer->clipmap, &heights, &normals);
     for (int i = 0; i < SLOTS; i++)
         draws += renderer->draw_capacity[i] * (sizeof(tc_draw) + sizeof(tc_instance)) + sizeof(frame_uniforms);
     *stats_ret = (tc_memory_stats){.geometry = (size_t)g->vertex_count * sizeof *g->vertices +
                                                (size_t)g->index_count * sizeof *g->indices + draws,
-                                   .heights = renderer->textures.height_bytes + tc_clipmap_bytes(renderer->clipmap),
-                                   .normals = renderer->textures.normal_bytes,
+                                   .heights = renderer->textures.height_bytes + heights,
+                                   .normals = renderer->textures.normal_bytes + normals,
                                    .pyramid = tc_pyramid_bytes(renderer->pyramid)};
 }
 

@@ -27,7 +27,7 @@ typedef struct tc_frame_stats {
     bool resident; /* the clipmap held all that this view needs */
 } tc_frame_stats;
 
-/* Bytes by item. */
+/* Bytes by item, on both sides of the driver. */
 typedef struct tc_memory_stats {
     size_t geometry, heights, normals, imagery, pyramid;
 } tc_memory_stats;

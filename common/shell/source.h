@@ -1,7 +1,8 @@
 /* source.h - elevation input: any DEM or picture as rows of heights.
  *
- * A source is an open file. Formats are handled by two plugins, loaded only when a file needs them: GDAL for
- * elevation formats (.hgt, GeoTIFF, VRT, PGM, JPEG 2000, ...), OpenImageIO for pictures (PNG, EXR, ...).
+ * A source is an open file. Tiles of SRTM (.hgt) are read here; other formats by two plugins, loaded only when a file
+ * needs them: GDAL for elevation formats (GeoTIFF, VRT, PGM, PNG, JPEG 2000, ...), OpenImageIO for float EXR and what
+ * GDAL does not know.
  * Everything that depends on the file is settled here, once: row order, registration, units, voids. */
 #ifndef TC_SOURCE_H
 #define TC_SOURCE_H

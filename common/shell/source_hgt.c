@@ -86,9 +86,10 @@ static void settle_place(tc_raster_info *info, const char *path, const tc_source
     if (!parse_name(path, &latitude, &longitude)) {
         info->nominal_x = dx * radians * equator;
         info->nominal_y = dy * radians * equator;
-        tc_say(options, true,
-               "the file's name says no place (as N46E008.hgt would): samples taken %.0f arc-s apart on the equator",
-               3600 * dy);
+        if (options->spacing <= 0)
+            tc_say(options, true,
+                   "the file's name says no place (as N46E008.hgt would): samples taken %.0f arc-s apart on the equator",
+                   3600 * dy);
         return;
     }
     /* Samples are points on the degree lines; GDAL's transform is that of pixel corners, half a sample outside. */

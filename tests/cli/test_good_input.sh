@@ -78,14 +78,6 @@ accepts 'every 45 x 45 m' $viewer -v --spacing 45 metres.tif $near $picture
 different tile.png last.png '--spacing 45'
 accepts 'heights 240.00 to 2160.00 m' $viewer -v N46E008.hgt $picture
 accepts 'heights 24.00 to 216.00 m' $viewer -v --unit 0.1 N46E008.hgt $picture
-# Half the spacing, unit and eye: the same shape, in front of the same colours where those do not hang on heights.
-flat='--unlit --background 203040 --level-colours'
-accepts '' $viewer strips.tif --spacing 90 $near $flat $picture
-mv last.png full.png
-accepts '' $viewer strips.tif --spacing 45 --unit 0.5 --view 15000,10000,1600,30,-15 $flat $picture
-same full.png last.png 'all at half the size'
-accepts '' $viewer strips.tif --spacing=90 --unit=1 $near $flat $picture
-same full.png last.png '--unit 1'
 
 # ---- Voids
 
@@ -162,17 +154,18 @@ cat >views.txt <<end
 
 90000,80000,9000,170,-30
 end
-run $viewer metres.tif --path views.txt --frames 4 --size 96x64 -o out/frame-%03d.png --stats out/stats.json
+run $viewer metres.tif --path views.txt --frames 4 --size 96x64 --samples 1 -o out/frame-%03d.png --stats out/stats.json
 { [ $rc = 0 ] && [ ! -s stderr.txt ] && [ ! -s stdout.txt ]; } || report 'flight' -o out/frame-%03d.png
 [ "$(echo $(ls out))" = 'frame-000.png frame-001.png frame-002.png frame-003.png stats.json' ] ||
     fail "a flight wrote $(echo $(ls out))"
 grep -q '"frames": 4,' out/stats.json || fail "--stats of a flight: $(grep frames out/stats.json)"
 mv out flight && mkdir out
 # The first and last frames are the views themselves.
-accepts '' $viewer metres.tif --view 20000,10000,4000,20,-10 $picture
-same flight/frame-000.png last.png 'the first frame of a flight'
-accepts '' $viewer metres.tif --view 90000,80000,9000,170,-30 $picture
-same flight/frame-003.png last.png 'the last frame of a flight'
+mv flight/frame-003.png flight/frame-000.png .
+accepts '' $viewer metres.tif --view 20000,10000,4000,20,-10 --samples 1 $picture
+same frame-000.png last.png 'the first frame of a flight'
+accepts '' $viewer metres.tif --view 90000,80000,9000,170,-30 --samples 1 $picture
+same frame-003.png last.png 'the last frame of a flight'
 run $viewer metres.tif --path views.txt --frames 5 --size 96x64
 { [ $rc = 0 ] && grep -Eq '^5 frames: [0-9.]+ ms median' stdout.txt && [ -z "$(ls out)" ]; } ||
     report 'measured flight' --path

@@ -1,121 +1,14 @@
-/* test_source.c - elevation files in and out: formats, units, places, voids, and files that must be refused. */
+/* test_source.c - elevation files that load: formats, units, places, voids, sizes, real data. */
 #include "tests/support/test.h"
 
-#include "common/shell/plugin.h"
-#include "common/shell/source.h"
-#include "tests/support/made_files.h"
+#include "tests/support/loading.h"
 
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* What a file's opening said. */
-typedef struct sayings {
-    int notes, warnings;
-    char text[2048];
-} sayings;
-
-static void hear(void *context, bool warning, const char *line)
-{
-    sayings *s = context;
-    *(warning ? &s->warnings : &s->notes) += 1;
-    size_t used = strlen(s->text);
-    snprintf(s->text + used, sizeof s->text - used, "%s\n", line);
-}
-
-/* Loads a file that must load. */
-static tc_grid load(const char *path, tc_source_options options, sayings *said)
-{
-    static sayings unheard;
-    said = said ? said : &unheard;
-    *said = (sayings){0};
-    options.say = hear;
-    options.say_context = said;
-    tc_grid grid = {0};
-    tc_error error = {0};
-    if (tc_grid_load(path, &options, &grid, &error) != TC_OK)
-        fail_msg("%s", error.text);
-    return grid;
-}
-
-/* A file that must not load, for a reason that names the file and holds word, in one line. */
-static void refused_with(const char *path, tc_source_options options, tc_status status, const char *word)
-{
-    tc_grid grid = {0};
-    tc_error error = {0};
-    tc_status found = tc_grid_load(path, &options, &grid, &error);
-    if (found == TC_OK)
-        fail_msg("%s: expected to be refused (%s), was loaded", path, word);
-    if (found != status || error.status != status || !strstr(error.text, word) || strchr(error.text, '\n'))
-        fail_msg("expected status %d and \"%s\", found %d: %s", (int)status, word, (int)found, error.text);
-    assert_null(grid.z);
-    assert_int_equal(tc_grid_load(path, &options, &grid, NULL), status);
-}
-
-static void refused(const char *path, tc_status status, const char *word)
-{
-    refused_with(path, (tc_source_options){0}, status, word);
-}
-
-/* Height of a sample counted from the file's upper left. */
-static float at(const tc_grid *g, int64_t column, int64_t row)
-{
-    return g->z[(g->height - 1 - row) * g->width + column];
-}
-
-static bool void_at(const tc_grid *g, int64_t column, int64_t row)
-{
-    return g->voids && g->voids[(g->height - 1 - row) * g->width + column];
-}
-
-enum { W = 37, H = 23, COUNT = W * H };
-
-static double value(int column, int row)
-{
-    return 10 + 3 * column + row;
-}
-
-/* W x H samples of a type, large enough for all. */
-static const void *samples_of(int bits, made_format format, double factor, double offset)
-{
-    static double store[COUNT];
-    unsigned char *bytes = (unsigned char *)store;
-    for (int i = 0; i < COUNT; i++) {
-        double v = value(i % W, i / W) * factor + offset;
-        float f = (float)v;
-        int64_t n = (int64_t)v;
-        if (format == MADE_FLOAT)
-            memcpy(bytes + i * bits / 8, bits == 32 ? (void *)&f : (void *)&v, (size_t)bits / 8);
-        else
-            memcpy(bytes + i * bits / 8, &n, (size_t)bits / 8); /* the low bytes of a little-endian number */
-    }
-    return store;
-}
-
-static made_tiff plain_tiff(void)
-{
-    return (made_tiff){
-        .width = W, .height = H, .bits = 16, .format = MADE_INT, .samples = samples_of(16, MADE_INT, 1, 0)};
-}
-
-static void assert_values(const tc_grid *g)
-{
-    assert_int_equal(g->width, W);
-    assert_int_equal(g->height, H);
-    for (int row = 0; row < H; row++)
-        for (int column = 0; column < W; column++)
-            if (fabs(at(g, column, row) + g->z_base - value(column, row)) > 1e-6)
-                fail_msg("sample %d,%d: expected %g, found %g", column, row, value(column, row),
-                         at(g, column, row) + g->z_base);
-    assert_true(g->z_min + g->z_base == value(0, 0));
-    assert_true(g->z_max + g->z_base == value(W - 1, H - 1));
-}
-
-/* ---- Formats ---------------------------------------------------------------------------------------------------- */
 
 static void tiffs_of_all_types(void **state)
 {
@@ -272,8 +165,6 @@ static void srtm_tiles(void **state)
     refused(made_path("N46E008.hgt"), TC_ERR_FORMAT, "2884801");
 }
 
-/* ---- Place and unit --------------------------------------------------------------------------------------------- */
-
 static void places(void **state)
 {
     (void)state;
@@ -396,8 +287,6 @@ static void small_relief_far_up(void **state)
     }
 }
 
-/* ---- Voids ------------------------------------------------------------------------------------------------------ */
-
 static void voids_of_all_kinds(void **state)
 {
     (void)state;
@@ -452,152 +341,6 @@ static void voids_of_all_kinds(void **state)
     tc_source_close(source);
 }
 
-/* ---- Refusals --------------------------------------------------------------------------------------------------- */
-
-static void refuses_what_is_no_file(void **state)
-{
-    (void)state;
-    refused(made_path("missing.tif"), TC_ERR_IO, "No such file");
-    refused(made_folder(), TC_ERR_IO, "directory");
-    refused("/dev/null", TC_ERR_IO, "device");
-    make_bytes(made_path("empty.tif"), "", 0);
-    refused(made_path("empty.tif"), TC_ERR_FORMAT, "empty");
-    make_bytes(made_path("one.byte"), "I", 1);
-    refused(made_path("one.byte"), TC_ERR_UNSUPPORTED, "neither GDAL nor OpenImageIO");
-    make_bytes(made_path("unknown.xyzzy"), "what is this?", 13);
-    refused(made_path("unknown.xyzzy"), TC_ERR_UNSUPPORTED, "neither GDAL nor OpenImageIO");
-    make_bytes(made_path("short.hgt"), "abcd", 4);
-    refused(made_path("short.hgt"), TC_ERR_FORMAT, "SRTM");
-    make_bytes(made_path("text.pgm"), "P2\n2 2\n9\n1 2 3 4\n", 17);
-    refused(made_path("text.pgm"), TC_ERR_UNSUPPORTED, "P5");
-}
-
-static void refuses_colours(void **state)
-{
-    (void)state;
-    unsigned char *bytes = calloc(COUNT, 3);
-    make_png(made_path("rgb.png"), W, H, 8, 2, bytes);
-    refused(made_path("rgb.png"), TC_ERR_UNSUPPORTED, "Terrarium");
-    refused(made_path("rgb.png"), TC_ERR_UNSUPPORTED, "Mapbox");
-    make_png(made_path("palette.png"), W, H, 8, 3, bytes);
-    refused(made_path("palette.png"), TC_ERR_UNSUPPORTED, "palette");
-    make_tiff(made_path("rgb.tif"),
-              &(made_tiff){.width = W, .height = H, .bits = 8, .format = MADE_UINT, .channels = 3, .samples = bytes});
-    refused(made_path("rgb.tif"), TC_ERR_UNSUPPORTED, "three channels");
-    make_tiff(made_path("palette.tif"),
-              &(made_tiff){.width = W, .height = H, .bits = 8, .format = MADE_UINT, .palette = true, .samples = bytes});
-    refused(made_path("palette.tif"), TC_ERR_UNSUPPORTED, "palette");
-    free(bytes);
-}
-
-static void refuses_what_is_no_height(void **state)
-{
-    (void)state;
-    made_tiff tiff = plain_tiff();
-    int16_t nothing[COUNT];
-    for (int i = 0; i < COUNT; i++)
-        nothing[i] = -5;
-    tiff.samples = nothing;
-    tiff.nodata = "-5";
-    make_tiff(made_path("void.tif"), &tiff);
-    refused(made_path("void.tif"), TC_ERR_FORMAT, "all void");
-    refused_with(made_path("void.tif"), (tc_source_options){.voids = TC_VOIDS_CONSTANT}, TC_ERR_FORMAT, "all void");
-
-    make_tiff(
-        made_path("high.tif"),
-        &(made_tiff){
-            .width = W, .height = H, .bits = 32, .format = MADE_FLOAT, .samples = samples_of(32, MADE_FLOAT, 1e9, 0)});
-    refused(made_path("high.tif"), TC_ERR_FORMAT, "1e9");
-
-    const char huge[] = "<VRTDataset rasterXSize=\"2000000\" rasterYSize=\"2000000\"><VRTRasterBand dataType=\"Int16\" "
-                        "band=\"1\"></VRTRasterBand></VRTDataset>";
-    make_bytes(made_path("huge.vrt"), huge, strlen(huge));
-    refused(made_path("huge.vrt"), TC_ERR_MEMORY, "GiB");
-}
-
-static void refuses_options_out_of_range(void **state)
-{
-    (void)state;
-    const char *path = made_path("fine.tif");
-    made_tiff tiff = plain_tiff();
-    make_tiff(path, &tiff);
-    const double bad[] = {-1, NAN, INFINITY, 1e-300, 1e300};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
-        refused_with(path, (tc_source_options){.spacing = bad[i]}, TC_ERR_USAGE, "spacing");
-        refused_with(path, (tc_source_options){.unit = bad[i]}, TC_ERR_USAGE, "unit");
-    }
-    refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = NAN}, TC_ERR_USAGE, "voids");
-    refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = 1e30}, TC_ERR_USAGE, "voids");
-}
-
-/* Every format, cut at many lengths: never a crash, never taken for whole. */
-static void refuses_truncated_files(void **state)
-{
-    (void)state;
-    made_tiff tiff = plain_tiff();
-    const char *const names[] = {"strips.tif", "tiles.tif", "whole.png", "whole.pgm", "whole.exr", "whole.jp2"};
-    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-        const char *path = made_path(names[n]);
-        long size = 0;
-        for (int cut = 0; cut < 24; cut++) {
-            tiff.tile = n == 1 ? 16 : 0;
-            switch (n) {
-            case 0:
-            case 1: make_tiff(path, &tiff); break;
-            case 2: make_png(path, W, H, 16, 0, samples_of(16, MADE_UINT, 1, 0)); break;
-            case 3: make_pgm(path, W, H, samples_of(16, MADE_UINT, 1, 0)); break;
-            case 4: make_exr(path, W, H, samples_of(32, MADE_FLOAT, 1, 0)); break;
-            case 5: make_jp2(path); break;
-            }
-            struct stat about;
-            stat(path, &about);
-            size = (long)about.st_size;
-            cut_file(path, cut < 4 ? -1 - 3 * cut : size * (cut - 3) / 21);
-            if (size * (cut - 3) / 21 == size)
-                continue;
-            tc_grid grid = {0};
-            tc_error error = {0};
-            tc_status status = tc_grid_load(path, NULL, &grid, &error);
-            if (status == TC_OK)
-                fail_msg("%s: taken for whole after cut %d", path, cut);
-            assert_true(strlen(error.text) > 0 && !strchr(error.text, '\n'));
-            assert_int_equal(tc_exit_code(status), 1);
-        }
-    }
-}
-
-/* The samples of a TIFF whose directory comes first, cut in the middle: libtiff has all it needs to open it. */
-static void refuses_missing_samples(void **state)
-{
-    (void)state;
-    for (int tile = 0; tile <= 16; tile += 16) {
-        const char *path = made_path("late.tif");
-        made_tiff tiff = plain_tiff();
-        tiff.tile = tile;
-        make_tiff(path, &tiff);
-        /* Offsets of the blocks moved beyond the end say the same as an end cut off. */
-        FILE *file = fopen(path, "r+b");
-        unsigned char bytes[65536];
-        size_t size = fread(bytes, 1, sizeof bytes, file);
-        uint32_t directory;
-        memcpy(&directory, bytes + 4, 4);
-        for (unsigned char *e = bytes + directory + 2; e < bytes + size; e += 12) {
-            uint16_t tag;
-            memcpy(&tag, e, 2);
-            if (tag != 273 && tag != 324)
-                continue;
-            uint32_t count, where, late = (uint32_t)size - 10;
-            memcpy(&count, e + 4, 4);
-            memcpy(&where, e + 8, 4);
-            fseek(file, (long)(where + 4 * (count / 2)), SEEK_SET);
-            fwrite(&late, 4, 1, file);
-            break;
-        }
-        fclose(file);
-        refused(path, TC_ERR_FORMAT, "damaged or truncated");
-    }
-}
-
 static void sizes_at_the_edge(void **state)
 {
     (void)state;
@@ -616,150 +359,6 @@ static void sizes_at_the_edge(void **state)
         tc_grid_free(&g);
         free(heights);
     }
-}
-
-/* ---- Writing ---------------------------------------------------------------------------------------------------- */
-
-typedef struct asked {
-    int64_t width, next; /* rows are asked for from the north */
-    int64_t fail_at;
-    float factor;
-} asked;
-
-static tc_status give_row(void *context, int64_t y, float *z)
-{
-    asked *a = context;
-    assert_int_equal(y, a->next--);
-    if (y == a->fail_at)
-        return TC_ERR_MEMORY;
-    for (int64_t x = 0; x < a->width; x++)
-        z[x] = a->factor * (float)(x - 2 * y) + 0.25f;
-    return TC_OK;
-}
-
-static void tiffs_come_back(void **state)
-{
-    (void)state;
-    const int64_t sizes[][2] = {{1, 1}, {300, 270}, {5, 600}, {513, 3}};
-    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
-        for (int int16 = 0; int16 < 2; int16++) {
-            int64_t w = sizes[s][0], h = sizes[s][1];
-            tc_error error = {0};
-            asked a = {w, h - 1, -1, 1};
-            int before = made_folder_count();
-            const char *path = made_path("written.tif");
-            unlink(path);
-            tc_tiff_options options = {.width = w, .height = h, .spacing = 12.5, .int16 = int16};
-            if (tc_write_tiff(path, &options, give_row, &a, &error) != TC_OK)
-                fail_msg("%s", error.text);
-            assert_true(made_folder_count() <= before + 1);
-            sayings said;
-            tc_grid g = load(path, (tc_source_options){0}, &said);
-            assert_true(g.width == w && g.height == h && g.spacing_x == 12.5 && g.spacing_y == 12.5);
-            assert_true(said.warnings == 0 && !g.voids);
-            for (int64_t i = 0; i < w * h; i++)
-                assert_true(g.z[i] == (float)(i % w - 2 * (i / w)) + (int16 ? 0 : 0.25f));
-            /* The south-west sample is the origin. */
-            assert_true(g.georef.transform[0] == -6.25 && g.georef.transform[3] == 12.5 * (double)h - 6.25);
-            tc_grid_free(&g);
-        }
-    }
-}
-
-static void failed_writing_leaves_no_trace(void **state)
-{
-    (void)state;
-    const char *path = made_path("kept.tif");
-    make_bytes(path, "old", 3);
-    int before = made_folder_count();
-    tc_error error = {0};
-    asked a = {300, 299, 10, 1};
-    tc_tiff_options options = {.width = 300, .height = 300, .spacing = 1};
-    assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_MEMORY);
-    a = (asked){300, 299, -1, 1000};
-    options.int16 = true;
-    assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_USAGE);
-    assert_non_null(strstr(error.text, "int16"));
-    options.spacing = 0;
-    assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_USAGE);
-    assert_int_equal(made_folder_count(), before);
-    FILE *file = fopen(path, "rb");
-    char old[4] = "";
-    assert_int_equal(fread(old, 1, 4, file), 3);
-    fclose(file);
-    assert_string_equal(old, "old");
-
-    options.spacing = 1;
-    assert_int_equal(tc_write_tiff(made_path("no/such/folder.tif"), &options, give_row, &a, &error), TC_ERR_IO);
-    assert_int_equal(tc_write_tiff(made_folder(), &options, give_row, &a, &error), TC_ERR_IO);
-    assert_int_equal(tc_write_tiff("/dev/full", &options, give_row, &a, &error), TC_ERR_IO);
-}
-
-static void pictures_are_written(void **state)
-{
-    (void)state;
-    uint8_t rgb[4 * 3 * 3];
-    for (int i = 0; i < 36; i++)
-        rgb[i] = (uint8_t)(7 * i);
-    tc_error error = {0};
-    int before = made_folder_count();
-    if (tc_write_picture(made_path("frame.png"), 4, 3, rgb, &error) != TC_OK)
-        fail_msg("%s", error.text);
-    assert_int_equal(made_folder_count(), before + 1);
-    refused(made_path("frame.png"), TC_ERR_UNSUPPORTED, "three channels"); /* so it is there, and RGB */
-    assert_int_equal(tc_write_picture(made_path("frame.unknown"), 4, 3, rgb, &error), TC_ERR_USAGE);
-    assert_non_null(strstr(error.text, "extension"));
-    assert_int_equal(tc_write_picture(made_path("frame"), 4, 3, rgb, &error), TC_ERR_USAGE);
-    assert_int_equal(tc_write_picture(made_path("no/such/folder.png"), 4, 3, rgb, &error), TC_ERR_IO);
-    assert_int_equal(tc_write_picture(made_path("frame.png"), 0, 3, rgb, &error), TC_ERR_USAGE);
-    assert_int_equal(made_folder_count(), before + 1);
-}
-
-/* ---- The rest --------------------------------------------------------------------------------------------------- */
-
-static void *load_plugin(void *unused)
-{
-    (void)unused;
-    const void *table = NULL;
-    return tc_plugin_load("gdal", &table, NULL) == TC_OK ? (void *)(uintptr_t)table : NULL;
-}
-
-static void plugins_load_once(void **state)
-{
-    (void)state;
-    pthread_t threads[4];
-    void *tables[4];
-    for (int i = 0; i < 4; i++)
-        assert_int_equal(pthread_create(&threads[i], NULL, load_plugin, NULL), 0);
-    for (int i = 0; i < 4; i++)
-        pthread_join(threads[i], &tables[i]);
-    for (int i = 0; i < 4; i++)
-        assert_true(tables[i] && tables[i] == tables[0]);
-    const void *table = NULL;
-    tc_error error = {0};
-    assert_int_equal(tc_plugin_load("none", &table, &error), TC_ERR_UNSUPPORTED);
-    assert_non_null(strstr(error.text, "terraclip-none.so"));
-    assert_int_equal(tc_plugin_load("a-name-that-is-far-too-long", &table, &error), TC_ERR_USAGE);
-    assert_null(table);
-}
-
-/* Reading writes nothing beside what it reads. */
-static void reading_leaves_no_trace(void **state)
-{
-    (void)state;
-    made_folder_remove();
-    made_tiff tiff = plain_tiff();
-    make_tiff(made_path("a.tif"), &tiff);
-    make_png(made_path("a.png"), W, H, 16, 0, samples_of(16, MADE_UINT, 1, 0));
-    make_pgm(made_path("a.pgm"), W, H, samples_of(16, MADE_UINT, 1, 0));
-    make_exr(made_path("a.exr"), W, H, samples_of(32, MADE_FLOAT, 1, 0));
-    make_jp2(made_path("a.jp2"));
-    const char *const names[] = {"a.tif", "a.png", "a.pgm", "a.exr", "a.jp2"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        tc_grid g = load(made_path(names[i]), (tc_source_options){0}, NULL);
-        tc_grid_free(&g);
-    }
-    assert_int_equal(made_folder_count(), 5);
 }
 
 /* Real elevation models, where they are. Figures as in their description. */
@@ -832,18 +431,7 @@ int main(void)
         cmocka_unit_test(units),
         cmocka_unit_test(small_relief_far_up),
         cmocka_unit_test(voids_of_all_kinds),
-        cmocka_unit_test(refuses_what_is_no_file),
-        cmocka_unit_test(refuses_colours),
-        cmocka_unit_test(refuses_what_is_no_height),
-        cmocka_unit_test(refuses_options_out_of_range),
-        cmocka_unit_test(refuses_truncated_files),
-        cmocka_unit_test(refuses_missing_samples),
         cmocka_unit_test(sizes_at_the_edge),
-        cmocka_unit_test(tiffs_come_back),
-        cmocka_unit_test(failed_writing_leaves_no_trace),
-        cmocka_unit_test(pictures_are_written),
-        cmocka_unit_test(reading_leaves_no_trace),
-        cmocka_unit_test(plugins_load_once),
         cmocka_unit_test(real_data),
     };
     return cmocka_run_group_tests(tests, NULL, remove_folder);

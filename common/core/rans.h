@@ -1,0 +1,109 @@
+/* rans.h - range asymmetric numeral systems with static tables of 12 bits and four interleaved states.
+ *
+ * Duda 2013, "Asymmetric numeral systems"; Giesen 2014, "Interleaved entropy coders". States are 32 bits in
+ * [2^16, 2^32) and renormalise by 16 bits. A stream decodes forwards: four states, little-endian, then 16-bit words;
+ * symbol number k of a run belongs to state k mod 4. The encoder works backwards from the last symbol. It does not
+ * start from empty states: the low 16 bits of each are payload, so that closing a stream wastes no room where the
+ * caller has 8 bytes of other data to put there. */
+#ifndef TC_RANS_H
+#define TC_RANS_H
+
+#include "../terraclip.h"
+
+enum {
+    TC_RANS_BITS = 12,
+    TC_RANS_SLOTS = 1 << TC_RANS_BITS,
+    TC_RANS_SYMBOLS = 16,
+    TC_RANS_LANES = 4,
+    TC_RANS_PAYLOAD = 2 * TC_RANS_LANES, /* bytes carried by the states */
+    TC_RANS_HEAD = 4 * TC_RANS_LANES     /* bytes in front of the words */
+};
+
+/* Frequencies of the symbols, each at least 1, TC_RANS_SLOTS in all. */
+typedef struct tc_rans_frequencies {
+    uint16_t of[TC_RANS_SYMBOLS];
+} tc_rans_frequencies;
+
+/* A decoding table: bits 0-3 the symbol, 4-15 its frequency, 16-27 the slot's number within the symbol. */
+typedef struct tc_rans_table {
+    uint32_t slot[TC_RANS_SLOTS];
+} tc_rans_table;
+
+/* Frequencies nearest to weights (any non-negative integers; all zero: uniform). */
+tc_rans_frequencies tc_rans_normalise(const uint64_t weight[TC_RANS_SYMBOLS]);
+
+/* Whether the frequencies are as they must be. */
+bool tc_rans_valid(const tc_rans_frequencies *frequencies);
+
+/* frequencies must be valid. */
+void tc_rans_table_build(const tc_rans_frequencies *frequencies, tc_rans_table *table);
+
+/* ---- Encoding ------------------------------------------------------------------------------------------------ */
+
+typedef struct tc_rans_encoder {
+    uint32_t state[TC_RANS_LANES];
+    uint8_t *begin, *at; /* words are put in front of `at` */
+} tc_rans_encoder;
+
+/* Bytes that `symbols` symbols can take at most, head included. */
+static inline size_t tc_rans_bound(size_t symbols)
+{
+    return TC_RANS_HEAD + 2 * symbols;
+}
+
+/* Starts a stream that ends at `end` and grows towards `begin`, which the caller puts tc_rans_bound() before it. */
+void tc_rans_encode_begin(tc_rans_encoder *e, uint8_t *begin, uint8_t *end, const uint8_t payload[TC_RANS_PAYLOAD]);
+
+/* Puts one symbol of frequency `frequency` whose slots start at `start`; last symbol first. */
+static inline void tc_rans_encode(tc_rans_encoder *e, int lane, uint32_t start, uint32_t frequency)
+{
+    uint32_t x = e->state[lane];
+    if (x >= frequency << (32 - TC_RANS_BITS)) {
+        e->at -= 2;
+        e->at[0] = (uint8_t)x, e->at[1] = (uint8_t)(x >> 8);
+        x >>= 16;
+    }
+    e->state[lane] = (x / frequency << TC_RANS_BITS) + x % frequency + start;
+}
+
+/* Writes the head; the stream is e->at up to the end that was given. */
+void tc_rans_encode_end(tc_rans_encoder *e);
+
+/* ---- Decoding ------------------------------------------------------------------------------------------------ */
+
+typedef struct tc_rans_decoder {
+    uint32_t state[TC_RANS_LANES];
+    const uint8_t *at, *end;
+    bool overrun; /* words were missing and read as zero */
+} tc_rans_decoder;
+
+/* False where the head is missing or holds an impossible state. */
+bool tc_rans_decode_begin(tc_rans_decoder *d, const uint8_t *bytes, size_t size);
+
+/* One step without any check: table entry of the state, and the state behind it. */
+static inline uint32_t tc_rans_step(const tc_rans_table *table, uint32_t *state)
+{
+    uint32_t x = *state, entry = table->slot[x & (TC_RANS_SLOTS - 1)];
+    *state = (entry >> 4 & 0xfff) * (x >> TC_RANS_BITS) + (entry >> 16);
+    return entry & 15;
+}
+
+/* Decodes one symbol with every check. */
+static inline uint32_t tc_rans_decode(tc_rans_decoder *d, int lane, const tc_rans_table *table)
+{
+    uint32_t symbol = tc_rans_step(table, &d->state[lane]);
+    if (d->state[lane] < 1u << 16) {
+        uint32_t word = 0;
+        if (d->end - d->at >= 2)
+            word = (uint32_t)d->at[0] | (uint32_t)d->at[1] << 8, d->at += 2;
+        else
+            d->overrun = true;
+        d->state[lane] = d->state[lane] << 16 | word;
+    }
+    return symbol;
+}
+
+/* The payload of the states once every symbol is decoded; false where the stream is damaged. */
+bool tc_rans_decode_end(const tc_rans_decoder *d, uint8_t payload[TC_RANS_PAYLOAD]);
+
+#endif

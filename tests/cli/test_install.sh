@@ -1,0 +1,108 @@
+#!/bin/sh
+# make install: into a staging folder; what lies there works from there, and a program can be built against it.
+. "${0%/*}/lib.sh"
+
+case $build in */debug | */sanitize) config=${build##*/} ;; *) config=release ;; esac
+stage=$work/stage
+unset MAKEFLAGS MAKELEVEL MFLAGS
+if ! make -C "$root" config=$config install PREFIX=/usr DESTDIR="$stage" >install.txt 2>&1; then
+    fail 'make install'
+    tail -n 5 install.txt
+    finish
+fi
+
+cases=$((cases + 1))
+wanted='./bin/planar-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/pkgconfig/terraclip.pc
+./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-window.so'
+found=$(cd "$stage/usr" && find . -type f | LC_ALL=C sort | tr '\n' ' ')
+[ "$(echo $found)" = "$(echo $wanted)" ] || fail "installed: $found"
+[ "$(ls "$stage")" = usr ] || fail "outside of PREFIX: $(ls "$stage")"
+
+# ---- The programs, with nothing of the build folder around; also moved as a whole, and by a link
+
+viewer=$stage/usr/bin/planar-viewer
+terraclip=$stage/usr/bin/terraclip
+run $terraclip synth --size 129 -o hills.tif
+[ $rc = 0 ] || report 'installed' $terraclip synth
+accepts '' $viewer hills.tif $picture
+mv last.png first.png
+mkdir elsewhere && mv "$stage/usr" elsewhere/terraclip && ln -s elsewhere/terraclip/bin/planar-viewer shown
+accepts '' elsewhere/terraclip/bin/planar-viewer hills.tif $picture
+same first.png last.png 'installed and moved'
+accepts '' ./shown hills.tif $picture
+if [ ! -d /usr/lib/terraclip ] && [ ! -d /usr/local/lib/terraclip ]; then
+    mv elsewhere/terraclip/lib/terraclip hidden
+    refuses 1 'terraclip-[a-z]*.so: not found' elsewhere/terraclip/bin/planar-viewer hills.tif $picture
+    mv hidden elsewhere/terraclip/lib/terraclip
+fi
+mv elsewhere/terraclip "$stage/usr"
+
+# ---- The library
+
+cat >use.c <<'end'
+/* A slope of 100 x 50 samples as a pyramid, and what is read from it. */
+#include <terraclip.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int main(void)
+{
+    tc_grid grid = {.width = 100, .height = 50, .spacing_x = 30, .spacing_y = 30, .z_max = 99 + 2 * 49};
+    grid.z = malloc(100 * 50 * sizeof *grid.z);
+    for (int i = 0; grid.z && i < 100 * 50; i++)
+        grid.z[i] = (float)(i % 100 + 2 * (i / 100));
+    tc_pyramid *pyramid;
+    tc_error error;
+    if (!grid.z || tc_pyramid_build(&grid, 0, &pyramid, &error) != TC_OK)
+        return 1;
+    int levels = tc_pyramid_info(pyramid)->levels;
+    tc_level coarser = tc_pyramid_level(pyramid, levels - 1);
+    float z[6] = {0};
+    double height = 0;
+    if (tc_pyramid_read(pyramid, levels - 1, (tc_rect){10, 10, 13, 12}, z, NULL, 3) != TC_OK ||
+        tc_pyramid_height(pyramid, 45 * 30, 12.5 * 30, &height) != TC_OK)
+        return 2;
+    printf("%s: %d levels, %dx%d, %.3f %.3f %.3f, %.3f\n", tc_version(), levels, (int)coarser.width,
+           (int)coarser.height, z[0], z[1], z[3], height);
+    tc_pyramid_destroy(pyramid);
+    return tc_exit_code(TC_ERR_USAGE) == 2 && strlen(tc_status_text(TC_ERR_IO)) > 0 ? 0 : 3;
+}
+end
+# Without what /usr itself may hold.
+export PKG_CONFIG_LIBDIR="$stage/usr/lib/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$stage"
+export PKG_CONFIG_ALLOW_SYSTEM_CFLAGS=1 PKG_CONFIG_ALLOW_SYSTEM_LIBS=1
+sanitizers=
+[ $config != sanitize ] || sanitizers=-fsanitize=address,undefined
+version=$(cat "$root/VERSION")
+cases=$((cases + 1))
+[ "$(pkg-config --modversion terraclip 2>&1)" = "$version" ] || fail "pkg-config: $(pkg-config --modversion terraclip 2>&1)"
+for standard in c11 c99; do
+    run ${CC:-cc} -std=$standard -Wall -Wextra -Werror $sanitizers $(pkg-config --cflags terraclip) use.c -o use \
+        $(pkg-config --libs terraclip)
+    [ $rc = 0 ] || report "-std=$standard" use.c
+done
+run ./use
+{ [ $rc = 0 ] && [ "$(cat stdout.txt)" = "$version: 8 levels, 50x25, 60.000 62.000 64.000, 70.000" ]; } ||
+    report "found $(cat stdout.txt)" use
+# The header is C++, too.
+printf '#include <terraclip.h>\nint main() { return tc_exit_code(TC_OK) + (*tc_version() == 0); }\n' >use.cpp
+run ${CXX:-c++} -Wall -Wextra -Werror $sanitizers $(pkg-config --cflags terraclip) use.cpp -o use++ \
+    $(pkg-config --libs terraclip)
+[ $rc = 0 ] && ./use++ || report 'C++' use.cpp
+# Every function that the header declares is there.
+cases=$((cases + 1))
+for name in $(grep -o '^[^/ ].*\btc_[a-z_]*(' "$root/common/terraclip.h" | grep -o 'tc_[a-z_]*($' | tr -d '('); do
+    nm --defined-only "$stage/usr/lib/libterraclip.a" 2>/dev/null | grep -q " T $name\$" || fail "$name is not in the library"
+done
+# Nothing in the library needs OpenGL, GDAL or a window; and what it exports has its prefix.
+cases=$((cases + 1))
+strange=$(nm -u "$stage/usr/lib/libterraclip.a" 2>/dev/null | grep -Ei ' (gl[A-Z]|egl|osmesa|gdal|glfw|dlopen)' | head -n 3)
+[ -z "$strange" ] || fail "the library needs $strange"
+strange=$(nm --defined-only -g "$stage/usr/lib/libterraclip.a" 2>/dev/null | grep -E ' [TDBRC] ' | grep -v ' tc_' |
+    grep -Ev '__(asan|odr_asan|ubsan|sanitizer)' | head -n 3)
+[ -z "$strange" ] || fail "the library exports $strange"
+
+finish

@@ -1,0 +1,138 @@
+#!/bin/sh
+# The viewer in a window, on a display of its own: it opens, draws, does what its keys say, and closes.
+. "${0%/*}/lib.sh"
+
+command -v xvfb-run >/dev/null 2>&1 || { skip 'xvfb-run is not installed'; finish; }
+command -v xdotool >/dev/null 2>&1 || { skip 'xdotool is not installed'; finish; }
+if [ -z "${TERRACLIP_DISPLAY:-}" ]; then
+    export TERRACLIP_DISPLAY=own
+    rm -rf "$work"
+    cd "$root" && xvfb-run -a -s '-screen 0 800x600x24' sh "$root/tests/cli/test_window.sh" "$build"
+    exit
+fi
+unset WAYLAND_DISPLAY
+
+patience=150 # tenths of a second to wait for anything
+case $build in */sanitize) patience=900 ;; esac
+
+# Waits until a command succeeds.
+await() { # COMMAND...
+    tenths=0
+    until "$@" >/dev/null 2>&1; do
+        tenths=$((tenths + 1))
+        [ $tenths -lt $patience ] || return 1
+        sleep 0.1
+    done
+}
+
+window() {
+    xdotool search --name "${1:-planar-viewer}" 2>/dev/null | head -n 1
+}
+has_window() { [ -n "$(window "$@")" ]; }
+said() { grep -Eq -- "$1" stderr.txt stdout.txt; }
+gone() { ! kill -0 "$pid" 2>/dev/null; }
+
+# Starts the viewer and waits for its first frames: then the title has figures.
+start() { # ARGUMENT...
+    "$viewer" "$@" >stdout.txt 2>stderr.txt </dev/null &
+    pid=$!
+    await has_window 'ms, .* triangles, .* levels' || { report 'no window that draws' "$@"; kill -9 $pid; wait $pid; return 1; }
+    id=$(window 'ms, .* triangles')
+    xdotool windowfocus --sync "$id" 2>/dev/null || xdotool windowfocus "$id"
+}
+
+# The viewer must end by itself.
+ends() { # WHAT
+    cases=$((cases + 1))
+    await gone || { fail "$1: does not end"; kill -9 $pid; }
+    wait $pid
+    rc=$?
+    [ $rc = 0 ] || report "$1: exit code $rc"
+}
+
+# A key makes the viewer say something.
+key() { # KEY REGEX
+    cases=$((cases + 1))
+    xdotool key "$1"
+    await said "$2" || fail "key $1: does not say '$2'"
+}
+
+$make_file tiff hills.tif size=513x513 metres=30
+
+# ---- Keys
+
+if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.json; then
+    xdotool getwindowname "$id" | grep -Eq '^hills.tif - [0-9.]+ ms, [0-9]+ triangles, [1-9][0-9]* levels - planar-viewer$' ||
+        fail "the title is '$(xdotool getwindowname "$id")'"
+    [ "$(echo $(xdotool getwindowgeometry "$id" | sed -n 's/.*Geometry: //p'))" = 320x240 ] || fail 'wrong size'
+    key v '^--view 2000(\.000)?,1500(\.000)?,2500(\.000)?,30(\.0000)?,-15(\.0000)?$'
+    key p '^terraclip-0001.png'
+    key g '^wireframe on'
+    key p '^terraclip-0002.png'
+    key g '^wireframe off'
+    key l '^level colours on'
+    key p '^terraclip-0003.png'
+    key l '^level colours off'
+    key m '^morph off'
+    key m '^morph on'
+    key c '^frozen culling on'
+    key c '^frozen culling off'
+    key h 'Keys of the window'
+    key t 'ms a frame .* triangles, .* draws, .* levels; .* samples updated'
+    xdotool key t
+    key p '^terraclip-0004.png'
+    # Flown forward, and back to the first view.
+    xdotool keydown w && sleep 0.4 && xdotool keyup w
+    key p '^terraclip-0005.png'
+    xdotool key r
+    key p '^terraclip-0006.png'
+    for number in 1 2 3 4 5 6; do
+        is_png terraclip-000$number.png || fail "terraclip-000$number.png is no picture"
+    done
+    different terraclip-0001.png terraclip-0002.png 'wireframe'
+    different terraclip-0001.png terraclip-0003.png 'level colours'
+    same terraclip-0001.png terraclip-0004.png 'everything off again'
+    different terraclip-0001.png terraclip-0005.png 'flown forward'
+    same terraclip-0001.png terraclip-0006.png 'reset'
+    # The printed view gives the same picture without a window.
+    view=$(sed -n 's/^--view //p' stdout.txt | head -n 1)
+    accepts '' $viewer hills.tif --view "$view" --samples 1 -o out/picture.png --size 320x240
+    same terraclip-0006.png last.png 'the window and the printed view'
+    xdotool key F11
+    await sh -c "xdotool getwindowgeometry $id | grep -q 800x600" || fail 'F11 does not fill the screen'
+    xdotool key F11
+    await sh -c "xdotool getwindowgeometry $id | grep -q 320x240" || fail 'F11 does not leave the full screen'
+    xdotool windowfocus "$id"
+    xdotool key Escape
+    ends Escape
+    grep -q '"backend": "window"' stats.json || fail '--stats of a window'
+fi
+
+# ---- Other ends
+
+if start hills.tif --size 320x240 --wireframe --level-colours; then
+    # A click takes the mouse, the first Escape lets it go, the second ends.
+    xdotool mousemove --window "$id" 100 100 click 1 mousemove_relative 40 0 key Escape
+    sleep 0.3
+    gone && fail 'Escape ends although it was to let the mouse go'
+    xdotool key Escape
+    ends 'second Escape'
+fi
+if start hills.tif --size 320x240 -q; then
+    xdotool key g
+    kill -TERM $pid
+    ends SIGTERM
+    [ ! -s stderr.txt ] || fail '-q says something'
+fi
+run $viewer hills.tif --size 320x240 --frames 20 --json
+{ [ $rc = 0 ] && grep -q '"frames": 20,' stdout.txt && grep -q '"backend": "window"' stdout.txt; } ||
+    report 'a window with --frames' --frames 20
+echo 2000,1500,2500,30,-15 >views.txt && echo 9000,8000,4000,90,-25 >>views.txt
+run $viewer hills.tif --size 320x240 --backend window --path views.txt --frames 20 --json
+{ [ $rc = 0 ] && grep -q '"frames": 20,' stdout.txt; } || report 'a flight in a window' --path
+# A display serves pictures, too, and then shows no window.
+accepts '' $viewer hills.tif --backend window $picture
+mv last.png window.png
+accepts '' $viewer hills.tif $picture
+
+finish

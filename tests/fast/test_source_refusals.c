@@ -1,0 +1,172 @@
+/* test_source_refusals.c - elevation files that must be refused, and why. */
+#include "tests/support/test.h"
+
+#include "tests/support/loading.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void refuses_what_is_no_file(void **state)
+{
+    (void)state;
+    refused(made_path("missing.tif"), TC_ERR_IO, "No such file");
+    refused(made_folder(), TC_ERR_IO, "directory");
+    refused("/dev/null", TC_ERR_IO, "device");
+    make_bytes(made_path("empty.tif"), "", 0);
+    refused(made_path("empty.tif"), TC_ERR_FORMAT, "empty");
+    make_bytes(made_path("one.byte"), "I", 1);
+    refused(made_path("one.byte"), TC_ERR_UNSUPPORTED, "neither GDAL nor OpenImageIO");
+    make_bytes(made_path("unknown.xyzzy"), "what is this?", 13);
+    refused(made_path("unknown.xyzzy"), TC_ERR_UNSUPPORTED, "neither GDAL nor OpenImageIO");
+    make_bytes(made_path("short.hgt"), "abcd", 4);
+    refused(made_path("short.hgt"), TC_ERR_FORMAT, "SRTM");
+    make_bytes(made_path("text.pgm"), "P2\n2 2\n9\n1 2 3 4\n", 17);
+    refused(made_path("text.pgm"), TC_ERR_UNSUPPORTED, "P5");
+}
+
+static void refuses_colours(void **state)
+{
+    (void)state;
+    unsigned char *bytes = calloc(COUNT, 3);
+    make_png(made_path("rgb.png"), W, H, 8, 2, bytes);
+    refused(made_path("rgb.png"), TC_ERR_UNSUPPORTED, "Terrarium");
+    refused(made_path("rgb.png"), TC_ERR_UNSUPPORTED, "Mapbox");
+    make_png(made_path("palette.png"), W, H, 8, 3, bytes);
+    refused(made_path("palette.png"), TC_ERR_UNSUPPORTED, "palette");
+    make_tiff(made_path("rgb.tif"),
+              &(made_tiff){.width = W, .height = H, .bits = 8, .format = MADE_UINT, .channels = 3, .samples = bytes});
+    refused(made_path("rgb.tif"), TC_ERR_UNSUPPORTED, "three channels");
+    make_tiff(made_path("palette.tif"),
+              &(made_tiff){.width = W, .height = H, .bits = 8, .format = MADE_UINT, .palette = true, .samples = bytes});
+    refused(made_path("palette.tif"), TC_ERR_UNSUPPORTED, "palette");
+    free(bytes);
+}
+
+static void refuses_what_is_no_height(void **state)
+{
+    (void)state;
+    made_tiff tiff = plain_tiff();
+    int16_t nothing[COUNT];
+    for (int i = 0; i < COUNT; i++)
+        nothing[i] = -5;
+    tiff.samples = nothing;
+    tiff.nodata = "-5";
+    make_tiff(made_path("void.tif"), &tiff);
+    refused(made_path("void.tif"), TC_ERR_FORMAT, "all void");
+    refused_with(made_path("void.tif"), (tc_source_options){.voids = TC_VOIDS_CONSTANT}, TC_ERR_FORMAT, "all void");
+
+    make_tiff(
+        made_path("high.tif"),
+        &(made_tiff){
+            .width = W, .height = H, .bits = 32, .format = MADE_FLOAT, .samples = samples_of(32, MADE_FLOAT, 1e9, 0)});
+    refused(made_path("high.tif"), TC_ERR_FORMAT, "1e9");
+
+    const char huge[] = "<VRTDataset rasterXSize=\"2000000\" rasterYSize=\"2000000\"><VRTRasterBand dataType=\"Int16\" "
+                        "band=\"1\"></VRTRasterBand></VRTDataset>";
+    make_bytes(made_path("huge.vrt"), huge, strlen(huge));
+    refused(made_path("huge.vrt"), TC_ERR_MEMORY, "GiB");
+}
+
+static void refuses_options_out_of_range(void **state)
+{
+    (void)state;
+    const char *path = made_path("fine.tif");
+    made_tiff tiff = plain_tiff();
+    make_tiff(path, &tiff);
+    const double bad[] = {-1, NAN, INFINITY, 1e-300, 1e300};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        refused_with(path, (tc_source_options){.spacing = bad[i]}, TC_ERR_USAGE, "spacing");
+        refused_with(path, (tc_source_options){.unit = bad[i]}, TC_ERR_USAGE, "unit");
+    }
+    refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = NAN}, TC_ERR_USAGE, "voids");
+    refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = 1e30}, TC_ERR_USAGE, "voids");
+}
+
+/* Every format, cut at many lengths: never a crash, never taken for whole. */
+static void refuses_truncated_files(void **state)
+{
+    (void)state;
+    made_tiff tiff = plain_tiff();
+    const char *const names[] = {"strips.tif", "tiles.tif", "whole.png", "whole.pgm", "whole.exr", "whole.jp2"};
+    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+        const char *path = made_path(names[n]);
+        long size = 0;
+        for (int cut = 0; cut < 24; cut++) {
+            tiff.tile = n == 1 ? 16 : 0;
+            switch (n) {
+            case 0:
+            case 1: make_tiff(path, &tiff); break;
+            case 2: make_png(path, W, H, 16, 0, samples_of(16, MADE_UINT, 1, 0)); break;
+            case 3: make_pgm(path, W, H, samples_of(16, MADE_UINT, 1, 0)); break;
+            case 4: make_exr(path, W, H, samples_of(32, MADE_FLOAT, 1, 0)); break;
+            case 5: make_jp2(path); break;
+            }
+            struct stat about;
+            stat(path, &about);
+            size = (long)about.st_size;
+            cut_file(path, cut < 4 ? -1 - 3 * cut : size * (cut - 3) / 21);
+            if (size * (cut - 3) / 21 == size)
+                continue;
+            tc_grid grid = {0};
+            tc_error error = {0};
+            tc_status status = tc_grid_load(path, NULL, &grid, &error);
+            if (status == TC_OK)
+                fail_msg("%s: taken for whole after cut %d", path, cut);
+            assert_true(strlen(error.text) > 0 && !strchr(error.text, '\n'));
+            assert_int_equal(tc_exit_code(status), 1);
+        }
+    }
+}
+
+/* The samples of a TIFF whose directory comes first, cut in the middle: libtiff has all it needs to open it. */
+static void refuses_missing_samples(void **state)
+{
+    (void)state;
+    for (int tile = 0; tile <= 16; tile += 16) {
+        const char *path = made_path("late.tif");
+        made_tiff tiff = plain_tiff();
+        tiff.tile = tile;
+        make_tiff(path, &tiff);
+        /* Offsets of the blocks moved beyond the end say the same as an end cut off. */
+        FILE *file = fopen(path, "r+b");
+        unsigned char bytes[65536];
+        size_t size = fread(bytes, 1, sizeof bytes, file);
+        uint32_t directory;
+        memcpy(&directory, bytes + 4, 4);
+        for (unsigned char *e = bytes + directory + 2; e < bytes + size; e += 12) {
+            uint16_t tag;
+            memcpy(&tag, e, 2);
+            if (tag != 273 && tag != 324)
+                continue;
+            uint32_t count, where, late = (uint32_t)size - 10;
+            memcpy(&count, e + 4, 4);
+            memcpy(&where, e + 8, 4);
+            fseek(file, (long)(where + 4 * (count / 2)), SEEK_SET);
+            fwrite(&late, 4, 1, file);
+            break;
+        }
+        fclose(file);
+        refused(path, TC_ERR_FORMAT, "damaged or truncated");
+    }
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    made_folder_remove();
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(refuses_what_is_no_file),   cmocka_unit_test(refuses_colours),
+        cmocka_unit_test(refuses_what_is_no_height), cmocka_unit_test(refuses_options_out_of_range),
+        cmocka_unit_test(refuses_truncated_files),   cmocka_unit_test(refuses_missing_samples),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_folder);
+}

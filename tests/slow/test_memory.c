@@ -1,0 +1,269 @@
+/* test_memory.c - no allocation a frame, a resident set that stays flat, and memory by item that is what it should be.
+ *
+ * The Makefile links this test with --wrap for the functions below, so that what our own objects allocate is counted,
+ * and what the driver allocates is not. */
+#include "tests/support/test.h"
+
+#include <malloc.h>
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/core/clipmap_internal.h"
+#include "common/shell/flight.h"
+#include "common/shell/flight_path.h"
+#include "common/shell/stats.h"
+#include "tests/support/scene.h"
+#include "tests/support/terrains.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+enum { SANITIZED = 1 };
+#else
+enum { SANITIZED = 0 };
+#endif
+
+enum { SIZE = 1025, SPACING = 30, N = 63, WIDTH = 160, HEIGHT = 120 };
+
+/* ---- Counting --------------------------------------------------------------------------------------------------- */
+
+static atomic_llong calls;      /* of any of the functions */
+static atomic_llong live_bytes; /* given out and not freed */
+
+void *__real_malloc(size_t size);
+void *__real_calloc(size_t count, size_t size);
+void *__real_realloc(void *p, size_t size);
+void *__real_aligned_alloc(size_t alignment, size_t size);
+void __real_free(void *p);
+void *__wrap_malloc(size_t size);
+void *__wrap_calloc(size_t count, size_t size);
+void *__wrap_realloc(void *p, size_t size);
+void *__wrap_aligned_alloc(size_t alignment, size_t size);
+void __wrap_free(void *p);
+
+static void *given(void *p)
+{
+    calls++;
+    live_bytes += p ? (long long)malloc_usable_size(p) : 0;
+    return p;
+}
+
+void *__wrap_malloc(size_t size) { return given(__real_malloc(size)); }
+void *__wrap_calloc(size_t count, size_t size) { return given(__real_calloc(count, size)); }
+void *__wrap_aligned_alloc(size_t alignment, size_t size) { return given(__real_aligned_alloc(alignment, size)); }
+
+void *__wrap_realloc(void *p, size_t size)
+{
+    live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
+    return given(__real_realloc(p, size));
+}
+
+void __wrap_free(void *p)
+{
+    calls++;
+    live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
+    __real_free(p);
+}
+
+/* Bytes of this process that lie in memory. */
+static long long resident_bytes(void)
+{
+    long long size = 0, resident = 0;
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_non_null(file);
+    assert_int_equal(fscanf(file, "%lld %lld", &size, &resident), 2);
+    fclose(file);
+    return resident * sysconf(_SC_PAGESIZE);
+}
+
+/* ---- Flying ----------------------------------------------------------------------------------------------------- */
+
+static tc_context *context;
+static tc_pyramid *terrain;
+
+static int set_up(void **state)
+{
+    (void)state;
+    mallopt(M_TRIM_THRESHOLD, 1 << 30); /* as the viewer does */
+    context = scene_context();
+    terrain = terrain_pyramid(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 3);
+    return context ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    tc_pyramid_destroy(terrain);
+    tc_context_destroy(context);
+    return 0;
+}
+
+/* A flight that crosses the terrain and its edges, low and high, and never repeats itself; with a leap here and there. */
+static tc_camera camera_at(int frame)
+{
+    double t = 0.01 * frame, extent = (SIZE - 1) * SPACING, ground = 0;
+    double leap = frame % 500 == 499 ? 0.4 : 0;
+    tc_camera c = {.x = extent * (0.5 + 0.6 * sin(t) + leap),
+                   .y = extent * (0.5 + 0.6 * sin(1.618 * t + 1)),
+                   .heading = 0.7 * t,
+                   .pitch = -0.5 + 0.6 * sin(0.37 * t),
+                   .fov = 1.3,
+                   .width = WIDTH,
+                   .height = HEIGHT};
+    tc_pyramid_height(terrain, c.x, c.y, &ground);
+    c.z = ground + 2 + 3000 * pow(sin(0.23 * t), 4);
+    return c;
+}
+
+/* Frames first to last, each as the viewer's loop does it. */
+static void fly(scene *s, tc_stats *stats, int first, int last)
+{
+    for (int frame = first; frame < last; frame++) {
+        tc_camera c = camera_at(frame);
+        tc_frame_stats f = scene_draw(s, &c, false);
+        tc_stats_frame(stats, f.update_ms + f.draw_ms, &f);
+    }
+}
+
+static void frames_allocate_nothing(void **state)
+{
+    (void)state;
+    const tc_scene_options scenes[] = {
+        {0}, {.budget = 1000}, {.budget = -1, .holes = true}, {.unlit = true, .background_set = true},
+        {.wireframe = true, .level_colours = true}, {.samples = 4, .frame.no_cull = true}};
+    for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
+        scene s = scene_create(context, terrain, N, &scenes[k]);
+        tc_stats *stats;
+        assert_int_equal(tc_stats_create(100, &stats, NULL), TC_OK);
+        fly(&s, stats, 0, 20); /* warm-up */
+        long long before = calls;
+        int frames = SANITIZED ? 100 : k == 0 ? 1000 : 300;
+        fly(&s, stats, 20, 20 + frames);
+        long long made = calls - before;
+        printf("allocations: %lld in %d frames of scene %zu\n", made, frames, k);
+        assert_int_equal(made, 0);
+        tc_stats_destroy(stats);
+        scene_destroy(&s);
+    }
+}
+
+/* The same for what a window does beside drawing: the eye's flight over the ground, and a recorded one. */
+static double ground_height(void *unused, double x, double y)
+{
+    (void)unused;
+    double z = 0;
+    tc_pyramid_height(terrain, x, y, &z);
+    return z;
+}
+
+static void flying_allocates_nothing(void **state)
+{
+    (void)state;
+    tc_flight_path path;
+    assert_int_equal(tc_flight_path_parse("test", "0,0,900,0,0\n20000,9000,1500,200,-20\n5000,30000,900,10,5\n", &path, NULL),
+                     TC_OK);
+    tc_flight flight = {.view = tc_flight_path_view(&path, 0, 2), .speed = tc_flight_speed};
+    const tc_ground ground = {ground_height, NULL, tc_flight_clearance(SPACING)};
+    const tc_flight_input input = {.forward = 1, .turn = 0.01, .dt = 0.016, .fast = true};
+    long long before = calls;
+    for (int i = 0; i < 1000; i++) {
+        tc_flight_step(&flight, &input, &ground);
+        tc_view view = tc_flight_path_view(&path, i, 1000);
+        tc_camera c;
+        tc_view_to_camera(&view, &c);
+    }
+    assert_int_equal(calls - before, 0);
+    tc_flight_path_free(&path);
+}
+
+static void resident_set_stays_flat(void **state)
+{
+    (void)state;
+    if (SANITIZED) {
+        printf("resident set: not measured under a sanitizer, which holds back what is freed\n");
+        skip();
+    }
+    scene s = scene_create(context, terrain, N, &(tc_scene_options){0});
+    tc_stats *stats;
+    assert_int_equal(tc_stats_create(1000, &stats, NULL), TC_OK);
+    long long after[11] = {0};
+    for (int thousand = 1; thousand <= 10; thousand++) {
+        fly(&s, stats, 1000 * (thousand - 1), 1000 * thousand);
+        after[thousand] = resident_bytes();
+    }
+    printf("resident set: %.2f MiB after 1000 frames, %.2f after 5000, %.2f after 10000\n", (double)after[1] / (1 << 20),
+           (double)after[5] / (1 << 20), (double)after[10] / (1 << 20));
+    assert_true(after[10] - after[1] < 1 << 20);
+    tc_stats_destroy(stats);
+    scene_destroy(&s);
+}
+
+/* ---- By item ---------------------------------------------------------------------------------------------------- */
+
+/* a and b, in bytes, differ by no more than a few per cent and a few pages. */
+static void assert_about(const char *what, double found, double expected)
+{
+    printf("memory: %s: %.1f KiB, expected about %.1f\n", what, found / 1024, expected / 1024);
+    assert_true(fabs(found - expected) < 0.03 * expected + 32768);
+}
+
+static void items_add_up(void **state)
+{
+    (void)state;
+    /* The pyramid: a third more than the grid, and two floats for each 16 x 16 samples. */
+    long long start = live_bytes;
+    tc_pyramid *own = terrain_pyramid(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 1);
+    double samples = 0;
+    for (int l = 1; l <= tc_pyramid_info(own)->levels; l++) {
+        tc_level level = tc_pyramid_level(own, l);
+        samples += (double)level.width * (double)level.height;
+    }
+    double pyramid_bytes = samples * (4 + 8. / 256);
+    assert_about("pyramid", (double)tc_pyramid_bytes(own), pyramid_bytes);
+    assert_about("pyramid, as allocated", (double)(live_bytes - start), pyramid_bytes);
+
+    for (int lit = 0; lit < 2; lit++) {
+        start = live_bytes;
+        scene s = scene_create(context, own, N, &(tc_scene_options){.unlit = !lit});
+        tc_camera c = camera_at(0);
+        scene_draw(&s, &c, true);
+        long long held = live_bytes - start;
+        tc_memory_stats m;
+        tc_renderer_memory(s.renderer, &m);
+
+        /* A level's window is (n + 1)^2 pairs of floats, in a texture and beside it; with light 2 x 2 normals for each,
+         * the level's own and the coarser one's, of two bytes. Beside it there is room to read a window into. */
+        int levels = tc_clipmap_levels(s.clipmap);
+        double window = (double)levels * (N + 1) * (N + 1), scratch = (double)tc_fill_scratch(N) * sizeof(float);
+        assert_about(lit ? "heights and normals, lit" : "heights and normals, unlit", (double)(m.heights + m.normals),
+                     2 * window * (8 + lit * 16) + scratch);
+        assert_true((double)m.heights >= 2 * window * 8);
+        assert_true(lit ? (double)m.normals >= window * 16 : m.normals == 0);
+        assert_true(m.pyramid == tc_pyramid_bytes(own));
+        assert_true(m.imagery == 0);
+        const tc_geometry *g = &s.surface->geometry;
+        size_t mesh = 4 * (size_t)g->vertex_count + 2 * (size_t)g->index_count;
+        printf("memory: geometry: %zu vertices and indices, %zu with the draws\n", mesh, m.geometry);
+        assert_true(m.geometry >= mesh && m.geometry < mesh + (1 << 18));
+        /* What our code holds is in the items, but for lists of draws and of changes, which no terrain makes longer. */
+        double listed = window * (8 + lit * 16) + scratch + (double)mesh, rest = (double)held - listed;
+        printf("memory: held by our own code: %.1f KiB, of it not in the items %.1f\n", (double)held / 1024, rest / 1024);
+        assert_true(rest >= 0 && rest < 1 << 18);
+        scene_destroy(&s);
+        assert_int_equal(live_bytes, start);
+    }
+    tc_pyramid_destroy(own);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_allocate_nothing),
+        cmocka_unit_test(flying_allocates_nothing),
+        cmocka_unit_test(items_add_up),
+        cmocka_unit_test(resident_set_stays_flat),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
