@@ -20,7 +20,7 @@ picture() {
 }
 
 picture terrain -16000,176000,90000,145,-41 --fov 66
-picture ridge 80000,80000,4207,125,-8.5 --fov 42
+picture ridge 88500,74500,2457,118,-3 --fov 45
 picture coast 112000,103000,1556,200,-7 --fov 45
 picture levels 80000,80000,4207,125,-10 --fov 60 --n 127 --level-colours
 picture wireframe 80000,80000,4207,125,-14 --fov 60 --n 63 --wireframe --background 0c1420

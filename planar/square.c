@@ -41,24 +41,41 @@ typedef struct assembly {
     int64_t triangles, triangles_unculled;
 } assembly;
 
-/* Bounds of everything drawn over cells x0 .. x1, y0 .. y1 of the level: its own heights and the morph's targets. */
+/* Bounds of a level's vertices over cells x0 .. x1, y0 .. y1. A vertex on the terrain's edge beyond the last sample
+ * goes on in the straight line of the last two samples, less than one step of it: on one axis by at most their range r;
+ * on both by r and then by the range that has become 3 r, together 4 r. */
+static void vertex_bounds(const assembly *a, int pyramid_level, tc_rect cells, double *lo_ret, double *hi_ret)
+{
+    tc_level size = tc_pyramid_level(a->pyramid, pyramid_level);
+    tc_rect samples = {cells.x0, cells.y0, cells.x1 + 1, cells.y1 + 1};
+    int beyond = 0;
+    if (samples.x1 > size.width) {
+        samples.x0 = tc_max64(0, tc_min64(samples.x0, size.width - 2));
+        beyond++;
+    }
+    if (samples.y1 > size.height) {
+        samples.y0 = tc_max64(0, tc_min64(samples.y0, size.height - 2));
+        beyond++;
+    }
+    float lo, hi;
+    tc_pyramid_bounds(a->pyramid, pyramid_level, samples, &lo, &hi);
+    double more = beyond == 0 ? 0 : beyond == 1 ? 1 : 4;
+    *lo_ret = lo - more * ((double)hi - lo);
+    *hi_ret = hi + more * ((double)hi - lo);
+}
+
+/* Bounds of everything drawn over the cells: the level's own heights and the morph's targets. */
 static void height_bounds(const assembly *a, tc_rect cells, double *lo_ret, double *hi_ret)
 {
     int pl = tc_clipmap_pyramid_level(a->clipmap, a->level);
-    float lo, hi;
-    tc_pyramid_bounds(a->pyramid, pl, (tc_rect){cells.x0, cells.y0, cells.x1 + 1, cells.y1 + 1}, &lo, &hi);
+    vertex_bounds(a, pl, cells, lo_ret, hi_ret);
     if (a->level > 1) {
-        float coarse_lo, coarse_hi;
-        tc_rect coarse = {cells.x0 / 2, cells.y0 / 2, cells.x1 / 2 + 2, cells.y1 / 2 + 2};
-        tc_pyramid_bounds(a->pyramid, pl - 1, coarse, &coarse_lo, &coarse_hi);
-        lo = fminf(lo, coarse_lo);
-        hi = fmaxf(hi, coarse_hi);
+        double lo, hi;
+        tc_rect coarse = {cells.x0 / 2, cells.y0 / 2, (cells.x1 + 1) / 2, (cells.y1 + 1) / 2};
+        vertex_bounds(a, pl - 1, coarse, &lo, &hi);
+        *lo_ret = fmin(*lo_ret, lo);
+        *hi_ret = fmax(*hi_ret, hi);
     }
-    /* Vertices on the terrain's edge continue the last two samples of both axes: up to three times the range. */
-    tc_level size = tc_pyramid_level(a->pyramid, pl);
-    double beyond = cells.x1 + 2 >= size.width || cells.y1 + 2 >= size.height ? 3 * ((double)hi - lo) : 0;
-    *lo_ret = lo - beyond;
-    *hi_ret = hi + beyond;
 }
 
 static bool visible(const assembly *a, tc_rect cells)
@@ -142,7 +159,7 @@ static int64_t nearest_first(int64_t k, int64_t lo, int64_t hi, int64_t middle)
     return above > below ? lo + k : hi - 1 - k;
 }
 
-static void add_level(assembly *a, bool no_stitch)
+static void add_level(assembly *a, bool closers)
 {
     const tc_rect r = a->l->active;
     tc_rect cells = {r.x0, r.y0, r.x1 - 1, r.y1 - 1}, hole = {0, 0, 0, 0};
@@ -162,7 +179,7 @@ static void add_level(assembly *a, bool no_stitch)
             add_tile(a, tc_rect_intersect(cells, (tc_rect){x, y, x + b, y + b}), hole);
         }
     }
-    if (no_stitch)
+    if (!closers)
         return;
     if (cells.y0 > a->l->extent.y0)
         add_closers(a, cells.x0, cells.y0, cells.x1 - cells.x0, true);
@@ -194,7 +211,7 @@ static void set_uniforms(assembly *a, const tc_frame_options *options)
                                           int_bits(l->edge_y - a->viewer.snap_y)};
     memcpy(s->surface_uniforms, surface, sizeof surface);
     for (int level = 1; level <= tc_clipmap_levels(a->clipmap); level++) {
-        square_morph m = tc_square_morph(a->clipmap, level, &a->viewer, options->no_morph);
+        square_morph m = tc_square_morph(a->clipmap, level, &a->viewer, options);
         float *u = s->level_uniforms[level - 1];
         for (int i = 0; i < 4; i++) {
             u[i] = (float)m.start[i];
@@ -242,7 +259,7 @@ static void square_frame(tc_surface *surface, const tc_clipmap *clipmap, const t
         if (tc_rect_empty(a.l->active))
             continue;
         active++;
-        add_level(&a, options->no_stitch);
+        add_level(&a, !options->no_closers && !options->no_stitch);
     }
     memcpy(s->strips + a.strip_count, s->lists, (size_t)a.list_count * sizeof *s->lists);
     memcpy(s->strip_data + a.strip_count, s->list_data, (size_t)a.list_count * sizeof *s->list_data);

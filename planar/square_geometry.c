@@ -1,9 +1,10 @@
 /* square_geometry.c - static support geometry of square grids: blocks as triangle strips, and crack closers.
  *
- * A level's frame is drawn in blocks, so that what lies outside the view can be left out. Rows of a block are strips
- * joined by degenerate triangles into one; vertices are numbered row by row with a stride of block + 1, so that the
- * two rows in use stay in a vertex cache. The strip goes north-west, south-west, north-east, ... in each row: the
- * diagonal runs from south-east to north-west (mesh.h). */
+ * A level's frame is drawn in blocks, so that what lies outside the view can be left out. Each row of a block is a
+ * strip; strips follow each other after a restart index (joined by degenerate triangles they cost the same, and show
+ * as lines in wireframe). Vertices are numbered row by row with a stride of block + 1, so that the two rows in use stay
+ * in a vertex cache. The strip goes south-west, north-west, south-east, ... in each row: the diagonal runs from
+ * south-east to north-west (mesh.h), and triangles are clockwise from above. */
 #include <stdlib.h>
 
 #include "common/core/status.h"
@@ -13,11 +14,8 @@ static uint16_t *strip(uint16_t *out, int w, int h, int stride)
 {
     for (int j = 0; j < h; j++) {
         int south = j * stride, north = south + stride;
-        if (j > 0) { /* join: repeat the last and the first vertex */
-            *out = out[-1];
-            out++;
-            *out++ = (uint16_t)south;
-        }
+        if (j > 0)
+            *out++ = TC_RESTART;
         for (int i = 0; i <= w; i++) {
             *out++ = (uint16_t)(south + i);
             *out++ = (uint16_t)(north + i);

@@ -17,7 +17,7 @@ tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *
 /* Indices of a block of w x h cells. */
 static inline uint32_t tc_square_strip_count(int64_t w, int64_t h)
 {
-    return (uint32_t)(h * (2 * w + 4) - 2);
+    return (uint32_t)(h * (2 * w + 3) - 1);
 }
 
 /* How heights of a level pass over into the coarser level's: alpha is the largest of four ramps, one a side, of
@@ -35,7 +35,8 @@ typedef struct square_viewer {
 } square_viewer;
 
 square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera);
-square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer, bool no_morph);
+square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
+                             const tc_frame_options *options);
 double tc_square_alpha(const square_morph *morph, double x, double y);
 
 void tc_square_wanted(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted);

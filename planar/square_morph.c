@@ -65,76 +65,72 @@ void tc_square_wanted(tc_surface *surface, const tc_clipmap *clipmap, const tc_c
     }
 }
 
-/* One axis of the morph: the ramps at its low and its high side. rel: from samples of the level to cells relative to
- * the snapped viewer; v: the viewer in such cells. inner_lo .. inner_hi: the finer level's active region (where alpha
- * must be 0), empty where there is none. */
+/* One axis of the morph: the ramps at its low and its high side. */
 typedef struct axis {
-    int64_t lo, hi; /* first and last active sample */
-    int64_t extent_lo, extent_hi;
-    double inner_lo, inner_hi; /* cells, relative to the snapped viewer; inner_lo > inner_hi: none */
-    double snap;               /* the snapped viewer in samples of the level */
-    double v;
+    int64_t lo, hi;               /* first and last active sample */
+    int64_t extent_lo, extent_hi; /* of the map */
+    int64_t fine_lo, fine_hi;     /* the finer level's active region, in its samples; fine_lo > fine_hi: none */
+    double snap;                  /* the snapped viewer, in samples of the level */
+    double rest;                  /* the viewer beyond it, likewise */
 } axis;
 
-static void ramps(const axis *a, int n, bool no_morph, double *start, double *rate)
+/* start[0], start[1] and rate[0], rate[1] of a square_morph, in cells relative to the snapped viewer. */
+static void ramps(const axis *a, int n, const tc_frame_options *options, double *start, double *rate)
 {
     double lo = (double)a->lo - a->snap, hi = (double)a->hi - a->snap;
     bool lo_meets = a->lo > a->extent_lo, hi_meets = a->hi < a->extent_hi; /* a coarser level goes on there */
-    if (no_morph) {                                                        /* the perimeter alone */
+    if (options->no_morph) { /* the perimeter alone, so that there is no crack */
         start[0] = lo + 0.75, start[1] = hi - 0.75;
         rate[0] = lo_meets ? 4 : 0, rate[1] = hi_meets ? 4 : 0;
         return;
     }
     double half = (n - 1) / 2 - SATURATED;
-    double one_lo = a->v - half, one_hi = a->v + half; /* alpha reaches 1 */
+    double one_lo = a->rest - half, one_hi = a->rest + half; /* alpha reaches 1 */
     if (lo_meets)
         one_lo = fmax(one_lo, lo + 0.5);
     if (hi_meets)
         one_hi = fmin(one_hi, hi - 0.5);
     double w_lo = n / 10.0, w_hi = n / 10.0;
-    if (a->inner_lo <= a->inner_hi) {
-        w_lo = fmin(w_lo, fmax(0.5, a->inner_lo - one_lo - CLEAR));
-        w_hi = fmin(w_hi, fmax(0.5, one_hi - a->inner_hi - CLEAR));
+    if (a->fine_lo <= a->fine_hi) { /* alpha must be 0 where the finer level begins */
+        w_lo = fmin(w_lo, fmax(0.5, (double)(a->fine_lo / 2) - a->snap - one_lo - CLEAR));
+        w_hi = fmin(w_hi, fmax(0.5, one_hi - ((double)(a->fine_hi / 2) - a->snap) - CLEAR));
     }
     start[0] = one_lo + w_lo, start[1] = one_hi - w_hi;
     rate[0] = 1 / w_lo, rate[1] = 1 / w_hi;
 }
 
-square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer, bool no_morph)
+square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
+                             const tc_frame_options *options)
 {
     square_morph m = {.least = 0};
-    if (level == 1)
+    if (level == 1 || options->no_stitch)
         return m;
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
     double cell = ldexp(1, l->shift);
+    tc_rect fine = {1, 1, 0, 0};
+    if (level < tc_clipmap_levels(clipmap) && !tc_rect_empty(tc_clipmap_level(clipmap, level + 1)->active))
+        fine = tc_clipmap_level(clipmap, level + 1)->active;
     axis x = {l->active.x0,
               l->active.x1 - 1,
               l->extent.x0,
               l->extent.x1 - 1,
-              1,
-              0,
+              fine.x0,
+              fine.x1 - 1,
               (double)viewer->snap_x / cell,
               viewer->rest_x / finest.spacing_x / cell};
     axis y = {l->active.y0,
               l->active.y1 - 1,
               l->extent.y0,
               l->extent.y1 - 1,
-              1,
-              0,
+              fine.y0,
+              fine.y1 - 1,
               (double)viewer->snap_y / cell,
               viewer->rest_y / finest.spacing_y / cell};
-    if (level < tc_clipmap_levels(clipmap)) {
-        const tc_rect *fine = &tc_clipmap_level(clipmap, level + 1)->active;
-        if (!tc_rect_empty(*fine)) {
-            x.inner_lo = (double)(fine->x0 / 2) - x.snap, x.inner_hi = (double)((fine->x1 - 1) / 2) - x.snap;
-            y.inner_lo = (double)(fine->y0 / 2) - y.snap, y.inner_hi = (double)((fine->y1 - 1) / 2) - y.snap;
-        }
-    }
-    ramps(&x, tc_clipmap_n(clipmap), no_morph, &m.start[0], &m.rate[0]);
-    ramps(&y, tc_clipmap_n(clipmap), no_morph, &m.start[2], &m.rate[2]);
-    if (!no_morph) {
+    ramps(&x, tc_clipmap_n(clipmap), options, &m.start[0], &m.rate[0]);
+    ramps(&y, tc_clipmap_n(clipmap), options, &m.start[2], &m.rate[2]);
+    if (!options->no_morph) {
         double h = relative_height(clipmap, level, viewer);
         m.least = fmin(fmax((h - FADE_HEIGHT) / (DROP_HEIGHT - FADE_HEIGHT), 0), 1);
     }
@@ -188,7 +184,7 @@ bool tc_square_drawn_height(tc_surface *surface, const tc_clipmap *clipmap, cons
         int64_t i = find_cell(px, l->shift, l->edge_x, &tx), j = find_cell(py, l->shift, l->edge_y, &ty);
         if (!tc_rect_contains(l->active, i, j) || !tc_rect_contains(l->active, i + 1, j + 1))
             continue;
-        square_morph m = tc_square_morph(clipmap, level, &viewer, options->no_morph);
+        square_morph m = tc_square_morph(clipmap, level, &viewer, options);
         double z00 = vertex_height(clipmap, level, &m, &viewer, i, j);
         double z10 = vertex_height(clipmap, level, &m, &viewer, i + 1, j);
         double z01 = vertex_height(clipmap, level, &m, &viewer, i, j + 1);

@@ -3,11 +3,12 @@ layout(std140, binding = 0) uniform Frame {
     mat4 view_projection;  // from positions relative to the eye
     vec4 surface[2];       // the surface's own
     vec4 level[3 * 32];    // the surface's own, three a level
-    vec4 eye;              // x: reference height, y: eye above it, metres above z_base; z: eye above sea, w: 0
+    vec4 window[32];       // of each level, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
+    vec4 eye;              // x: reference height, y: eye above it, metres above z_base
     vec4 ray[3];           // view axes: right and up to the frame's edge, forward
     vec4 sun;              // xyz: direction to the sun; w: strength
     vec4 heights;          // ramp: x: sea level, y: 1 / depth of the sea, z: 1 / height of the land, w: height of the shore
-    vec4 haze;             // rgb; w: (near plane / distance of half haze)^2
+    vec4 haze;             // rgb; w: near plane / distance of half haze
     vec4 zenith;           // rgb of the sky overhead
     vec4 lens;             // x, y: tangents a pixel; z, w: from the middle to the edge
 };

@@ -2,9 +2,12 @@
 //
 // Colours are squares of what is shown, so that light adds up; the root is taken at the end.
 #if defined(LIT) || defined(LEVEL_COLOURS)
-in vec4 v_terrain; // renderer.vert
+INTERPOLATED in vec4 v_terrain; // renderer.vert
 #else
-in float v_height;
+INTERPOLATED in float v_height;
+#endif
+#if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
+flat in int v_level;
 #endif
 #ifdef LIT
 layout(binding = 2) uniform sampler2DArray normals_map;
@@ -19,7 +22,15 @@ layout(location = 0) out vec4 colour;
 // The level's normal and the coarser one's, by the same alpha as the heights.
 vec3 map_normal(float level, float alpha)
 {
-    vec4 n = textureLod(normals_map, vec3(v_terrain.yz, level), 0.0);
+#ifdef MULTISAMPLED
+    // A pixel's middle may lie outside the triangle that covers some of its samples, far outside a thin one: no further
+    // than the window, beyond which the map holds what was there before.
+    vec4 w = window[int(level)];
+    vec2 place = (2.0 * (w.xy + clamp(v_terrain.yz, vec2(0.0), w.zw)) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
+#else
+    vec2 place = v_terrain.yz;
+#endif
+    vec4 n = textureLod(normals_map, vec3(place, level), 0.0);
     vec2 xy = mix(n.xy, n.zw, alpha);
     return vec3(xy, sqrt(1.0 - min(dot(xy, xy), 1.0)));
 }
@@ -32,7 +43,12 @@ void main()
         discard;
 #endif
 #if defined(LIT) || defined(LEVEL_COLOURS)
-    float v_height = v_terrain.x, level = floor(0.5 * v_terrain.w);
+#ifdef MULTISAMPLED
+    float level = float(v_level);
+#else
+    float level = floor(0.5 * v_terrain.w);
+#endif
+    float v_height = v_terrain.x;
 #endif
     // The shore lies a little above the sea, so that filtered heights around sea level do not flicker.
     float h = v_height - heights.x, at = 0.5 + clamp(h * heights.z, 0.001, 0.999) * 0.5;
@@ -42,7 +58,7 @@ void main()
 #endif
     vec3 c = textureLod(ramp_map, at, 0.0).rgb;
 #ifdef LIT
-    vec3 n = map_normal(level, v_terrain.w - 2.0 * level - 0.5);
+    vec3 n = map_normal(level, clamp(v_terrain.w - 2.0 * level - 0.5, 0.0, 1.0));
 #ifdef NATURAL_LAND
     // Bare rock where it is steep, and snow that does not lie there.
     float steep = clamp((0.92 - n.z) * 2.2, 0.0, 0.65);
@@ -64,10 +80,10 @@ void main()
     c = mix(c, dot(c, vec3(0.4, 0.5, 0.1)) * 2.2 * hues[int(level) % 6], 0.7);
 #endif
 #ifdef HAZE
-    // Distance from the depth that is there anyway: share (d / L)^2 / (1 + (d / L)^2).
+    // Distance d from the depth that is there anyway: share (d / L)^2 / (1 + (d / L)^2).
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
-    float l2 = haze.w * (1.0 + dot(across, across));
-    c += (haze.rgb - c) * (l2 / (gl_FragCoord.z * gl_FragCoord.z + l2));
+    float r = haze.w / gl_FragCoord.z, r2 = r * r * (1.0 + dot(across, across));
+    c += (haze.rgb - c) * (r2 / (1.0 + r2));
 #endif
     colour = vec4(sqrt(c), 1.0);
 }

@@ -7,9 +7,13 @@ layout(binding = 3) uniform sampler2DArray voids_map;
 out float v_void;
 #endif
 #if defined(LIT) || defined(LEVEL_COLOURS)
-out vec4 v_terrain; // x: metres above z_base; y, z: place in the normal map; w: 2 level + 0.5 + alpha
+INTERPOLATED out vec4 v_terrain; // x: metres above z_base; y, z: place in the normal map
+                                // (multisampled: in samples from the window's first); w: 2 level + 0.5 + alpha
 #else
-out float v_height; // metres above z_base
+INTERPOLATED out float v_height; // metres above z_base
+#endif
+#if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
+flat out int v_level;
 #endif
 invariant gl_Position;
 
@@ -28,7 +32,16 @@ void main()
     v_void = texelFetch(voids_map, at, 0).r;
 #endif
 #if defined(LIT) || defined(LEVEL_COLOURS)
-    v_terrain = vec4(height, (2.0 * cell + 0.5) * (0.5 / float(WINDOW_MASK + 1)), 2.0 * float(in_instance.w) + 0.5 + alpha);
+    const float size = float(WINDOW_MASK + 1);
+#ifdef MULTISAMPLED
+    vec2 place = mod(cell - window[in_instance.w].xy, 2.0 * size);
+#else
+    vec2 place = (2.0 * cell + 0.5) * (0.5 / size);
+#endif
+#ifdef MULTISAMPLED
+    v_level = in_instance.w;
+#endif
+    v_terrain = vec4(height, place, 2.0 * float(in_instance.w) + 0.5 + alpha);
 #else
     v_height = height;
 #endif

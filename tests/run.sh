@@ -7,7 +7,8 @@ case "$build" in
     *sanitize) # what the driver and the input libraries lose is not ours; only one file of suppressions is read
         cat "${0%/*}"/support/lsan*.supp > "$build/lsan.supp"
         export UBSAN_OPTIONS="print_stacktrace=1${UBSAN_OPTIONS:+:$UBSAN_OPTIONS}"
-        export LSAN_OPTIONS="suppressions=$(cd "$build" && pwd)/lsan.supp:print_suppressions=0${LSAN_OPTIONS:+:$LSAN_OPTIONS}" ;;
+        suppressions=$(cd "$build" && pwd)/lsan.supp
+        export LSAN_OPTIONS="suppressions=$suppressions:print_suppressions=0${LSAN_OPTIONS:+:$LSAN_OPTIONS}" ;;
 esac
 passed=0; failed=0; failures=
 for t; do

@@ -46,9 +46,9 @@ typedef struct tc_clip_level {
     tc_rect clip;                /* samples held */
     tc_rect active;              /* samples to be drawn: LH04's active region; its perimeter lies on even samples */
     tc_rect wanted;              /* what clip is on its way to */
-    int shift;                   /* spacing = finest of the clipmap << shift */
+    int shift;                   /* spacing = the pyramid's finest << shift */
     double spacing_x, spacing_y; /* metres */
-    int64_t edge_x, edge_y;      /* where the terrain ends, in samples of the clipmap's finest level */
+    int64_t edge_x, edge_y;      /* where the terrain ends, in samples of the pyramid's finest level */
 } tc_clip_level;
 const tc_clip_level *tc_clipmap_level(const tc_clipmap *clipmap, int level);
 

@@ -66,20 +66,19 @@ static tc_status read_beyond(const tc_pyramid *pyramid, int level, tc_rect rect,
     /* The buffer spans both. */
     int64_t x0 = tc_min64(rect.x0, part.x0), x1 = tc_max64(rect.x1, part.x1), y0 = tc_min64(rect.y0, part.y0);
     ptrdiff_t stride = x1 - x0;
-    float *origin = buffer - x0 - y0 * stride; /* origin[j * stride + i] is sample (i, j) */
-    tc_status status = tc_pyramid_read(pyramid, level, part, origin + part.y0 * stride + part.x0,
-                                       voids ? voids + (part.y0 - y0) * stride + (part.x0 - x0) : NULL, stride);
+    ptrdiff_t start = (part.y0 - y0) * stride + part.x0 - x0;
+    tc_status status = tc_pyramid_read(pyramid, level, part, buffer + start, voids ? voids + start : NULL, stride);
     if (status)
         return status;
     for (int64_t j = part.y0; j < part.y1; j++) {
-        float *row = origin + j * stride;
+        ptrdiff_t row = (j - y0) * stride - x0; /* sample (i, j) is at row + i */
         for (int64_t i = rect.x0; i < rect.x1; i++) {
             float steps = steps_beyond(i, w, how.straight, how.x);
             int64_t b = border(i, w);
             if (i != b) {
-                row[i] = row[b] + steps * (row[b] - row[inner(b, w)]);
+                buffer[row + i] = buffer[row + b] + steps * (buffer[row + b] - buffer[row + inner(b, w)]);
                 if (voids)
-                    voids[(j - y0) * stride + i - x0] = voids[(j - y0) * stride + b - x0];
+                    voids[row + i] = voids[row + b];
             } else if (i < w - 1) {
                 i = tc_max64(i, tc_min64(rect.x1, w) - 1); /* on to the other side */
             }
@@ -90,15 +89,13 @@ static tc_status read_beyond(const tc_pyramid *pyramid, int level, tc_rect rect,
         if (j == b)
             continue;
         float steps = steps_beyond(j, h, how.straight, how.y);
-        float *row = origin + j * stride;
-        const float *r0 = origin + b * stride, *r1 = origin + inner(b, h) * stride;
+        ptrdiff_t row = (j - y0) * stride - x0, r0 = (b - y0) * stride - x0, r1 = (inner(b, h) - y0) * stride - x0;
         for (int64_t i = rect.x0; i < rect.x1; i++)
-            row[i] = r0[i] + steps * (r0[i] - r1[i]);
+            buffer[row + i] = buffer[r0 + i] + steps * (buffer[r0 + i] - buffer[r1 + i]);
         if (voids)
-            memcpy(voids + (j - y0) * stride + rect.x0 - x0, voids + (b - y0) * stride + rect.x0 - x0,
-                   (size_t)(rect.x1 - rect.x0));
+            memcpy(voids + row + rect.x0, voids + r0 + rect.x0, (size_t)(rect.x1 - rect.x0));
     }
-    *z_ret = origin + rect.y0 * stride + rect.x0;
+    *z_ret = buffer + (rect.y0 - y0) * stride + rect.x0 - x0;
     *stride_ret = stride;
     return TC_OK;
 }

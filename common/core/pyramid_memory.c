@@ -92,6 +92,7 @@ static const tc_pyramid_class memory_class = {memory_read, memory_bounds, memory
 typedef struct step {
     memory_pyramid *p;
     int level; /* of the result */
+    float void_height;
     _Atomic int failed;
 } step;
 
@@ -115,6 +116,16 @@ static void downsample_band(void *context, int64_t i)
             for (int64_t x = 0; x < coarse->width; x++)
                 out->voids[j * coarse->width + x] = in->voids[2 * j * fine->width + 2 * x];
     free(scratch);
+}
+
+static void flatten_row(void *context, int64_t j)
+{
+    step *s = context;
+    memory_level *l = &s->p->level[s->level - 1];
+    int64_t width = s->p->head.level[s->level - 1].width;
+    for (int64_t i = j * width; i < (j + 1) * width; i++)
+        if (l->voids[i])
+            l->z[i] = s->void_height;
 }
 
 static void bounds_row(void *context, int64_t ty)
@@ -157,44 +168,58 @@ static bool is_other_body(const tc_georef *georef)
     return georef->semi_major > 0 && (georef->semi_major < 6.3e6 || georef->semi_major > 6.45e6);
 }
 
+/* Takes over what the grid owns; its numbers become the finest level and the terrain's. */
+static void take_grid(memory_pyramid *p, tc_grid *grid)
+{
+    tc_terrain_info *info = &p->head.info;
+    p->head.class = &memory_class;
+    tc_pyramid_set_levels(&p->head, (tc_level){grid->width, grid->height, grid->spacing_x, grid->spacing_y});
+    info->z_base = grid->z_base;
+    info->z_min = grid->z_min;
+    info->z_max = grid->z_max;
+    if (grid->voids_flat && grid->void_count > 0) { /* it will be seen */
+        info->z_min = fminf(info->z_min, grid->void_height);
+        info->z_max = fmaxf(info->z_max, grid->void_height);
+    }
+    info->void_count = grid->void_count;
+    info->other_body = is_other_body(&grid->georef);
+    p->georef = grid->georef;
+    p->level[info->levels - 1].z = grid->z;
+    p->level[info->levels - 1].voids = grid->voids;
+    memset(grid, 0, sizeof *grid);
+}
+
 tc_status tc_pyramid_build(tc_grid *grid, int threads, tc_pyramid **pyramid_ret, tc_error *error)
 {
+    if (!grid->z || grid->width < 1 || grid->height < 1 || !(grid->spacing_x > 0) || !(grid->spacing_y > 0)) {
+        tc_grid_free(grid);
+        return tc_fail(error, TC_ERR_USAGE, "pyramid: expected a grid of samples with a spacing above 0");
+    }
     memory_pyramid *p = calloc(1, sizeof *p);
     if (!p) {
         tc_grid_free(grid);
         return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
     }
-    tc_pyramid *head = &p->head;
-    head->class = &memory_class;
-    tc_pyramid_set_levels(head, (tc_level){grid->width, grid->height, grid->spacing_x, grid->spacing_y});
-    head->info.z_base = grid->z_base;
-    head->info.z_min = grid->z_min;
-    head->info.z_max = grid->z_max;
-    head->info.void_count = grid->void_count;
-    head->info.other_body = is_other_body(&grid->georef);
-    p->georef = grid->georef;
-
-    int m = head->info.levels;
-    bool voids = grid->voids != NULL && grid->void_count > 0;
-    p->level[m - 1].z = grid->z;
-    p->level[m - 1].voids = grid->voids;
-    memset(grid, 0, sizeof *grid); /* taken over */
-
-    step s = {.p = p};
-    for (int l = m; l >= 1 && !s.failed; l--) {
-        s.level = l;
-        if (!allocate_level(p, l, voids)) {
+    bool voids = grid->voids != NULL && grid->void_count > 0, flat = voids && grid->voids_flat;
+    step s = {.p = p, .void_height = grid->void_height};
+    take_grid(p, grid);
+    int m = p->head.info.levels;
+    for (s.level = m; s.level >= 1 && !s.failed; s.level--) {
+        if (!allocate_level(p, s.level, voids))
             s.failed = 1;
-            break;
-        }
-        if (l < m)
-            tc_parallel_for(threads, (head->level[l - 1].height + BAND - 1) / BAND, downsample_band, &s);
-        tc_parallel_for(threads, tiles(head->level[l - 1].height), bounds_row, &s);
+        else if (s.level < m)
+            tc_parallel_for(threads, (p->head.level[s.level - 1].height + BAND - 1) / BAND, downsample_band, &s);
+    }
+    /* Only once all levels are filtered: a flat void must not leak into its neighbours. */
+    for (s.level = m; s.level >= 1 && !s.failed; s.level--) {
+        if (flat)
+            tc_parallel_for(threads, p->head.level[s.level - 1].height, flatten_row, &s);
+        tc_parallel_for(threads, tiles(p->head.level[s.level - 1].height), bounds_row, &s);
     }
     if (s.failed) {
-        memory_destroy(head);
+        memory_destroy(&p->head);
         return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
     }
-    *pyramid_ret = head;
+    *pyramid_ret = &p->head;
     return TC_OK;
 }

@@ -1,15 +1,17 @@
 /* surface.h - what a scheme (square grids, rings, hexagons, ...) hands the shared clipmap and renderer.
  *
  * A surface is: static support geometry; a map transform in GLSL (vertex_parts); the windows of the map that a camera
- * wants; the visible parts of the geometry for a camera; and the surface so drawn in C double (drawn_height), the oracle
- * of tests. Everything else is shared. No GL in it. */
+ * wants; the visible parts of the geometry for a camera; and the surface so drawn in C double (drawn_height), the
+ * oracle of tests. Everything else is shared. No GL in it. */
 #ifndef TC_SURFACE_H
 #define TC_SURFACE_H
 
 #include "../terraclip.h"
 #include "clipmap.h"
 
-/* Static support geometry: vertices of two small integers, indices of triangle strips or triangles. */
+/* Static support geometry: vertices of two small integers, indices of triangle strips or triangles. TC_RESTART ends a
+ * strip and begins the next. */
+enum { TC_RESTART = 0xffff };
 typedef struct tc_geometry {
     uint16_t (*vertices)[2];
     int vertex_count;
@@ -47,7 +49,8 @@ typedef struct tc_frame {
 /* How a frame is drawn; zero is the default. */
 typedef struct tc_frame_options {
     bool no_morph;                /* levels meet abruptly, yet without cracks */
-    bool no_stitch;               /* leaves T-junctions open: for the tests that look for cracks */
+    bool no_closers;              /* leaves T-junctions open, and */
+    bool no_stitch;               /* edges of levels where they are as well: for the tests that look for cracks */
     bool no_cull;                 /* draws what is outside the view, too */
     bool two_sided;               /* draws backs of triangles, too, even where none can be seen */
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */

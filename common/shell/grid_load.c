@@ -117,17 +117,11 @@ static tc_status fill_voids(const char *path, const tc_source_options *options, 
     static const char *const what[] = {"filled from their surroundings", "left out", "set to a constant height"};
     size_t samples = (size_t)grid->width * (size_t)grid->height;
     tc_say(options, false, "%" PRId64 " of %zu samples are void: %s", grid->void_count, samples, what[options->voids]);
-    if (options->voids != TC_VOIDS_CONSTANT) {
-        tc_status status = tc_fill_voids(grid->z, grid->voids, grid->width, grid->height);
-        return status == TC_OK
-                   ? TC_OK
-                   : tc_fail(error, status, "%s: its voids cannot be filled: %s", path, tc_status_text(status));
-    }
-    float constant = (float)(options->void_constant - grid->z_base);
-    for (size_t i = 0; i < samples; i++)
-        if (grid->voids[i])
-            grid->z[i] = constant;
-    return TC_OK;
+    grid->voids_flat = options->voids == TC_VOIDS_CONSTANT;
+    grid->void_height = (float)(options->void_constant - grid->z_base);
+    tc_status status = tc_fill_voids(grid->z, grid->voids, grid->width, grid->height);
+    return status == TC_OK ? TC_OK
+                           : tc_fail(error, status, "%s: its voids cannot be filled: %s", path, tc_status_text(status));
 }
 
 tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_grid *grid_ret, tc_error *error)

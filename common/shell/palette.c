@@ -46,14 +46,15 @@ tc_palette tc_palette_make(const tc_terrain_info *info)
         p.zenith[c] = sky[p.natural][1][c];
     }
     double lo = info->z_min + info->z_base, hi = info->z_max + info->z_base;
-    p.water = p.natural && lo <= 0 && hi > 0;
-    double bottom = p.natural ? fmax(lo, 0) : lo;
+    /* What lies wholly below 0 is a sea's bottom where it is deep, else a dry depression. */
+    p.water = p.natural && lo <= 0 && (hi > 0 || lo < -1000);
+    double bottom = !p.natural ? lo : p.water ? 0 : hi > 0 ? fmax(lo, 0) : lo;
     double top = p.natural ? fmax(hi, bottom + SUMMITS) : fmax(hi, lo + 1e-3);
     fill(p.ramp, p.natural ? sea : dust);
     fill(p.ramp + HALF, p.natural ? land : dust);
     p.heights[0] = (float)(bottom - info->z_base);
     p.heights[1] = (float)(1 / fmax(-lo, 100));
     p.heights[2] = (float)(1 / (top - bottom));
-    p.heights[3] = (float)(SHORE * (hi - bottom));
+    p.heights[3] = (float)(SHORE * fmax(hi - bottom, 0));
     return p;
 }

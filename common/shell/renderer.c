@@ -20,8 +20,7 @@
 
 enum {
     SLOTS = 3, /* frames whose buffers may be in flight */
-    MAX_LEFT_OUT = 8,
-    VARIANTS = 2 /* with and without level colours */
+    MAX_LEFT_OUT = 8
 };
 
 /* The uniform block of shaders/frame.glsl. */
@@ -29,6 +28,7 @@ typedef struct frame_uniforms {
     float view_projection[16];
     float surface[TC_SURFACE_UNIFORMS];
     float level[TC_MAX_LEVELS][TC_LEVEL_UNIFORMS];
+    float window[TC_MAX_LEVELS][4];
     float eye[4];
     float ray[3][4];
     float sun[4];
@@ -49,8 +49,9 @@ struct tc_renderer {
     double near_plane; /* metres */
     tc_level_textures textures;
     GLuint ramp;
-    GLuint terrain[VARIANTS], sky; /* programs; 0: not built yet, or not needed */
+    GLuint terrain[2][2], sky; /* programs: [level colours][closers]; 0: not built yet, or not needed */
     GLuint vao, vertices, indices;
+    GLuint sky_vao; /* of no vertex data at all */
     GLuint uniforms[SLOTS], draws[SLOTS];
     size_t draw_capacity[SLOTS]; /* draws that draws[] has room for */
     int slot;
@@ -77,14 +78,17 @@ static bool hazy(const tc_renderer *r)
     return !r->options.background_set && r->palette.natural;
 }
 
-static tc_status build_terrain(tc_renderer *r, bool level_colours, GLuint *program_ret, tc_error *error)
+/* The strips' program, or the crack closers': across a triangle without area nothing can be interpolated, so theirs
+ * takes all from one corner. */
+static tc_status build_terrain(tc_renderer *r, bool closers, GLuint *program_ret, tc_error *error)
 {
     const tc_scene_options *o = &r->options;
     char defines[512];
-    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n%s%s%s%s%s%s", tc_clipmap_n(r->clipmap),
-             o->unlit ? "" : "#define LIT\n", o->holes ? "#define HOLES\n" : "", hazy(r) ? "#define HAZE\n" : "",
-             level_colours ? "#define LEVEL_COLOURS\n" : "", r->palette.natural ? "#define NATURAL_LAND\n" : "",
-             r->palette.water ? "#define WATER\n" : "");
+    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n%s%s%s%s%s%s%s",
+             tc_clipmap_n(r->clipmap), closers ? "flat" : "centroid", o->unlit ? "" : "#define LIT\n",
+             o->holes ? "#define HOLES\n" : "", hazy(r) ? "#define HAZE\n" : "",
+             o->level_colours ? "#define LEVEL_COLOURS\n" : "", r->palette.natural ? "#define NATURAL_LAND\n" : "",
+             r->palette.water ? "#define WATER\n" : "", o->samples > 1 ? "#define MULTISAMPLED\n" : "");
     const char *vertex[16] = {"frame.glsl", "vertex_inputs.glsl"};
     int count = 2;
     for (const char *const *p = r->surface->vertex_parts; *p && count < 14; p++)
@@ -92,6 +96,20 @@ static tc_status build_terrain(tc_renderer *r, bool level_colours, GLuint *progr
     vertex[count] = "renderer.vert";
     const char *fragment[] = {"frame.glsl", "renderer.frag", NULL};
     return tc_program_build(r->gl, vertex, fragment, defines, program_ret, error);
+}
+
+/* Builds the programs that the options as they are need and that are not there yet. */
+static tc_status build_programs(tc_renderer *r, tc_error *error)
+{
+    GLuint *terrain = r->terrain[r->options.level_colours];
+    tc_status status = TC_OK;
+    for (int closers = 0; closers < 2 && !status; closers++)
+        if (!terrain[closers])
+            status = build_terrain(r, closers, &terrain[closers], error);
+    if (!status && !r->sky && !r->options.background_set)
+        status = tc_program_build(r->gl, (const char *[]){"frame.glsl", "sky.vert", NULL},
+                                  (const char *[]){"frame.glsl", "sky.frag", NULL}, "", &r->sky, error);
+    return status;
 }
 
 static void create_geometry(tc_renderer *r)
@@ -112,6 +130,7 @@ static void create_geometry(tc_renderer *r)
     gl->VertexArrayAttribIFormat(r->vao, 1, 4, GL_INT, 0);
     gl->VertexArrayAttribBinding(r->vao, 1, 1);
     gl->VertexArrayBindingDivisor(r->vao, 1, 1);
+    gl->CreateVertexArrays(1, &r->sky_vao);
     gl->CreateBuffers(SLOTS, r->uniforms);
     gl->CreateBuffers(SLOTS, r->draws);
     for (int i = 0; i < SLOTS; i++)
@@ -164,10 +183,7 @@ tc_status tc_renderer_create(const tc_gl *gl, const tc_pyramid *pyramid, tc_surf
     r->near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)); /* costs no precision: depth is a float */
     tc_status status = tc_level_textures_create(gl, clipmap, &r->textures, error);
     if (!status)
-        status = build_terrain(r, options->level_colours, &r->terrain[options->level_colours], error);
-    if (!status && !options->background_set)
-        status = tc_program_build(gl, (const char *[]){"frame.glsl", "sky.vert", NULL},
-                                  (const char *[]){"frame.glsl", "sky.frag", NULL}, "", &r->sky, error);
+        status = build_programs(r, error);
     if (status) {
         tc_renderer_destroy(r);
         return status;
@@ -193,12 +209,10 @@ void tc_renderer_destroy(tc_renderer *renderer)
     const tc_gl *gl = r->gl;
     tc_level_textures_destroy(gl, &r->textures);
     gl->DeleteTextures(1, &r->ramp);
-    for (int i = 0; i < VARIANTS; i++)
-        if (r->terrain[i])
-            gl->DeleteProgram(r->terrain[i]);
-    if (r->sky)
-        gl->DeleteProgram(r->sky);
-    gl->DeleteVertexArrays(1, &r->vao);
+    for (int i = 0; i < 4; i++) /* 0 is silently ignored */
+        gl->DeleteProgram(r->terrain[i / 2][i % 2]);
+    gl->DeleteProgram(r->sky);
+    gl->DeleteVertexArrays(2, (GLuint[]){r->vao, r->sky_vao});
     gl->DeleteBuffers(2, (GLuint[]){r->vertices, r->indices});
     gl->DeleteBuffers(SLOTS, r->uniforms);
     gl->DeleteBuffers(SLOTS, r->draws);
@@ -262,6 +276,13 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     tc_camera_matrix(camera, r->near_plane, u->view_projection);
     memcpy(u->surface, frame->surface_uniforms, sizeof u->surface);
     memcpy(u->level, frame->level_uniforms, sizeof u->level);
+    int64_t torus = 2 * (tc_clipmap_n(r->clipmap) + 1);
+    for (int l = 1; l <= tc_clipmap_levels(r->clipmap); l++) {
+        tc_rect c = tc_clipmap_level(r->clipmap, l)->clip;
+        float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
+                           (float)(c.y1 - 1 - c.y0)};
+        memcpy(u->window[l - 1], window, sizeof window);
+    }
     u->eye[0] = (float)eye;
     u->eye[1] = (float)(eye - (double)(float)eye);
     tc_basis b = tc_camera_basis(camera);
@@ -280,7 +301,7 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     double height = fmax(0, eye - tc_pyramid_info(r->pyramid)->z_min);
     double distance = 0.65 * r->extent + 4 * height; /* half of what one sees there is haze */
     memcpy(u->haze, r->palette.horizon, sizeof r->palette.horizon);
-    u->haze[3] = (float)pow(r->near_plane / distance, 2);
+    u->haze[3] = (float)(r->near_plane / distance);
     memcpy(u->zenith, r->palette.zenith, sizeof r->palette.zenith);
     float lens[4] = {(float)(2 * tx / camera->width), (float)(2 * ty / camera->height), (float)tx, (float)ty};
     memcpy(u->lens, lens, sizeof lens);
@@ -314,7 +335,7 @@ static void draw(tc_renderer *r, const tc_frame *frame)
     gl->Viewport(0, 0, r->width, r->height);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl->ClearNamedFramebufferfv(r->framebuffer, GL_DEPTH, 0, (float[]){0});
-    if (!r->sky || r->options.wireframe)
+    if (!r->sky)
         gl->ClearNamedFramebufferfv(r->framebuffer, GL_COLOR, 0,
                                     (float[]){(float)bg[0] / 255, (float)bg[1] / 255, (float)bg[2] / 255, 1});
     gl->NamedBufferSubData(r->uniforms[r->slot], 0, sizeof r->values, &r->values);
@@ -326,21 +347,26 @@ static void draw(tc_renderer *r, const tc_frame *frame)
     gl->Enable(GL_DEPTH_TEST);
     gl->DepthFunc(GL_GREATER);
     gl->BindVertexArray(r->vao);
-    gl->UseProgram(r->terrain[r->options.level_colours]);
+    const GLuint *terrain = r->terrain[r->options.level_colours];
+    gl->UseProgram(terrain[0]);
     gl->PolygonMode(GL_FRONT_AND_BACK, r->options.wireframe ? GL_LINE : GL_FILL);
+    gl->Enable(GL_PRIMITIVE_RESTART_FIXED_INDEX); /* TC_RESTART */
     gl->FrontFace(GL_CW);
     if (frame->one_sided && !r->options.wireframe)
         gl->Enable(GL_CULL_FACE);
     if (frame->strip_draws)
         gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, frame->strip_draws, 0);
     gl->Disable(GL_CULL_FACE);
-    if (frame->list_draws && !r->options.wireframe)
+    if (frame->list_draws && !r->options.wireframe) {
+        gl->UseProgram(terrain[1]);
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
                                       (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)), frame->list_draws,
                                       0);
+    }
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (r->sky) {
         gl->DepthFunc(GL_GEQUAL); /* depth 0 is infinity: where nothing was drawn */
+        gl->BindVertexArray(r->sky_vao);
         gl->UseProgram(r->sky);
         gl->DrawArrays(GL_TRIANGLES, 0, 3);
     }
@@ -354,8 +380,8 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
 {
     tc_renderer *r = renderer;
     tc_status status = set_size(r, camera->width, camera->height, error);
-    if (!status && !r->terrain[r->options.level_colours])
-        status = build_terrain(r, r->options.level_colours, &r->terrain[r->options.level_colours], error);
+    if (!status)
+        status = build_programs(r, error);
     if (status)
         return status;
     double start = now_ms();

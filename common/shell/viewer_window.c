@@ -26,12 +26,16 @@ typedef struct session {
     int title_frames, tell_frames;
 } session;
 
+/* The terrain's height, or that of a coarser level which is drawn in its place and may be higher. */
 static double ground_height(void *context, double x, double y)
 {
     const tc_viewer *v = context;
-    double z = 0;
+    double z = 0, drawn;
     tc_pyramid_height(v->pyramid, x, y, &z);
-    return z + tc_pyramid_info(v->pyramid)->z_base;
+    z += tc_pyramid_info(v->pyramid)->z_base;
+    if (v->surface->drawn_height(v->surface, v->clipmap, &v->camera, &v->scene.frame, x, y, &drawn))
+        z = fmax(z, drawn);
+    return z;
 }
 
 /* ---- Keys --------------------------------------------------------------------------------------------------- */

@@ -92,6 +92,7 @@ static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *mat
     gl->UseProgram(m->program);
     gl->ProgramUniformMatrix4fv(m->program, m->matrix, 1, GL_FALSE, matrix);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, m->draws);
+    gl->Enable(GL_PRIMITIVE_RESTART_FIXED_INDEX); /* TC_RESTART */
     gl->FrontFace(GL_CW);
     if (one_sided)
         gl->Enable(GL_CULL_FACE);
@@ -131,14 +132,14 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
         const int32_t *v = frame.instances[d].v;
         int level = v[3] + 1;
         const tc_clip_level *l = tc_clipmap_level(s->clipmap, level);
-        square_morph morph = tc_square_morph(s->clipmap, level, &viewer, false);
+        square_morph morph = tc_square_morph(s->clipmap, level, &viewer, &options);
         draws[d] = frame.draws[d];
         draws[d].base_vertex = (int32_t)used;
         draws[d].base_instance = 0;
         int last = 0;
         for (uint32_t k = 0; k < draws[d].count; k++) {
             int index = g->indices[draws[d].first_index + k];
-            last = index > last ? index : last;
+            last = index > last && index != TC_RESTART ? index : last;
         }
         for (int k = 0; k <= last; k++) {
             int64_t rx = v[0] + ((int64_t)g->vertices[k][0] << l->shift),

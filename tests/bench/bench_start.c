@@ -161,7 +161,8 @@ int main(int argc, char **argv)
     tc_error error;
     const char *tiff = made_path("start.tif"), *pgm = made_path("start.pgm");
     must(tc_write_tiff(tiff, &(tc_tiff_options){.width = SIZE, .height = SIZE, .spacing = 30, .int16 = true}, give_row,
-                       &grid, &error), &error);
+                       &grid, &error),
+         &error);
     make_pgm(pgm, SIZE, SIZE, stored);
     free(stored);
     tc_grid_free(&grid);

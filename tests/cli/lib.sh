@@ -17,7 +17,11 @@ mkdir out
 export MESA_SHADER_CACHE_DISABLE=true
 picture='-o out/picture.png --size 96x64' # what most cases write; split into words where it is used
 limit=20                                  # seconds that a case may take
-case $build in */sanitize) limit=90 ;; esac
+case $build in
+*/sanitize) # Leaks are the unit tests' affair: here LeakSanitizer falls over threads of libraries that are just ending.
+    limit=90
+    export ASAN_OPTIONS="detect_leaks=0${ASAN_OPTIONS:+:$ASAN_OPTIONS}" ;;
+esac
 cases=0 failures=0 skips=0
 
 fail() { # MESSAGE
@@ -33,25 +37,23 @@ skip() { # MESSAGE
 # Runs a command; sets $rc and leaves what it said in stdout.txt and stderr.txt.
 run() { # COMMAND...
     cases=$((cases + 1))
-    for try in 1 2 3 4; do
-        timeout -k 5 $limit "$@" >stdout.txt 2>stderr.txt </dev/null
-        rc=$?
-        # It stumbles now and then over threads that are just ending.
-        grep -q 'LeakSanitizer has encountered a fatal error' stderr.txt || break
-    done
+    timeout -k 5 $limit "$@" >stdout.txt 2>stderr.txt </dev/null
+    rc=$?
 }
 
-# A command must end with this code, one line on stderr that names the program and matches the regular expression,
-# nothing on stdout and no file in out/.
+# A command must end with this code, one line on stderr that names the program and matches the regular expression
+# (warnings may come before it), nothing on stdout and no file in out/.
 refuses() { # EXIT REGEX COMMAND...
     expected=$1 regex=$2
     shift 2
     run "$@"
     wrong=
     [ $rc = "$expected" ] || wrong="exit code $rc instead of $expected"
-    [ "$(wc -l <stderr.txt)" = 1 ] || wrong="$wrong, $(wc -l <stderr.txt) lines on stderr instead of 1"
-    grep -Eq '^(planar-viewer|terraclip): ' stderr.txt || wrong="$wrong, stderr does not name the program"
-    grep -Eq -- "$regex" stderr.txt || wrong="$wrong, stderr does not match '$regex'"
+    grep -v '^planar-viewer: warning: ' stderr.txt >error.txt
+    lines=$(wc -l <error.txt)
+    [ "$lines" = 1 ] || wrong="$wrong, $lines lines on stderr instead of 1"
+    grep -Eq '^(planar-viewer|terraclip): ' error.txt || wrong="$wrong, stderr does not name the program"
+    grep -Eq -- "$regex" error.txt || wrong="$wrong, stderr does not match '$regex'"
     [ ! -s stdout.txt ] || wrong="$wrong, something on stdout"
     [ -z "$(ls -A out)" ] || wrong="$wrong, left behind: $(ls -A out)"
     [ -z "$wrong" ] || report "$wrong" "$@"

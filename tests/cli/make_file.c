@@ -7,7 +7,7 @@
  *         heights=hills|plane|voids|nan|inf (hills): whole metres above 0; the last three are void everywhere but in a
  *         few places, nan and inf of floats only; all=1: void everywhere,
  *         tile=N (tiff: square tiles), channels=N, palette=1, place=LON,LAT (tiff: the degree square north-east of it),
- *         metres=M (tiff: projected, M between samples), nodata=V. */
+ *         metres=M (tiff: projected, M between samples; 30, 0 for no place at all), nodata=V. */
 #include "tests/support/made_files.h"
 
 #include <math.h>
@@ -88,7 +88,9 @@ static void make_tiff_file(const char *path, const request *r, const void *sampl
                                  .channels = r->channels,
                                  .tile = r->tile,
                                  .palette = r->palette,
-                                 .transform = r->placed ? degrees : r->metres > 0 ? metres : NULL,
+                                 .transform = r->placed       ? degrees
+                                              : r->metres > 0 ? metres
+                                                              : NULL,
                                  .epsg = r->placed ? 4326 : 32632,
                                  .point = true,
                                  .nodata = r->nodata});
@@ -116,7 +118,7 @@ int main(int argc, char **argv)
 {
     if (argc < 3)
         usage("FORMAT PATH");
-    request r = {.width = 1201, .height = 1201, .type = "i16", .heights = "hills"};
+    request r = {.width = 1201, .height = 1201, .type = "i16", .heights = "hills", .metres = 30};
     for (int i = 3; i < argc; i++)
         read_setting(&r, argv[i]);
     const char *format = argv[1], *path = argv[2];

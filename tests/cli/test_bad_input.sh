@@ -91,8 +91,10 @@ $make_file jp2 huge.jp2 && poke huge.jp2 93 '\177\377\377\377\177\377\377\377'
 refuses 1 'huge.jp2: ' $viewer huge.jp2 $picture
 printf 'II+\0\010\0\0\0\020\0\0\0\0\0\0\0\377\377\377\377\377\377\377\177' >huge-directory.tif
 refuses 1 'huge-directory.tif: damaged' $viewer huge-directory.tif $picture
-printf '<VRTDataset rasterXSize="2000000000" rasterYSize="2000000000"><VRTRasterBand dataType="Int16" band="1"/></VRTDataset>' \
-    >huge.vrt && refuses 1 'huge.vrt: .*GiB' $viewer huge.vrt $picture
+cat >huge.vrt <<end
+<VRTDataset rasterXSize="2000000000" rasterYSize="2000000000"><VRTRasterBand dataType="Int16" band="1"/></VRTDataset>
+end
+refuses 1 'huge.vrt: .*GiB' $viewer huge.vrt $picture
 sed 's/Int16/Float64/; s/2000000000/2147483647/' huge.vrt >widest.vrt
 refuses 1 'widest.vrt: ' $viewer widest.vrt $picture
 printf 'P5\n0 0\n65535\n' >none.pgm && refuses 1 'none.pgm: ' $viewer none.pgm $picture
@@ -127,7 +129,7 @@ for heights in nan inf; do
         accepts 'samples are void' $viewer -v --voids constant=7 $heights-$type.tif $picture
     done
 done
-$make_file exr nan.exr size=65x65 heights=nan && accepts '' $viewer nan.exr $picture
+$make_file exr nan.exr size=65x65 heights=nan && accepts '' $viewer --spacing 30 nan.exr $picture
 $make_file tiff some.tif size=65x65 heights=voids nodata=-32768 && accepts '' $viewer some.tif $picture
 accepts '' $viewer --voids hole some.tif $picture
 
@@ -140,8 +142,8 @@ done
 for size in 2x2 2x65 65x2 3x3 70000x3 3x70000; do
     $make_file tiff $size.tif size=$size && accepts '' $viewer $size.tif $picture
 done
-$make_file png 2x2.png size=2x2 && accepts '' $viewer 2x2.png $picture
-$make_file pgm 70000x3.pgm size=70000x3 && accepts '' $viewer 70000x3.pgm $picture
+$make_file png 2x2.png size=2x2 && accepts '' $viewer --spacing 30 2x2.png $picture
+$make_file pgm 70000x3.pgm size=70000x3 && accepts '' $viewer --spacing 30 70000x3.pgm $picture
 
 # ---- The command line
 
@@ -152,7 +154,8 @@ while read -r option values; do
         refuses 2 "$option: expected " $viewer hills.tif $picture "$option=$value"
     done
 done <<end
---view        1,2,3 1,2,3,4,91 1,2,3,361,0 nan,0,0,0,0 0,NaN,0,0,0 0,0,inf,0,0 0,0,0,nan,0 1e13,0,0,0,0 1,2,3,4,5,6 1,2,3,4,5x ""
+--view        1,2,3 1,2,3,4,91 1,2,3,361,0 1e13,0,0,0,0 1,2,3,4,5,6 1,2,3,4,5x ""
+--view        nan,0,0,0,0 0,NaN,0,0,0 0,0,inf,0,0 0,0,0,nan,0 0,0,0,0,-nan
 --fov         0 0.5 171 -60 nan inf 60x 0x40 ""
 --size        0x1 1x0 16385x1 1x16385 64 64x 64x48x3 -64x48 x ""
 --background  12345 1234567 gggggg #123456 ""

@@ -20,9 +20,11 @@ $make_file exr heights.exr
 cat >mosaic.vrt <<end
 <VRTDataset rasterXSize="1201" rasterYSize="1201"><VRTRasterBand dataType="Int16" band="1">
 <SimpleSource><SourceFilename relativeToVRT="1">strips.tif</SourceFilename>
-<SrcRect xOff="0" yOff="0" xSize="600" ySize="1201"/><DstRect xOff="0" yOff="0" xSize="600" ySize="1201"/></SimpleSource>
+<SrcRect xOff="0" yOff="0" xSize="600" ySize="1201"/>
+<DstRect xOff="0" yOff="0" xSize="600" ySize="1201"/></SimpleSource>
 <SimpleSource><SourceFilename relativeToVRT="1">float32.tif</SourceFilename>
-<SrcRect xOff="600" yOff="0" xSize="601" ySize="1201"/><DstRect xOff="600" yOff="0" xSize="601" ySize="1201"/></SimpleSource>
+<SrcRect xOff="600" yOff="0" xSize="601" ySize="1201"/>
+<DstRect xOff="600" yOff="0" xSize="601" ySize="1201"/></SimpleSource>
 </VRTRasterBand></VRTDataset>
 end
 accepts '' $viewer N46E008.hgt --spacing 90 $near $picture
@@ -49,13 +51,15 @@ fi
 # A small JPEG 2000 there is in any case.
 $make_file jp2 small.jp2
 $make_file tiff small.tif size=16x12 heights=plane
-accepts '' $viewer small.jp2 $picture
+accepts '' $viewer small.jp2 --spacing 30 $picture
 mv last.png small.png
-accepts '' $viewer small.tif $picture
+accepts '' $viewer small.tif $picture # which says that it is 30 m
 same small.png last.png 'small.jp2 and small.tif'
 
 # ---- Where it lies and how high it is
 
+accepts 'warning: no georeference: ' $viewer heights.pgm $picture
+$make_file tiff nowhere.tif metres=0 && accepts 'warning: no georeference: ' $viewer nowhere.tif $picture
 # The tile's name says where it lies, a GeoTIFF's tags say the same.
 $make_file tiff placed.tif place=8,46
 accepts '0.000833333333 x 0.000833333333 degrees become 63.9688 x 92.6342 m at the mean latitude of 46.5' \

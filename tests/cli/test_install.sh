@@ -78,7 +78,8 @@ sanitizers=
 [ $config != sanitize ] || sanitizers=-fsanitize=address,undefined
 version=$(cat "$root/VERSION")
 cases=$((cases + 1))
-[ "$(pkg-config --modversion terraclip 2>&1)" = "$version" ] || fail "pkg-config: $(pkg-config --modversion terraclip 2>&1)"
+found=$(pkg-config --modversion terraclip 2>&1)
+[ "$found" = "$version" ] || fail "pkg-config: $found"
 for standard in c11 c99; do
     run ${CC:-cc} -std=$standard -Wall -Wextra -Werror $sanitizers $(pkg-config --cflags terraclip) use.c -o use \
         $(pkg-config --libs terraclip)
@@ -94,14 +95,15 @@ run ${CXX:-c++} -Wall -Wextra -Werror $sanitizers $(pkg-config --cflags terracli
 [ $rc = 0 ] && ./use++ || report 'C++' use.cpp
 # Every function that the header declares is there.
 cases=$((cases + 1))
+library=$stage/usr/lib/libterraclip.a
 for name in $(grep -o '^[^/ ].*\btc_[a-z_]*(' "$root/common/terraclip.h" | grep -o 'tc_[a-z_]*($' | tr -d '('); do
-    nm --defined-only "$stage/usr/lib/libterraclip.a" 2>/dev/null | grep -q " T $name\$" || fail "$name is not in the library"
+    nm --defined-only "$library" 2>/dev/null | grep -q " T $name\$" || fail "$name is not in the library"
 done
 # Nothing in the library needs OpenGL, GDAL or a window; and what it exports has its prefix.
 cases=$((cases + 1))
-strange=$(nm -u "$stage/usr/lib/libterraclip.a" 2>/dev/null | grep -Ei ' (gl[A-Z]|egl|osmesa|gdal|glfw|dlopen)' | head -n 3)
+strange=$(nm -u "$library" 2>/dev/null | grep -Ei ' (gl[A-Z]|egl|osmesa|gdal|glfw|dlopen)' | head -n 3)
 [ -z "$strange" ] || fail "the library needs $strange"
-strange=$(nm --defined-only -g "$stage/usr/lib/libterraclip.a" 2>/dev/null | grep -E ' [TDBRC] ' | grep -v ' tc_' |
+strange=$(nm --defined-only -g "$library" 2>/dev/null | grep -E ' [TDBRC] ' | grep -v ' tc_' |
     grep -Ev '__(asan|odr_asan|ubsan|sanitizer)' | head -n 3)
 [ -z "$strange" ] || fail "the library exports $strange"
 

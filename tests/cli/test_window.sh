@@ -36,7 +36,12 @@ gone() { ! kill -0 "$pid" 2>/dev/null; }
 start() { # ARGUMENT...
     "$viewer" "$@" >stdout.txt 2>stderr.txt </dev/null &
     pid=$!
-    await has_window 'ms, .* triangles, .* levels' || { report 'no window that draws' "$@"; kill -9 $pid; wait $pid; return 1; }
+    if ! await has_window 'ms, .* triangles, .* levels'; then
+        report 'no window that draws' "$@"
+        kill -9 $pid
+        wait $pid
+        return 1
+    fi
     id=$(window 'ms, .* triangles')
     xdotool windowfocus --sync "$id" 2>/dev/null || xdotool windowfocus "$id"
 }
@@ -62,8 +67,9 @@ $make_file tiff hills.tif size=513x513 metres=30
 # ---- Keys
 
 if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.json; then
-    xdotool getwindowname "$id" | grep -Eq '^hills.tif - [0-9.]+ ms, [0-9]+ triangles, [1-9][0-9]* levels - planar-viewer$' ||
-        fail "the title is '$(xdotool getwindowname "$id")'"
+    title=$(xdotool getwindowname "$id")
+    echo "$title" | grep -Eq '^hills.tif - [0-9.]+ ms, [0-9]+ triangles, [1-9][0-9]* levels - planar-viewer$' ||
+        fail "the title is '$title'"
     [ "$(echo $(xdotool getwindowgeometry "$id" | sed -n 's/.*Geometry: //p'))" = 320x240 ] || fail 'wrong size'
     key v '^--view 2000(\.000)?,1500(\.000)?,2500(\.000)?,30(\.0000)?,-15(\.0000)?$'
     key p '^terraclip-0001.png'

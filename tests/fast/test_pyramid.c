@@ -174,6 +174,56 @@ static void voids_travel_to_coarser_levels(void **state)
     tc_pyramid_destroy(p);
 }
 
+/* A flat void is seen at its height and changes nothing else, on any level. */
+static void flat_voids_do_not_leak(void **state)
+{
+    (void)state;
+    enum { N = 129 };
+    tc_pyramid *p[2];
+    for (int flat = 0; flat < 2; flat++) {
+        tc_grid grid = terrain_grid(TERRAIN_CLIFF, N, N, 30, 2);
+        grid.voids = calloc(N * N, 1);
+        for (int i = 0; i < N * N; i++)
+            grid.voids[i] = hypot(i % N - 60, i / N - 50) < 21;
+        grid.void_count = 1;
+        grid.voids_flat = flat != 0;
+        grid.void_height = -300;
+        assert_int_equal(tc_pyramid_build(&grid, 0, &p[flat], NULL), TC_OK);
+    }
+    assert_true(tc_pyramid_info(p[1])->z_min == -300 && tc_pyramid_info(p[0])->z_min > -300);
+    float a[N * N], b[N * N], lo, hi;
+    uint8_t voids[N * N];
+    int64_t flat = 0;
+    for (int l = 1; l <= tc_pyramid_info(p[0])->levels; l++) {
+        tc_level level = tc_pyramid_level(p[0], l);
+        tc_rect all = {0, 0, level.width, level.height};
+        assert_int_equal(tc_pyramid_read(p[0], l, all, a, voids, N), TC_OK);
+        assert_int_equal(tc_pyramid_read(p[1], l, all, b, NULL, N), TC_OK);
+        tc_pyramid_bounds(p[1], l, all, &lo, &hi);
+        for (int64_t k = 0; k < level.width * level.height; k++) {
+            int64_t at = k / level.width * N + k % level.width;
+            assert_true(b[at] == (voids[at] ? -300 : a[at]));
+            assert_true(b[at] >= lo && b[at] <= hi);
+            flat += voids[at];
+        }
+    }
+    assert_true(flat > 1000);
+    tc_pyramid_destroy(p[0]), tc_pyramid_destroy(p[1]);
+}
+
+static void nonsense_grids_are_refused(void **state)
+{
+    (void)state;
+    tc_pyramid *p = NULL;
+    tc_grid empty = {.width = 3, .height = 3, .spacing_x = 1, .spacing_y = 1};
+    assert_int_equal(tc_pyramid_build(&empty, 0, &p, NULL), TC_ERR_USAGE);
+    tc_grid grid = terrain_grid(TERRAIN_SMOOTH, 4, 4, 30, 0);
+    grid.spacing_x = 0;
+    assert_int_equal(tc_pyramid_build(&grid, 0, &p, NULL), TC_ERR_USAGE);
+    assert_null(p);
+    assert_null(grid.z);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -184,6 +234,8 @@ int main(void)
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(reading_outside_is_refused),
         cmocka_unit_test(voids_travel_to_coarser_levels),
+        cmocka_unit_test(flat_voids_do_not_leak),
+        cmocka_unit_test(nonsense_grids_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

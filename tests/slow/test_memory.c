@@ -50,9 +50,18 @@ static void *given(void *p)
     return p;
 }
 
-void *__wrap_malloc(size_t size) { return given(__real_malloc(size)); }
-void *__wrap_calloc(size_t count, size_t size) { return given(__real_calloc(count, size)); }
-void *__wrap_aligned_alloc(size_t alignment, size_t size) { return given(__real_aligned_alloc(alignment, size)); }
+void *__wrap_malloc(size_t size)
+{
+    return given(__real_malloc(size));
+}
+void *__wrap_calloc(size_t count, size_t size)
+{
+    return given(__real_calloc(count, size));
+}
+void *__wrap_aligned_alloc(size_t alignment, size_t size)
+{
+    return given(__real_aligned_alloc(alignment, size));
+}
 
 void *__wrap_realloc(void *p, size_t size)
 {
@@ -100,7 +109,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* A flight that crosses the terrain and its edges, low and high, and never repeats itself; with a leap here and there. */
+/* A flight that crosses the terrain and its edges, low and high, and never repeats itself; with a leap here and there.
+ */
 static tc_camera camera_at(int frame)
 {
     double t = 0.01 * frame, extent = (SIZE - 1) * SPACING, ground = 0;
@@ -130,9 +140,12 @@ static void fly(scene *s, tc_stats *stats, int first, int last)
 static void frames_allocate_nothing(void **state)
 {
     (void)state;
-    const tc_scene_options scenes[] = {
-        {0}, {.budget = 1000}, {.budget = -1, .holes = true}, {.unlit = true, .background_set = true},
-        {.wireframe = true, .level_colours = true}, {.samples = 4, .frame.no_cull = true}};
+    const tc_scene_options scenes[] = {{0},
+                                       {.budget = 1000},
+                                       {.budget = -1, .holes = true},
+                                       {.unlit = true, .background_set = true},
+                                       {.wireframe = true, .level_colours = true},
+                                       {.samples = 4, .frame.no_cull = true}};
     for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
         scene s = scene_create(context, terrain, N, &scenes[k]);
         tc_stats *stats;
@@ -162,8 +175,9 @@ static void flying_allocates_nothing(void **state)
 {
     (void)state;
     tc_flight_path path;
-    assert_int_equal(tc_flight_path_parse("test", "0,0,900,0,0\n20000,9000,1500,200,-20\n5000,30000,900,10,5\n", &path, NULL),
-                     TC_OK);
+    assert_int_equal(
+        tc_flight_path_parse("test", "0,0,900,0,0\n20000,9000,1500,200,-20\n5000,30000,900,10,5\n", &path, NULL),
+        TC_OK);
     tc_flight flight = {.view = tc_flight_path_view(&path, 0, 2), .speed = tc_flight_speed};
     const tc_ground ground = {ground_height, NULL, tc_flight_clearance(SPACING)};
     const tc_flight_input input = {.forward = 1, .turn = 0.01, .dt = 0.016, .fast = true};
@@ -193,8 +207,8 @@ static void resident_set_stays_flat(void **state)
         fly(&s, stats, 1000 * (thousand - 1), 1000 * thousand);
         after[thousand] = resident_bytes();
     }
-    printf("resident set: %.2f MiB after 1000 frames, %.2f after 5000, %.2f after 10000\n", (double)after[1] / (1 << 20),
-           (double)after[5] / (1 << 20), (double)after[10] / (1 << 20));
+    printf("resident set: %.2f MiB after 1000 frames, %.2f after 5000, %.2f after 10000\n",
+           (double)after[1] / (1 << 20), (double)after[5] / (1 << 20), (double)after[10] / (1 << 20));
     assert_true(after[10] - after[1] < 1 << 20);
     tc_stats_destroy(stats);
     scene_destroy(&s);
@@ -249,7 +263,8 @@ static void items_add_up(void **state)
         assert_true(m.geometry >= mesh && m.geometry < mesh + (1 << 18));
         /* What our code holds is in the items, but for lists of draws and of changes, which no terrain makes longer. */
         double listed = window * (8 + lit * 16) + scratch + (double)mesh, rest = (double)held - listed;
-        printf("memory: held by our own code: %.1f KiB, of it not in the items %.1f\n", (double)held / 1024, rest / 1024);
+        printf("memory: held by our own code: %.1f KiB, of it not in the items %.1f\n", (double)held / 1024,
+               rest / 1024);
         assert_true(rest >= 0 && rest < 1 << 18);
         scene_destroy(&s);
         assert_int_equal(live_bytes, start);

@@ -9,7 +9,7 @@
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
-enum { WIDTH = 320, HEIGHT = 240, SIZE = 1025, SPACING = 30 };
+enum { WIDTH = 320, HEIGHT = 240, SIZE = 998, SPACING = 30 };
 
 static tc_context *context;
 static tc_pyramid *terrain;
@@ -54,11 +54,10 @@ static int64_t different_pixels(const uint8_t *a, const uint8_t *b)
 }
 
 /* Two flights of different paths, speeds and budgets end in the same view. */
-static void a_picture_depends_on_the_view_alone(void **state)
+static void same_view_same_picture(int samples)
 {
-    (void)state;
     test_random r = {1};
-    tc_scene_options options[2] = {{.budget = 0}, {.budget = 700}};
+    tc_scene_options options[2] = {{.budget = 0, .samples = samples}, {.budget = 700, .samples = samples}};
     scene s[2];
     for (int k = 0; k < 2; k++)
         s[k] = scene_create(context, terrain, 63, &options[k]);
@@ -77,6 +76,18 @@ static void a_picture_depends_on_the_view_alone(void **state)
         free(pixels[0]), free(pixels[1]);
     }
     scene_destroy(&s[0]), scene_destroy(&s[1]);
+}
+
+static void a_picture_depends_on_the_view_alone(void **state)
+{
+    (void)state;
+    same_view_same_picture(1);
+}
+
+static void also_with_several_samples_a_pixel(void **state)
+{
+    (void)state;
+    same_view_same_picture(4);
 }
 
 static void culling_removes_nothing_visible(void **state)
@@ -205,6 +216,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_picture_depends_on_the_view_alone),
+        cmocka_unit_test(also_with_several_samples_a_pixel),
         cmocka_unit_test(culling_removes_nothing_visible),
         cmocka_unit_test(backs_are_not_missed),
         cmocka_unit_test(maps_are_not_mirrored),

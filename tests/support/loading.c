@@ -11,6 +11,8 @@
 static void hear(void *context, bool warning, const char *line)
 {
     sayings *s = context;
+    if (strstr(line, "no georeference")) /* true of most test files, and beside the point of most tests */
+        warning = false;
     *(warning ? &s->warnings : &s->notes) += 1;
     size_t used = strlen(s->text);
     snprintf(s->text + used, sizeof s->text - used, "%s\n", line);
