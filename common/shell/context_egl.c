@@ -3,6 +3,7 @@
  *
  * An EGL display is one per process and device, and eglTerminate would end every context on it, so displays stay
  * initialised until the process ends; only the context goes. */
+#include "gl.h"
 #include "offscreen.h"
 #include "../core/status.h"
 
@@ -138,7 +139,7 @@ static bool draws_in_software(const egl_state *egl)
     if (!load_extension(egl, "glGetString", &get_string))
         return true;
     const char *renderer = (const char *)get_string(RENDERER);
-    return !renderer || strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe") || strstr(renderer, "swrast");
+    return !renderer || tc_gl_software(renderer);
 }
 
 static tc_status start_surfaceless(egl_state *egl, tc_error *error)

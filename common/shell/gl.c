@@ -51,3 +51,8 @@ tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *e
     *gl = table;
     return TC_OK;
 }
+
+bool tc_gl_software(const char *renderer)
+{
+    return strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe") || strstr(renderer, "swrast");
+}

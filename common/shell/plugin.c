@@ -97,3 +97,13 @@ tc_status tc_plugin_load(const char *name, const void **table_ret, tc_error *err
     pthread_mutex_unlock(&loaded.lock);
     return status;
 }
+
+bool tc_plugin_loaded(const char *name)
+{
+    bool found = false;
+    pthread_mutex_lock(&loaded.lock);
+    for (int i = 0; i < loaded.count; i++)
+        found = found || strcmp(loaded.entries[i].name, name) == 0;
+    pthread_mutex_unlock(&loaded.lock);
+    return found;
+}

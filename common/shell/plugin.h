@@ -11,4 +11,7 @@
  * Loaded once per process and never unloaded; thread-safe. */
 tc_status tc_plugin_load(const char *name, const void **table_ret, tc_error *error);
 
+/* Whether that plugin has been loaded. */
+bool tc_plugin_loaded(const char *name);
+
 #endif

@@ -10,12 +10,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "../core/camera.h"
 #include "../core/status.h"
 #include "level_textures.h"
 #include "palette.h"
+#include "clock.h"
 #include "program.h"
 
 enum {
@@ -62,13 +62,6 @@ struct tc_renderer {
     const char *left_out[MAX_LEFT_OUT + 1];
     tc_rect wanted[TC_MAX_LEVELS];
 };
-
-static double now_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 /* ---- Creation ------------------------------------------------------------------------------------------------ */
 
@@ -384,14 +377,14 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
         status = build_programs(r, error);
     if (status)
         return status;
-    double start = now_ms();
+    double start = tc_clock_ms();
     int64_t n = tc_clipmap_n(r->clipmap), budget = r->options.budget ? r->options.budget : n * n;
     tc_frame_stats stats = {0};
     r->surface->wanted(r->surface, r->clipmap, camera, r->wanted);
     stats.samples_updated = tc_clipmap_update(r->clipmap, r->wanted, budget > 0 && budget < n ? n : budget);
     stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, r->clipmap);
     stats.resident = tc_clipmap_resident(r->clipmap);
-    double updated = now_ms();
+    double updated = tc_clock_ms();
 
     tc_frame frame;
     r->surface->frame(r->surface, r->clipmap, camera, &r->options.frame, &frame);
@@ -402,7 +395,7 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     if (finish)
         r->gl->Finish();
     stats.update_ms = updated - start;
-    stats.draw_ms = now_ms() - updated;
+    stats.draw_ms = tc_clock_ms() - updated;
     stats.triangles = frame.triangles;
     stats.triangles_unculled = frame.triangles_unculled;
     stats.draws = frame.strip_draws + frame.list_draws;

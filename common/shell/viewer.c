@@ -11,19 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 
 enum { WINDOW_FRAMES = 65536 }; /* that a window's statistics look back */
-
-double tc_viewer_ms(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
-}
 
 /* ---- Signals ------------------------------------------------------------------------------------------------ */
 
@@ -61,7 +53,7 @@ static void say(void *context, bool warning, const char *line)
 
 static tc_status load_terrain(tc_viewer *v, tc_error *error)
 {
-    double start = tc_viewer_ms();
+    double start = tc_clock_ms();
     tc_source_options source = v->options.source;
     source.say = say;
     source.say_context = v;
@@ -69,7 +61,7 @@ static tc_status load_terrain(tc_viewer *v, tc_error *error)
     tc_status status = tc_grid_load(v->options.terrain, &source, &grid, error);
     if (status != TC_OK)
         return status;
-    double loaded = tc_viewer_ms();
+    double loaded = tc_clock_ms();
     status = tc_pyramid_build(&grid, v->options.threads, &v->pyramid, error);
     if (status != TC_OK)
         return status;
@@ -83,7 +75,7 @@ static tc_status load_terrain(tc_viewer *v, tc_error *error)
                 " voids; read in %.0f ms, %d levels in %.0f ms\n",
                 v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
                 info->z_base + info->z_min, info->z_base + info->z_max, info->void_count, loaded - start, info->levels,
-                tc_viewer_ms() - loaded);
+                tc_clock_ms() - loaded);
     return TC_OK;
 }
 
@@ -156,13 +148,6 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
     return status;
 }
 
-/* Whether the driver draws on the processor. */
-static bool software(const tc_gl *gl)
-{
-    const char *renderer = (const char *)gl->GetString(GL_RENDERER);
-    return strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe") || strstr(renderer, "swrast");
-}
-
 /* The clipmap and what draws it, as large as frame and machine call for. */
 static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
@@ -178,7 +163,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     clipmap.holes = v->scene.holes;
     if (!clipmap.n) {
         clipmap.n = tc_clipmap_n_for(&v->camera);
-        if (interactive(&v->options) && software(v->gl))
+        if (interactive(&v->options) && tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)))
             clipmap.n = clipmap.n > 255 ? 255 : clipmap.n;
     }
     tc_status status = tc_clipmap_create(v->pyramid, &clipmap, &v->clipmap, error);
@@ -193,10 +178,10 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
 
 tc_status tc_viewer_measured_frame(tc_viewer *v, tc_frame_stats *frame_ret, tc_error *error)
 {
-    double start = tc_viewer_ms();
+    double start = tc_clock_ms();
     tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, frame_ret, error);
     if (status == TC_OK)
-        tc_stats_frame(v->stats, tc_viewer_ms() - start, frame_ret);
+        tc_stats_frame(v->stats, tc_clock_ms() - start, frame_ret);
     return status;
 }
 
@@ -205,12 +190,12 @@ tc_status tc_viewer_resident_frame(tc_viewer *v, tc_error *error)
     /* Every frame brings something, or nothing more will come. */
     for (int idle = 0; idle < 3 && !tc_viewer_interrupted();) {
         tc_frame_stats frame;
-        double start = tc_viewer_ms();
+        double start = tc_clock_ms();
         tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, &frame, error);
         if (status != TC_OK)
             return status;
         if (frame.resident) {
-            tc_stats_frame(v->stats, tc_viewer_ms() - start, &frame);
+            tc_stats_frame(v->stats, tc_clock_ms() - start, &frame);
             return TC_OK;
         }
         tc_stats_load(v->stats, &frame);
@@ -231,6 +216,21 @@ tc_status tc_viewer_write_frame(tc_viewer *v, const char *path, uint8_t *rgb, tc
 
 /* ---- Telling ------------------------------------------------------------------------------------------------ */
 
+/* What the scene as a whole did not need, and what its last frame did not. */
+static void explain(const tc_viewer *v, const tc_stats_summary *summary, const char *const *left_out)
+{
+    static const char *const libraries[][2] = {{"gdal", "GDAL"}, {"oiio", "OpenImageIO"}, {"window", "GLFW"}};
+    for (int i = 0; left_out[i]; i++)
+        printf("left out: %s\n", left_out[i]);
+    printf("left out: %" PRId64 " of %d levels: too fine for the height above ground, or not where the terrain is\n",
+           tc_clipmap_levels(v->clipmap) - summary->levels_active, tc_clipmap_levels(v->clipmap));
+    printf("left out: %" PRId64 " of %" PRId64 " triangles: outside the view\n",
+           summary->triangles_unculled - summary->triangles, summary->triangles_unculled);
+    for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
+        if (!tc_plugin_loaded(libraries[i][0]))
+            printf("left out: %s: not loaded\n", libraries[i][1]);
+}
+
 /* Writes --stats, prints --json and --explain, and a line about a measured flight. */
 static tc_status report(tc_viewer *v, tc_error *error)
 {
@@ -241,8 +241,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
                                 .left_out = tc_renderer_left_out(v->renderer)};
     tc_renderer_memory(v->renderer, &context.memory);
     if (v->options.explain && !v->options.json) /* which says it, too */
-        for (int i = 0; context.left_out[i]; i++)
-            printf("left out: %s\n", context.left_out[i]);
+        explain(v, &summary, context.left_out);
     if (v->options.json)
         tc_stats_print(&summary, &context, stdout);
     else if (v->options.path && !v->options.output && !v->options.quiet)

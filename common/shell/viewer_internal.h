@@ -4,6 +4,7 @@
 
 #include "../core/clipmap.h"
 #include "../core/surface.h"
+#include "clock.h"
 #include "context.h"
 #include "flight.h"
 #include "flight_path.h"
@@ -34,9 +35,6 @@ typedef struct tc_viewer {
     tc_flight_path path; /* no keys: none */
     tc_stats *stats;
 } tc_viewer;
-
-/* Milliseconds that have passed since some moment. */
-double tc_viewer_ms(void);
 
 /* Whether the user has asked to end (Ctrl-C, SIGTERM), once tc_viewer_watch_signals has been called. A second Ctrl-C
  * ends the program at once. */

@@ -87,7 +87,7 @@ static void do_tell(session *s)
 {
     s->tell = !s->tell;
     s->tell_frames = 0;
-    s->tell_since = tc_viewer_ms();
+    s->tell_since = tc_clock_ms();
 }
 
 static void do_picture(session *s)
@@ -179,7 +179,7 @@ static void write_picture(session *s)
 static void tell(session *s, const tc_frame_stats *frame)
 {
     tc_viewer *v = s->viewer;
-    double now = tc_viewer_ms();
+    double now = tc_clock_ms();
     s->title_frames++;
     if (now - s->title_since >= 250) {
         char title[256];
@@ -224,7 +224,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
 {
     const tc_camera *camera = &v->camera;
     const tc_view start = {camera->x, camera->y, camera->z, camera->heading, camera->pitch};
-    double now = tc_viewer_ms();
+    double now = tc_clock_ms();
     session s = {.viewer = v,
                  .flight = {start, tc_flight_speed},
                  .start = {start, tc_flight_speed},
@@ -241,14 +241,14 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         v->window_plugin->poll(v->window, 0, &input);
         while ((input.width <= 0 || input.height <= 0) && !input.close && !tc_viewer_interrupted()) {
             v->window_plugin->poll(v->window, 0.2, &input); /* iconified */
-            last = tc_viewer_ms();
+            last = tc_clock_ms();
         }
         if (input.close || input.width <= 0 || input.height <= 0 || (v->options.frames && frames == v->options.frames))
             break;
         v->camera.width = input.width;
         v->camera.height = input.height;
         handle_keys(&s, &input);
-        now = tc_viewer_ms();
+        now = tc_clock_ms();
         if (v->path.count > 0)
             s.flight.view = tc_flight_path_view(&v->path, frames, v->options.frames);
         else
@@ -262,7 +262,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
             break;
         tc_renderer_present(v->renderer, input.width, input.height);
         v->window_plugin->swap(v->window);
-        tc_stats_frame(v->stats, tc_viewer_ms() - now, &frame);
+        tc_stats_frame(v->stats, tc_clock_ms() - now, &frame);
         tell(&s, &frame);
         if (s.picture_wanted) {
             write_picture(&s);

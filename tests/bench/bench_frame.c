@@ -8,22 +8,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "common/core/camera.h"
+#include "common/shell/clock.h"
 #include "common/shell/program.h"
 #include "planar/square_internal.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
 enum { WIDTH = 640, HEIGHT = 480, PAIRS = 21 };
-
-static double now_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 static int by_value(const void *a, const void *b)
 {
@@ -80,7 +73,7 @@ static void plain_create(const tc_gl *gl, plain_mesh *m, const float (*positions
 
 static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *matrix, bool one_sided)
 {
-    double start = now_ms();
+    double start = tc_clock_ms();
     gl->BindFramebuffer(GL_FRAMEBUFFER, m->framebuffer);
     gl->Viewport(0, 0, WIDTH, HEIGHT);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
@@ -102,7 +95,7 @@ static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *mat
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
                                       (const void *)((size_t)m->strip_draws * sizeof(tc_draw)), m->list_draws, 0);
     gl->Finish();
-    return now_ms() - start;
+    return tc_clock_ms() - start;
 }
 
 static void plain_destroy(const tc_gl *gl, plain_mesh *m)
@@ -193,9 +186,9 @@ static void plain_brute_force(const tc_gl *gl, const tc_pyramid *p, const tc_cam
 
 static double scene_frame(scene *s, const tc_camera *camera)
 {
-    double start = now_ms();
+    double start = tc_clock_ms();
     scene_draw(s, camera, false);
-    return now_ms() - start;
+    return tc_clock_ms() - start;
 }
 
 /* Median ratio of the scene's frame to the mesh's, in pairs. */
