@@ -15,34 +15,36 @@
 
 #include "rect.h"
 
+#define ALWAYS_INLINE static inline __attribute__((always_inline))
+
 /* Sums that wrap. */
-static inline uint32_t u(int32_t a)
+ALWAYS_INLINE uint32_t u(int32_t a)
 {
     return (uint32_t)a;
 }
 
-static inline int32_t predict(int32_t a, int32_t b, int32_t c, int32_t d)
+ALWAYS_INLINE int32_t predict(int32_t a, int32_t b, int32_t c, int32_t d)
 {
     return (int32_t)(9 * (u(b) + u(c)) - (u(a) + u(d)) + 8) >> 4;
 }
 
-static inline int32_t update(int32_t a, int32_t b, int32_t c, int32_t d)
+ALWAYS_INLINE int32_t update(int32_t a, int32_t b, int32_t c, int32_t d)
 {
     return (int32_t)(19 * (u(b) + u(c)) - 3 * (u(a) + u(d)) + 32) >> 6;
 }
 
-static inline int32_t plus(int32_t a, int32_t b)
+ALWAYS_INLINE int32_t plus(int32_t a, int32_t b)
 {
     return (int32_t)(u(a) + u(b));
 }
 
-static inline int32_t minus(int32_t a, int32_t b)
+ALWAYS_INLINE int32_t minus(int32_t a, int32_t b)
 {
     return (int32_t)(u(a) - u(b));
 }
 
 /* edge + steps * (edge - inner): the straight line beyond a border. */
-static inline int32_t beyond(int32_t edge, int32_t inner, int steps)
+ALWAYS_INLINE int32_t beyond(int32_t edge, int32_t inner, int steps)
 {
     return (int32_t)(u(edge) + (uint32_t)steps * (u(edge) - u(inner)));
 }
@@ -185,7 +187,7 @@ void tc_lifting_analyse(const tc_lifting_level *level, const tc_plane *fine, int
 
 /* Evens j0 - 1 .. j1 + 1 of the columns from low and high, into rows of `count` columns; row of even j at
  * even[(j - j0 + 1) * count]. */
-static void restore_evens(const tc_plane *low, const tc_plane *high, int64_t x0, int64_t count, int64_t j0, int64_t j1,
+ALWAYS_INLINE void restore_evens(const tc_plane *low, const tc_plane *high, int64_t x0, int64_t count, int64_t j0, int64_t j1,
                           int64_t evens, int64_t odds, const int32_t *zero, int32_t *even)
 {
     int64_t first = tc_max64(j0 - 1, 0), last = tc_min64(j1 + 2, evens);
@@ -213,7 +215,7 @@ static void restore_evens(const tc_plane *low, const tc_plane *high, int64_t x0,
 }
 
 /* Row y of the columns: an even itself, or its prediction plus the detail. */
-static const int32_t *restore_row(const tc_plane *high, int64_t x0, int64_t count, int64_t j0, int64_t y,
+ALWAYS_INLINE const int32_t *restore_row(const tc_plane *high, int64_t x0, int64_t count, int64_t j0, int64_t y,
                                   const int32_t *even, int32_t *restrict row)
 {
     const int32_t *e = even + ((y >> 1) - j0) * count;
@@ -226,7 +228,7 @@ static const int32_t *restore_row(const tc_plane *high, int64_t x0, int64_t coun
 }
 
 /* Fine samples 2 i0 .. 2 i1 - 1 of a row from low and high samples, low[0] and high[0] being those of column x0. */
-static void restore_samples(const int32_t *low, const int32_t *high, int64_t x0, int64_t x1, int64_t i0, int64_t i1,
+ALWAYS_INLINE void restore_samples(const int32_t *low, const int32_t *high, int64_t x0, int64_t x1, int64_t i0, int64_t i1,
                             const tc_lifting_level *level, int32_t *restrict e, int32_t *restrict d,
                             int32_t *restrict out)
 {
@@ -264,8 +266,8 @@ size_t tc_lifting_synthesise_scratch(const tc_lifting_level *level, tc_rect rect
     return columns * (2 * rows + 8) + 32;
 }
 
-void tc_lifting_synthesise(const tc_lifting_level *level, const tc_plane *ll, const tc_plane bands[TC_BANDS],
-                           const tc_plane *fine, int32_t *scratch)
+ALWAYS_INLINE void synthesise(const tc_lifting_level *level, const tc_plane *ll, const tc_plane bands[TC_BANDS],
+                              const tc_plane *fine, int32_t *scratch)
 {
     tc_rect r = fine->rect;
     if (tc_rect_empty(r))
@@ -292,6 +294,29 @@ void tc_lifting_synthesise(const tc_lifting_level *level, const tc_plane *ll, co
             memcpy(z, out + (r.x0 - 2 * i0), (size_t)(r.x1 - r.x0) * sizeof *z);
         }
     }
+}
+
+/* The same code for processors with AVX2 and without. */
+#if defined __x86_64__ && defined __GNUC__
+__attribute__((target("avx2"), noinline)) static void synthesise_avx2(const tc_lifting_level *level, const tc_plane *ll,
+                                                                      const tc_plane bands[TC_BANDS],
+                                                                      const tc_plane *fine, int32_t *scratch)
+{
+    synthesise(level, ll, bands, fine, scratch);
+}
+#endif
+
+void tc_lifting_synthesise(const tc_lifting_level *level, const tc_plane *ll, const tc_plane bands[TC_BANDS],
+                           const tc_plane *fine, int32_t *scratch, tc_simd simd)
+{
+#if defined __x86_64__ && defined __GNUC__
+    if (simd == TC_SIMD_AUTO && __builtin_cpu_supports("avx2")) {
+        synthesise_avx2(level, ll, bands, fine, scratch);
+        return;
+    }
+#endif
+    (void)simd;
+    synthesise(level, ll, bands, fine, scratch);
 }
 
 double tc_lifting_norm(int band, int depth)

@@ -15,6 +15,9 @@
 enum { TC_LIFTING_LIMIT = 1 << 23, TC_LIFTING_REACH = 3 };
 enum { TC_HL, TC_LH, TC_HH, TC_BANDS };
 
+/* Which instructions to use: the best there are, or none but the compiler's. The results are the same. */
+typedef enum tc_simd { TC_SIMD_AUTO, TC_SIMD_NONE } tc_simd;
+
 /* A fine level. wrap_x: column 0 follows the last one; only for even widths. */
 typedef struct tc_lifting_level {
     int64_t width, height;
@@ -51,7 +54,7 @@ tc_rect tc_lifting_needs(const tc_lifting_level *level, tc_rect rect);
  * tc_lifting_synthesise_scratch() integers. */
 size_t tc_lifting_synthesise_scratch(const tc_lifting_level *level, tc_rect rect);
 void tc_lifting_synthesise(const tc_lifting_level *level, const tc_plane *ll, const tc_plane band[TC_BANDS],
-                           const tc_plane *fine, int32_t *scratch);
+                           const tc_plane *fine, int32_t *scratch, tc_simd simd);
 
 /* L2 norm of the fine level's answer to a unit detail of a band `depth` levels above the finest (0: the finest): a
  * quantiser step of q / norm in every band spends the bits where they lower the error most. */

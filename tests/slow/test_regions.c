@@ -1,8 +1,9 @@
 /* test_regions.c - LH04's region constraints and the windows' content after each of 100,000 random moves.
  *
  * Terrains of several sizes (odd, even, narrow, smaller than a window), window sizes and budgets share the moves.
- * After every move the constraints are checked on all levels, and every sample of some rows of one level, drawn anew
- * for each move, is compared with the pyramid; at the end all of them are. */
+ * After every move the constraints are checked on all levels and every height held is compared with the pyramid's; so
+ * are the morph targets, normals and heights on the terrain's edge in some rows of one level, drawn anew for each move,
+ * and all of them at the end. */
 #include "tests/support/test.h"
 
 #include <stdio.h>
@@ -45,6 +46,7 @@ static int64_t run(const tour *t, uint64_t seed)
         tc_square_wanted(NULL, c, &w.camera, wanted);
         samples += tc_clipmap_update(c, wanted, t->budget);
         check(regions_broken(c), move);
+        check(heights_broken(c), move);
         int level = (int)test_random_int(&r, 1, tc_clipmap_levels(c));
         check(content_broken(c, level, test_random_int(&r, 0, 15), t->normals ? 61 : 31), move);
     }

@@ -147,6 +147,28 @@ static const char *normal_broken(const tc_clipmap *clipmap, int level, int64_t i
     return NULL;
 }
 
+const char *heights_broken(const tc_clipmap *clipmap)
+{
+    const tc_pyramid *p = tc_clipmap_pyramid(clipmap);
+    int64_t mask = tc_clipmap_n(clipmap);
+    for (int l = 1; l <= tc_clipmap_levels(clipmap); l++) {
+        const tc_clip_level *v = tc_clipmap_level(clipmap, l);
+        int pl = tc_clipmap_pyramid_level(clipmap, l);
+        tc_level size = tc_pyramid_level(p, pl);
+        int64_t x1 = tc_min64(v->clip.x1, size.width), y1 = tc_min64(v->clip.y1, size.height);
+        for (int64_t j = v->clip.y0; j < y1; j++) {
+            float row[2048];
+            if (tc_pyramid_read(p, pl, (tc_rect){v->clip.x0, j, x1, j + 1}, row, NULL, 2048))
+                return "the pyramid cannot be read";
+            const float(*z)[2] = tc_clipmap_heights(clipmap, l) + (j & mask) * (mask + 1);
+            for (int64_t i = v->clip.x0; i < x1; i++)
+                if (z[i & mask][0] != row[i - v->clip.x0])
+                    return say("height", l, i, j, z[i & mask][0], row[i - v->clip.x0]);
+        }
+    }
+    return NULL;
+}
+
 const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_row, int64_t step)
 {
     const tc_pyramid *p = tc_clipmap_pyramid(clipmap);
