@@ -130,8 +130,8 @@ static void extend_rows(const row_band *b, int64_t j0, int64_t j1)
 }
 
 /* Columns: rows j0 .. j1 - 1 of low and high. detail: j1 - j0 + 3 rows. */
-static void analyse_columns(const row_band *b, int64_t odds, int64_t j0, int64_t j1, int32_t *detail, const tc_plane *low,
-                            const tc_plane *high)
+static void analyse_columns(const row_band *b, int64_t odds, int64_t j0, int64_t j1, int32_t *detail,
+                            const tc_plane *low, const tc_plane *high)
 {
     int64_t cw = b->cw;
     extend_rows(b, j0, j1);
@@ -187,8 +187,8 @@ void tc_lifting_analyse(const tc_lifting_level *level, const tc_plane *fine, int
 
 /* Evens j0 - 1 .. j1 + 1 of the columns from low and high, into rows of `count` columns; row of even j at
  * even[(j - j0 + 1) * count]. */
-ALWAYS_INLINE void restore_evens(const tc_plane *low, const tc_plane *high, int64_t x0, int64_t count, int64_t j0, int64_t j1,
-                          int64_t evens, int64_t odds, const int32_t *zero, int32_t *even)
+ALWAYS_INLINE void restore_evens(const tc_plane *low, const tc_plane *high, int64_t x0, int64_t count, int64_t j0,
+                                 int64_t j1, int64_t evens, int64_t odds, const int32_t *zero, int32_t *even)
 {
     int64_t first = tc_max64(j0 - 1, 0), last = tc_min64(j1 + 2, evens);
     for (int64_t j = first; j < last; j++) {
@@ -216,7 +216,7 @@ ALWAYS_INLINE void restore_evens(const tc_plane *low, const tc_plane *high, int6
 
 /* Row y of the columns: an even itself, or its prediction plus the detail. */
 ALWAYS_INLINE const int32_t *restore_row(const tc_plane *high, int64_t x0, int64_t count, int64_t j0, int64_t y,
-                                  const int32_t *even, int32_t *restrict row)
+                                         const int32_t *even, int32_t *restrict row)
 {
     const int32_t *e = even + ((y >> 1) - j0) * count;
     if (y % 2 == 0)
@@ -228,9 +228,9 @@ ALWAYS_INLINE const int32_t *restore_row(const tc_plane *high, int64_t x0, int64
 }
 
 /* Fine samples 2 i0 .. 2 i1 - 1 of a row from low and high samples, low[0] and high[0] being those of column x0. */
-ALWAYS_INLINE void restore_samples(const int32_t *low, const int32_t *high, int64_t x0, int64_t x1, int64_t i0, int64_t i1,
-                            const tc_lifting_level *level, int32_t *restrict e, int32_t *restrict d,
-                            int32_t *restrict out)
+ALWAYS_INLINE void restore_samples(const int32_t *low, const int32_t *high, int64_t x0, int64_t x1, int64_t i0,
+                                   int64_t i1, const tc_lifting_level *level, int32_t *restrict e, int32_t *restrict d,
+                                   int32_t *restrict out)
 {
     int64_t evens = level->wrap_x ? INT64_MAX : tc_coarse_size(level->width);
     int64_t odds = level->wrap_x ? INT64_MAX : level->width / 2, start = level->wrap_x ? INT64_MIN : 0;

@@ -29,8 +29,8 @@ tc_rans_frequencies tc_rans_normalise(const uint64_t weight[TC_RANS_SYMBOLS])
     tc_rans_frequencies f;
     int32_t sum = 0, largest = 0;
     for (int s = 0; s < TC_RANS_SYMBOLS; s++) {
-        uint64_t share =
-            total ? (w[s] * (TC_RANS_SLOTS - TC_RANS_SYMBOLS) + total / 2) / total : TC_RANS_SLOTS / TC_RANS_SYMBOLS - 1;
+        uint64_t share = total ? (w[s] * (TC_RANS_SLOTS - TC_RANS_SYMBOLS) + total / 2) / total
+                               : TC_RANS_SLOTS / TC_RANS_SYMBOLS - 1;
         /* One slot is everybody's; the rest goes by weight. */
         f.of[s] = (uint16_t)(share + 1);
         sum += f.of[s];
@@ -60,36 +60,37 @@ void tc_rans_table_build(const tc_rans_frequencies *frequencies, tc_rans_table *
             table->slot[at++] = s | (uint32_t)frequencies->of[s] << 4 | i << 16;
 }
 
-void tc_rans_encode_begin(tc_rans_encoder *e, uint8_t *begin, uint8_t *end, const uint8_t payload[TC_RANS_PAYLOAD])
+void tc_rans_encode_begin(tc_rans_encoder *e, int lanes, uint8_t *begin, uint8_t *end, const uint8_t *payload)
 {
-    for (int lane = 0; lane < TC_RANS_LANES; lane++)
+    e->lanes = lanes;
+    for (int lane = 0; lane < lanes; lane++)
         e->state[lane] = LOW | (uint32_t)payload[2 * lane] | (uint32_t)payload[2 * lane + 1] << 8;
     e->begin = begin, e->at = end;
 }
 
 void tc_rans_encode_end(tc_rans_encoder *e)
 {
-    e->at -= TC_RANS_HEAD;
-    for (int lane = 0; lane < TC_RANS_LANES; lane++)
+    e->at -= 4 * e->lanes;
+    for (int lane = 0; lane < e->lanes; lane++)
         store32(e->at + 4 * lane, e->state[lane]);
 }
 
-bool tc_rans_decode_begin(tc_rans_decoder *d, const uint8_t *bytes, size_t size)
+bool tc_rans_decode_begin(tc_rans_decoder *d, int lanes, const uint8_t *bytes, size_t size)
 {
-    if (size < TC_RANS_HEAD)
+    if (size < 4 * (size_t)lanes)
         return false;
-    for (int lane = 0; lane < TC_RANS_LANES; lane++)
+    for (int lane = 0; lane < lanes; lane++)
         if ((d->state[lane] = load32(bytes + 4 * lane)) < LOW)
             return false;
-    d->at = bytes + TC_RANS_HEAD, d->end = bytes + size, d->overrun = false;
+    d->lanes = lanes, d->at = bytes + 4 * lanes, d->end = bytes + size, d->overrun = false;
     return true;
 }
 
-bool tc_rans_decode_end(const tc_rans_decoder *d, uint8_t payload[TC_RANS_PAYLOAD])
+bool tc_rans_decode_end(const tc_rans_decoder *d, uint8_t *payload)
 {
     if (d->overrun)
         return false;
-    for (int lane = 0; lane < TC_RANS_LANES; lane++) {
+    for (int lane = 0; lane < d->lanes; lane++) {
         if (d->state[lane] >> 16 != 1)
             return false;
         payload[2 * lane] = (uint8_t)d->state[lane], payload[2 * lane + 1] = (uint8_t)(d->state[lane] >> 8);

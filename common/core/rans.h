@@ -1,10 +1,10 @@
-/* rans.h - range asymmetric numeral systems with static tables of 12 bits and four interleaved states.
+/* rans.h - range asymmetric numeral systems with static tables of 12 bits and four or eight interleaved states.
  *
  * Duda 2013, "Asymmetric numeral systems"; Giesen 2014, "Interleaved entropy coders". States are 32 bits in
- * [2^16, 2^32) and renormalise by 16 bits. A stream decodes forwards: four states, little-endian, then 16-bit words;
- * symbol number k of a run belongs to state k mod 4. The encoder works backwards from the last symbol. It does not
- * start from empty states: the low 16 bits of each are payload, so that closing a stream wastes no room where the
- * caller has 8 bytes of other data to put there. */
+ * [2^16, 2^32) and renormalise by 16 bits. A stream decodes forwards: the states, little-endian, then 16-bit words;
+ * symbol number k of a run belongs to state k mod `lanes`. Four lanes cost fewer bytes, eight decode faster. The
+ * encoder works backwards from the last symbol. It does not start from empty states: the low 16 bits of each are
+ * payload, so that closing a stream wastes no room where the caller has 2 bytes a lane of other data to put there. */
 #ifndef TC_RANS_H
 #define TC_RANS_H
 
@@ -14,9 +14,9 @@ enum {
     TC_RANS_BITS = 12,
     TC_RANS_SLOTS = 1 << TC_RANS_BITS,
     TC_RANS_SYMBOLS = 16,
-    TC_RANS_LANES = 4,
-    TC_RANS_PAYLOAD = 2 * TC_RANS_LANES, /* bytes carried by the states */
-    TC_RANS_HEAD = 4 * TC_RANS_LANES     /* bytes in front of the words */
+    TC_RANS_LANES = 8,                   /* at most */
+    TC_RANS_PAYLOAD = 2 * TC_RANS_LANES, /* bytes carried by the states, at most: two for each */
+    TC_RANS_HEAD = 4 * TC_RANS_LANES     /* bytes in front of the words, at most: four for each */
 };
 
 /* Frequencies of the symbols, each at least 1, TC_RANS_SLOTS in all. */
@@ -42,6 +42,7 @@ void tc_rans_table_build(const tc_rans_frequencies *frequencies, tc_rans_table *
 
 typedef struct tc_rans_encoder {
     uint32_t state[TC_RANS_LANES];
+    int lanes;
     uint8_t *begin, *at; /* words are put in front of `at` */
 } tc_rans_encoder;
 
@@ -52,7 +53,7 @@ static inline size_t tc_rans_bound(size_t symbols)
 }
 
 /* Starts a stream that ends at `end` and grows towards `begin`, which the caller puts tc_rans_bound() before it. */
-void tc_rans_encode_begin(tc_rans_encoder *e, uint8_t *begin, uint8_t *end, const uint8_t payload[TC_RANS_PAYLOAD]);
+void tc_rans_encode_begin(tc_rans_encoder *e, int lanes, uint8_t *begin, uint8_t *end, const uint8_t *payload);
 
 /* Puts one symbol of frequency `frequency` whose slots start at `start`; last symbol first. */
 static inline void tc_rans_encode(tc_rans_encoder *e, int lane, uint32_t start, uint32_t frequency)
@@ -73,12 +74,13 @@ void tc_rans_encode_end(tc_rans_encoder *e);
 
 typedef struct tc_rans_decoder {
     uint32_t state[TC_RANS_LANES];
+    int lanes;
     const uint8_t *at, *end;
     bool overrun; /* words were missing and read as zero */
 } tc_rans_decoder;
 
 /* False where the head is missing or holds an impossible state. */
-bool tc_rans_decode_begin(tc_rans_decoder *d, const uint8_t *bytes, size_t size);
+bool tc_rans_decode_begin(tc_rans_decoder *d, int lanes, const uint8_t *bytes, size_t size);
 
 /* One step without any check: table entry of the state, and the state behind it. */
 static inline uint32_t tc_rans_step(const tc_rans_table *table, uint32_t *state)
@@ -104,6 +106,6 @@ static inline uint32_t tc_rans_decode(tc_rans_decoder *d, int lane, const tc_ran
 }
 
 /* The payload of the states once every symbol is decoded; false where the stream is damaged. */
-bool tc_rans_decode_end(const tc_rans_decoder *d, uint8_t payload[TC_RANS_PAYLOAD]);
+bool tc_rans_decode_end(const tc_rans_decoder *d, uint8_t *payload);
 
 #endif

@@ -412,13 +412,6 @@ static void real_data(void **state)
     }
 }
 
-static int remove_folder(void **state)
-{
-    (void)state;
-    made_folder_remove();
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {

@@ -154,13 +154,6 @@ static void refuses_missing_samples(void **state)
     }
 }
 
-static int remove_folder(void **state)
-{
-    (void)state;
-    made_folder_remove();
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {

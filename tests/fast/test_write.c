@@ -152,13 +152,6 @@ static void reading_leaves_no_trace(void **state)
     assert_int_equal(made_folder_count(), 5);
 }
 
-static int remove_folder(void **state)
-{
-    (void)state;
-    made_folder_remove();
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {

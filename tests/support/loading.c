@@ -100,3 +100,10 @@ void assert_values(const tc_grid *g)
     assert_true(g->z_min + g->z_base == value(0, 0));
     assert_true(g->z_max + g->z_base == value(W - 1, H - 1));
 }
+
+int remove_folder(void **state)
+{
+    (void)state;
+    made_folder_remove();
+    return 0;
+}

@@ -29,4 +29,7 @@ const void *samples_of(int bits, made_format format, double factor, double offse
 made_tiff plain_tiff(void);
 void assert_values(const tc_grid *g);
 
+/* Group teardown: takes the folder of made files away. */
+int remove_folder(void **state);
+
 #endif
