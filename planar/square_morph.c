@@ -112,8 +112,8 @@ square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_
     tc_rect fine = {1, 1, 0, 0};
     if (level < tc_clipmap_levels(clipmap) && !tc_rect_empty(tc_clipmap_level(clipmap, level + 1)->active))
         fine = tc_clipmap_level(clipmap, level + 1)->active;
-    axis x = {l->active.x0, l->active.x1 - 1, l->extent.x0, l->extent.x1 - 1, fine.x0, fine.x1 - 1};
-    axis y = {l->active.y0, l->active.y1 - 1, l->extent.y0, l->extent.y1 - 1, fine.y0, fine.y1 - 1};
+    axis x = {l->active.x0, l->active.x1 - 1, l->extent.x0, l->extent.x1 - 1, fine.x0, fine.x1 - 1, 0, 0};
+    axis y = {l->active.y0, l->active.y1 - 1, l->extent.y0, l->extent.y1 - 1, fine.y0, fine.y1 - 1, 0, 0};
     x.snap = (double)viewer->snap_x / cell, x.rest = viewer->rest_x / finest.spacing_x / cell;
     y.snap = (double)viewer->snap_y / cell, y.rest = viewer->rest_y / finest.spacing_y / cell;
     ramps(&x, tc_clipmap_n(clipmap), options, &m.start[0], &m.rate[0]);
