@@ -1,0 +1,108 @@
+/* codec.h - the packed form of one level's details, given the next coarser level.
+ *
+ * A level (codec of the lifting's details, lifting.h) is cut into tiles of TC_TILE x TC_TILE positions, that is twice
+ * as many samples either way. Only the entropy coding knows tiles: a tile decodes alone, given the reconstructed
+ * coarser level around it, and the transform runs across tile edges. A tile without a coded coefficient takes no bytes.
+ * Everything is integers and does the same on every machine; nothing here allocates, and all functions are
+ * thread-safe. */
+#ifndef TC_CODEC_H
+#define TC_CODEC_H
+
+#include "../terraclip.h"
+#include "detail_model.h"
+#include "lifting.h"
+
+enum {
+    TC_TILE = 64,
+    TC_TILE_MARGIN = 5, /* positions of the coarser level that a tile looks at around itself */
+    TC_TILE_SYMBOLS = TC_BANDS * TC_TILE * TC_TILE
+};
+
+/* A level's geometry, model and decoding tables. */
+typedef struct tc_codec {
+    tc_lifting_level level;
+    int64_t cw, ch;           /* positions */
+    int64_t tiles_x, tiles_y; /* tiles */
+    tc_detail_model model;
+    int32_t coarse_shift, coarse_scale[TC_BANDS];      /* curvatures to steps */
+    uint8_t spread[1 << TC_RANS_LANES][TC_RANS_LANES]; /* [lanes that want a word][lane]: how many do before it */
+    tc_rans_table table[TC_BINS];
+} tc_codec;
+
+/* Sets up *codec for a level and model. */
+void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_detail_model *model);
+
+/* Memory for coding one tile; holds nothing between calls. */
+typedef struct tc_tile_work tc_tile_work;
+size_t tc_tile_work_bytes(void);
+
+/* Positions of tile (tx, ty). shift moves them in x: where the level wraps, a window that sticks out of it holds tiles
+ * of the other side moved by a multiple of cw. */
+tc_rect tc_codec_tile_rect(const tc_codec *codec, int64_t tx, int64_t ty, int64_t shift);
+
+/* Rectangle of the coarser level that coding the tiles of a rectangle of positions needs. */
+tc_rect tc_codec_tile_needs(const tc_codec *codec, tc_rect positions);
+
+/* Decodes one tile from exactly its bytes (size 0: the empty tile) into those positions of band that the planes hold.
+ * coarse covers at least tc_codec_tile_needs(). All planes of band have the same rectangle. TC_ERR_FORMAT where the
+ * bytes are damaged; band is then as if the tile were empty. */
+tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes,
+                               size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *work,
+                               tc_simd simd);
+
+/* Bytes that a tile can take at most. */
+size_t tc_codec_tile_bound(void);
+
+/* Counts of symbols, for building tables. */
+typedef struct tc_symbol_counts {
+    uint64_t of[TC_BINS][TC_RANS_SYMBOLS];
+} tc_symbol_counts;
+
+/* Squared error that a bit is worth, in squared steps. */
+#define TC_DEFAULT_LAMBDA 0.08
+
+/* Options of the encoder; zero is the default. */
+typedef struct tc_encode_options {
+    double lambda;           /* 0: TC_DEFAULT_LAMBDA; negative: plain rounding */
+    tc_symbol_counts *count; /* where not NULL, symbols are added */
+    double *bits, *error; /* where not NULL, the ideal code length and the squared error in squared steps are added */
+} tc_encode_options;
+
+/* Encodes tile (tx, ty) of the true details `band` against the reconstructed coarser level. bytes: room for
+ * tc_codec_tile_bound(); *size_ret: bytes written, 0 for an empty tile. TC_ERR_UNSUPPORTED where a detail is too many
+ * steps away from its prediction to be coded (2^24). */
+tc_status tc_codec_encode_tile(const tc_codec *codec, int64_t tx, int64_t ty, const tc_plane *coarse,
+                               const tc_plane band[TC_BANDS], const tc_encode_options *options, uint8_t *bytes,
+                               size_t *size_ret, tc_tile_work *work);
+
+/* ---- Rectangles of the fine level ---------------------------------------------------------------------------- */
+
+/* Where tiles' bytes come from: sets *bytes and *size (0: empty tile), which stay valid until the next call. */
+typedef tc_status (*tc_tile_source)(void *context, int64_t tx, int64_t ty, const uint8_t **bytes, size_t *size);
+
+/* Rectangle of the coarser level that reading `rect` of the fine one needs; beyond the sides where the level wraps. */
+tc_rect tc_codec_read_needs(const tc_codec *codec, tc_rect rect);
+
+/* Reads fine->rect, which lies within the level, or beyond its sides where it wraps. scratch: tc_codec_read_scratch()
+ * bytes, aligned as malloc does. A damaged tile is read as if it were empty, the rest goes on, and *damaged (where not
+ * NULL) counts it; statuses of the source end the reading. */
+size_t tc_codec_read_scratch(const tc_codec *codec, tc_rect rect);
+tc_status tc_codec_read(const tc_codec *codec, const tc_plane *coarse, tc_tile_source source, void *context,
+                        const tc_plane *fine, void *scratch, int64_t *damaged, tc_simd simd);
+
+/* ---- Training ------------------------------------------------------------------------------------------------ */
+
+/* Trains prediction, scales and symbols on tiles of a level whose details are `band` (whole level) and whose coarser
+ * level was reconstructed as `coarse`. Starts from *model, whose steps stay. Looks at no more than about `tiles` tiles,
+ * evenly spread (0: a default). */
+tc_status tc_codec_train(const tc_lifting_level *level, const tc_plane *coarse, const tc_plane band[TC_BANDS],
+                         int tiles, double lambda, tc_detail_model *model);
+
+/* Makes a level's header: trains a model as above and takes of it what pays over the built-in sets. step: the quantiser
+ * steps; lambda as in tc_encode_options. header: room for tc_detail_model_bound() bytes. *model_ret is the model that
+ * the header holds. */
+tc_status tc_codec_choose(const tc_lifting_level *level, const tc_plane *coarse, const tc_plane band[TC_BANDS],
+                          int tiles, double lambda, const int32_t step[TC_BANDS], uint8_t *header, size_t *size_ret,
+                          tc_detail_model *model_ret);
+
+#endif

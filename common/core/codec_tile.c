@@ -1,0 +1,407 @@
+/* codec_tile.c - decoding a tile.
+ *
+ * A tile's bytes: one byte of flags (bit b: band b is coded; bit 3: eight lanes instead of four), a rANS stream
+ * (rans.h), and raw bits, low ones first. The
+ * symbols (magnitudes) come band after band, row after row, even columns before odd ones; a run of a phase starts on
+ * lane 0. Raw bits hold what contexts do not need: for every run the low bits of magnitudes and what escapes add, then
+ * the signs of all that is not zero. The first 16 raw bits of
+ * each lane travel in its state. Nothing is left over at the end,
+ * and no raw bit behind the last one is set. */
+#include "codec_tile.h"
+
+#include <stdlib.h>
+
+#if defined __x86_64__ && defined __GNUC__
+#define HAVE_AVX2 1
+#include <immintrin.h>
+#else
+#define HAVE_AVX2 0
+#endif
+
+size_t tc_tile_work_bytes(void)
+{
+    return sizeof(tc_tile_work);
+}
+
+void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_detail_model *model)
+{
+    codec->level = *level;
+    codec->cw = tc_coarse_size(level->width), codec->ch = tc_coarse_size(level->height);
+    codec->tiles_x = (codec->cw + TC_TILE - 1) / TC_TILE, codec->tiles_y = (codec->ch + TC_TILE - 1) / TC_TILE;
+    codec->model = *model;
+    /* Curvatures keep 6 to 7 bits of the step. */
+    codec->coarse_shift = 0;
+    while (model->step[TC_HL] >> codec->coarse_shift >= 128)
+        codec->coarse_shift++;
+    for (int b = 0; b < TC_BANDS; b++)
+        codec->coarse_scale[b] =
+            (int32_t)tc_clamp64(((int64_t)1 << (20 + codec->coarse_shift)) / model->step[b], 128, 1 << 20);
+    for (int mask = 0; mask < 1 << TC_RANS_LANES; mask++)
+        for (int lane = 0; lane < TC_RANS_LANES; lane++)
+            codec->spread[mask][lane] = (uint8_t)__builtin_popcount((unsigned)mask & ((1u << lane) - 1));
+    for (int b = 0; b < TC_BINS; b++)
+        tc_rans_table_build(&model->symbols[b], &codec->table[b]);
+}
+
+tc_rect tc_codec_tile_rect(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift)
+{
+    return (tc_rect){tx * TC_TILE + shift, ty * TC_TILE, tc_min64((tx + 1) * TC_TILE, c->cw) + shift,
+                     tc_min64((ty + 1) * TC_TILE, c->ch)};
+}
+
+tc_rect tc_codec_tile_needs(const tc_codec *c, tc_rect r)
+{
+    r.x0 -= TC_TILE_MARGIN, r.y0 = tc_max64(r.y0 - TC_TILE_MARGIN, 0);
+    r.x1 += TC_TILE_MARGIN, r.y1 = tc_min64(r.y1 + TC_TILE_MARGIN, c->ch);
+    if (!c->level.wrap_x)
+        r.x0 = tc_max64(r.x0, 0), r.x1 = tc_min64(r.x1, c->cw);
+    return r;
+}
+
+/* ---- Raw bits ------------------------------------------------------------------------------------------------ */
+
+typedef struct raw_bits {
+    uint64_t held;
+    int count; /* bits held */
+    const uint8_t *at, *end;
+    bool overrun;
+    const uint8_t *next, *next_end; /* what follows behind `end` */
+} raw_bits;
+
+/* 0 <= n <= 32 */
+TC_INLINE uint32_t take(raw_bits *r, int n)
+{
+    if (r->count < n && r->end - r->at >= 4) {
+        r->held |= (uint64_t)((uint32_t)r->at[0] | (uint32_t)r->at[1] << 8 | (uint32_t)r->at[2] << 16 |
+                              (uint32_t)r->at[3] << 24)
+                   << r->count;
+        r->at += 4, r->count += 32;
+    }
+    while (r->count < n) {
+        if (r->at == r->end && r->next)
+            r->at = r->next, r->end = r->next_end, r->next = NULL;
+        if (r->at < r->end)
+            r->held |= (uint64_t)*r->at++ << r->count;
+        else
+            r->overrun = true;
+        r->count += 8;
+    }
+    uint32_t v = (uint32_t)(r->held & (((uint64_t)1 << n) - 1));
+    r->held >>= n, r->count -= n;
+    return v;
+}
+
+/* Exponential Golomb code: how far beyond the last plain symbol. */
+TC_INLINE uint32_t take_escape(raw_bits *r)
+{
+    int n = 0;
+    while (n < 24 && !r->overrun && take(r, 1))
+        n++;
+    return (1u << n) - 1 + take(r, n);
+}
+
+/* ---- Decoding ------------------------------------------------------------------------------------------------ */
+
+/* One step, reading its word without asking whether there is one. */
+TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const uint8_t **at)
+{
+    uint32_t symbol = tc_rans_step(table, state), x = *state;
+    uint16_t word;
+    memcpy(&word, *at, sizeof word);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+    word = __builtin_bswap16(word);
+#endif
+    uint32_t low = -(uint32_t)(x < 1u << 16); /* without a branch: nobody could foresee it */
+    *state = x << (low & 16) | (word & low);
+    *at += low & 2;
+    return symbol;
+}
+
+#if HAVE_AVX2
+enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
+
+/* A whole run on eight lanes at once: one gather for the table entries, and the words that some lanes want are dealt
+ * out by a permutation (Giesen 2014, "SIMD entropy coding"). */
+__attribute__((target("avx2,popcnt"))) static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d,
+                                                                          const uint8_t bin[HALF], uint8_t symbol[HALF])
+{
+    __m256i x = _mm256_loadu_si256((const __m256i *)d->state);
+    const uint8_t *at = d->at;
+    for (int k = 0; k < HALF; k += 8) {
+        __m256i b = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(bin + k)));
+        __m256i slot = _mm256_and_si256(x, _mm256_set1_epi32(TC_RANS_SLOTS - 1));
+        slot = _mm256_add_epi32(slot, _mm256_slli_epi32(b, TC_RANS_BITS));
+        __m256i entry = _mm256_i32gather_epi32((const int *)c->table, slot, 4);
+        __m256i frequency = _mm256_and_si256(_mm256_srli_epi32(entry, 4), _mm256_set1_epi32(0xfff));
+        x = _mm256_mullo_epi32(frequency, _mm256_srli_epi32(x, TC_RANS_BITS));
+        x = _mm256_add_epi32(x, _mm256_srli_epi32(entry, 16));
+        __m256i s = _mm256_and_si256(entry, _mm256_set1_epi32(15));
+        __m128i s16 = _mm_packus_epi32(_mm256_castsi256_si128(s), _mm256_extracti128_si256(s, 1));
+        _mm_storel_epi64((__m128i *)(symbol + k), _mm_packus_epi16(s16, s16));
+        __m256i low = _mm256_cmpeq_epi32(_mm256_srli_epi32(x, 16), _mm256_setzero_si256());
+        unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(low));
+        __m256i words = _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)at));
+        __m256i from = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)c->spread[mask]));
+        words = _mm256_permutevar8x32_epi32(words, from);
+        x = _mm256_blendv_epi8(x, _mm256_or_si256(_mm256_slli_epi32(x, 16), words), low);
+        at += 2 * __builtin_popcount(mask);
+    }
+    _mm256_storeu_si256((__m256i *)d->state, x);
+    d->at = at;
+}
+#endif
+
+/* Symbols of one phase of a row. simd: a constant, whether there is AVX2. */
+TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF], int count,
+                          uint8_t symbol[HALF], bool simd)
+{
+#if HAVE_AVX2
+    if (simd && count == HALF && d->lanes == 8 && d->end - d->at >= 2 * HALF + AHEAD) {
+        decode_run_avx2(c, d, bin, symbol);
+        return;
+    }
+#endif
+    (void)simd;
+    if (count < HALF || d->end - d->at < 2 * HALF) {
+        for (int k = 0; k < count; k++)
+            symbol[k] = (uint8_t)tc_rans_decode(d, k % d->lanes, &c->table[bin[k]]);
+        for (int k = count; k < HALF; k++)
+            symbol[k] = 0;
+        return;
+    }
+    uint32_t s0 = d->state[0], s1 = d->state[1], s2 = d->state[2], s3 = d->state[3];
+    const uint8_t *at = d->at;
+    if (d->lanes == 4) {
+        for (int k = 0; k < HALF; k += 4) {
+            symbol[k] = (uint8_t)fast_step(&c->table[bin[k]], &s0, &at);
+            symbol[k + 1] = (uint8_t)fast_step(&c->table[bin[k + 1]], &s1, &at);
+            symbol[k + 2] = (uint8_t)fast_step(&c->table[bin[k + 2]], &s2, &at);
+            symbol[k + 3] = (uint8_t)fast_step(&c->table[bin[k + 3]], &s3, &at);
+        }
+    } else {
+        uint32_t s4 = d->state[4], s5 = d->state[5], s6 = d->state[6], s7 = d->state[7];
+        for (int k = 0; k < HALF; k += 8) {
+            symbol[k] = (uint8_t)fast_step(&c->table[bin[k]], &s0, &at);
+            symbol[k + 1] = (uint8_t)fast_step(&c->table[bin[k + 1]], &s1, &at);
+            symbol[k + 2] = (uint8_t)fast_step(&c->table[bin[k + 2]], &s2, &at);
+            symbol[k + 3] = (uint8_t)fast_step(&c->table[bin[k + 3]], &s3, &at);
+            symbol[k + 4] = (uint8_t)fast_step(&c->table[bin[k + 4]], &s4, &at);
+            symbol[k + 5] = (uint8_t)fast_step(&c->table[bin[k + 5]], &s5, &at);
+            symbol[k + 6] = (uint8_t)fast_step(&c->table[bin[k + 6]], &s6, &at);
+            symbol[k + 7] = (uint8_t)fast_step(&c->table[bin[k + 7]], &s7, &at);
+        }
+        d->state[4] = s4, d->state[5] = s5, d->state[6] = s6, d->state[7] = s7;
+    }
+    d->state[0] = s0, d->state[1] = s1, d->state[2] = s2, d->state[3] = s3;
+    d->at = at;
+}
+
+/* Symbols of one phase of a row, and what the contexts of others see of them. */
+TC_INLINE void decode_phase(const tc_codec *c, tc_rans_decoder *d, int band, int columns, int j, int phase,
+                            tc_tile_work *w, bool simd)
+{
+    uint8_t *bin = w->bin[band][j][phase], *symbol = w->symbol[band][j][phase], *seen = magnitude_at(w, band, j, phase);
+    tc_context_bins(c, w, band, j, phase, bin);
+    int count = tc_phase_columns(columns, phase);
+    decode_run(c, d, bin, count, symbol, simd);
+    for (int k = count; k < HALF; k++)
+        bin[k] = 0; /* columns that do not exist have no raw bits */
+    uint8_t most = 0;
+    for (int k = 0; k < HALF; k++)
+        most = bin[k] > most ? bin[k] : most;
+    if (tc_bin_shift[most] == 0)
+        memcpy(seen, symbol, HALF);
+    else
+        for (int k = 0; k < HALF; k++)
+            seen[k] = tc_context_magnitude(symbol[k], bin[k]);
+    w->plain[band][j][phase] = tc_bin_shift[most] == 0;
+}
+
+TC_INLINE void decode_symbols(const tc_codec *c, tc_rans_decoder *d, int band, tc_rect tile, int64_t shift,
+                              tc_tile_work *w, bool simd)
+{
+    int columns, rows;
+    tc_tile_extent(c, band, tile, shift, &columns, &rows);
+    for (int j = 0; j < rows; j++) {
+        decode_phase(c, d, band, columns, j, 0, w, simd);
+        decode_phase(c, d, band, columns, j, 1, w, simd);
+    }
+}
+
+/* Bit k is set where byte k, at most 127, is not zero. */
+TC_INLINE uint32_t nonzero_mask(const uint8_t symbol[HALF])
+{
+    uint32_t mask = 0;
+    for (int n = 0; n < HALF; n += 8) {
+        uint64_t x = 0;
+        memcpy(&x, symbol + n, 8);
+#if __BYTE_ORDER__ == __ORDER_BIG_ENDIAN__
+        x = __builtin_bswap64(x);
+#endif
+        x = (x + 0x7f7f7f7f7f7f7f7f) >> 7 & 0x0101010101010101;
+        mask |= (uint32_t)(x * 0x0102040810204080 >> 56) << n;
+    }
+    return mask;
+}
+
+/* Signed multiples of the step of one phase of a row. False, and nothing written, where all are zero. */
+TC_INLINE bool decode_values(raw_bits *raw, int band, int j, int phase, const tc_tile_work *w, int32_t value[HALF])
+{
+    const uint8_t *symbol = w->symbol[band][j][phase], *bin = w->bin[band][j][phase];
+    uint32_t mask = nonzero_mask(symbol);
+    if (mask == 0 && w->plain[band][j][phase])
+        return false;
+    uint8_t most = 0;
+    for (int k = 0; k < HALF; k++) {
+        value[k] = symbol[k];
+        most = symbol[k] > most ? symbol[k] : most;
+    }
+    if (most == TC_RANS_SYMBOLS - 1 || !w->plain[band][j][phase])
+        for (int k = 0; k < HALF; k++) {
+            uint32_t m = symbol[k];
+            if (m == TC_RANS_SYMBOLS - 1)
+                m += take_escape(raw);
+            int shift = tc_bin_shift[bin[k]];
+            value[k] = (int32_t)(m << shift | take(raw, shift));
+            mask |= (uint32_t)(value[k] != 0) << k;
+        }
+    uint32_t signs = take(raw, __builtin_popcount(mask)), negative = 0;
+    for (; mask; mask &= mask - 1, signs >>= 1)
+        negative |= (mask & -mask) & -(signs & 1);
+    for (int k = 0; k < HALF; k++) {
+        int32_t minus = -(int32_t)(negative >> k & 1);
+        value[k] = (value[k] ^ minus) - minus;
+    }
+    return true;
+}
+
+/* Adds what was coded of row j to its prediction. */
+TC_INLINE void add_row(const tc_codec *c, raw_bits *raw, bool coded, int band, int j, const tc_tile_work *w,
+                       int32_t out[TC_TILE])
+{
+    if (!coded)
+        return;
+    uint32_t step = (uint32_t)c->model.step[band];
+    for (int phase = 0; phase < TC_PHASES; phase++) {
+        int32_t value[HALF];
+        if (decode_values(raw, band, j, phase, w, value))
+            for (int k = 0; k < HALF; k++)
+                out[TC_PHASES * k + phase] =
+                    (int32_t)((uint32_t)out[TC_PHASES * k + phase] + (uint32_t)value[k] * step);
+    }
+}
+
+/* The part of a tile's row that a plane holds. */
+TC_INLINE void put_row(const tc_plane *p, tc_rect part, tc_rect tile, int j, const int32_t row[TC_TILE])
+{
+    int64_t y = tile.y0 + j;
+    if (y >= part.y0 && y < part.y1)
+        memcpy(tc_plane_at(p, part.x0, y), row + (part.x0 - tile.x0), (size_t)(part.x1 - part.x0) * sizeof *row);
+}
+
+/* Details of the tile from predictions and, where raw is not NULL, what was decoded. */
+TC_INLINE void reconstruct(const tc_codec *c, raw_bits *raw, int coded, tc_rect tile, int64_t shift,
+                           const tc_plane band[TC_BANDS], tc_tile_work *w)
+{
+    tc_rect part = tc_rect_intersect(tile, band[0].rect);
+    tc_predict_hl(c, w);
+    int columns, rows;
+    tc_tile_extent(c, TC_HL, tile, shift, &columns, &rows);
+    for (int j = 0; j < rows; j++)
+        add_row(c, raw, coded >> TC_HL & 1, TC_HL, j, w, &w->hl[j + 1][HL_X]);
+    tc_predict_lh(c, w);
+    tc_tile_extent(c, TC_LH, tile, shift, &columns, &rows);
+    for (int j = 0; j < rows; j++)
+        add_row(c, raw, coded >> TC_LH & 1, TC_LH, j, w, w->pred[j]);
+    for (int j = 0; j < TC_TILE && !tc_rect_empty(part); j++) {
+        put_row(&band[TC_HL], part, tile, j, &w->hl[j + 1][HL_X]);
+        put_row(&band[TC_LH], part, tile, j, w->pred[j]);
+    }
+    tc_tile_extent(c, TC_HH, tile, shift, &columns, &rows);
+    for (int j = 0; j < TC_TILE; j++) {
+        int32_t row[TC_TILE] = {0};
+        if (j < rows)
+            add_row(c, raw, coded >> TC_HH & 1, TC_HH, j, w, row);
+        if (!tc_rect_empty(part))
+            put_row(&band[TC_HH], part, tile, j, row);
+    }
+}
+
+/* Whether nothing is missing and nothing is left over: bits loaded and not taken are zero and less than a byte, unless
+ * the states were more than enough. */
+TC_INLINE bool raw_finished(const raw_bits *r)
+{
+    if (r->overrun || r->held != 0)
+        return false;
+    if (!r->next)
+        return r->at == r->end && r->count < 8;
+    for (const uint8_t *p = r->at; p < r->end; p++)
+        if (*p)
+            return false;
+    return r->next == r->next_end;
+}
+
+/* Decodes all symbols of a tile; false where its bytes are damaged. Raw bits then start at payload. */
+TC_INLINE bool decode_streams(const tc_codec *c, tc_rect tile, int64_t shift, const uint8_t *bytes, size_t size,
+                              uint8_t payload[TC_RANS_PAYLOAD], raw_bits *raw, tc_tile_work *w, bool simd)
+{
+    int flags = bytes[0], lanes = flags & TC_TILE_EIGHT ? 8 : 4;
+    tc_rans_decoder d;
+    if ((flags & (TC_TILE_EIGHT - 1)) == 0 || flags >= 2 * TC_TILE_EIGHT ||
+        !tc_rans_decode_begin(&d, lanes, bytes + 1, size - 1))
+        return false;
+    memset(w->magnitude, 0, sizeof w->magnitude);
+    tc_tile_curves(c, w);
+    if (flags >> TC_HL & 1)
+        decode_symbols(c, &d, TC_HL, tile, shift, w, simd);
+    if (flags >> TC_LH & 1)
+        decode_symbols(c, &d, TC_LH, tile, shift, w, simd);
+    if (flags >> TC_HH & 1)
+        decode_symbols(c, &d, TC_HH, tile, shift, w, simd);
+    *raw = (raw_bits){.at = payload, .end = payload + 2 * lanes, .next = d.at, .next_end = d.end};
+    return tc_rans_decode_end(&d, payload);
+}
+
+TC_INLINE tc_status decode_tile(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes,
+                                size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *w,
+                                bool simd)
+{
+    tc_rect tile = tc_codec_tile_rect(c, tx, ty, shift);
+    tc_tile_load(c, tile, coarse, w);
+    uint8_t payload[TC_RANS_PAYLOAD];
+    raw_bits raw;
+    bool coded = size > 0 && decode_streams(c, tile, shift, bytes, size, payload, &raw, w, simd);
+    tc_status status = size > 0 && !coded ? TC_ERR_FORMAT : TC_OK;
+    for (;;) {
+        reconstruct(c, coded ? &raw : NULL, coded ? bytes[0] : 0, tile, shift, band, w);
+        if (!coded || raw_finished(&raw))
+            return status;
+        coded = false, status = TC_ERR_FORMAT; /* once more, as the empty tile */
+    }
+}
+
+/* The same code for processors with AVX2 and without. */
+#if HAVE_AVX2
+__attribute__((target("avx2,bmi,bmi2,popcnt"), noinline)) static tc_status
+decode_tile_avx2(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes, size_t size,
+                 const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *w)
+{
+    return decode_tile(c, tx, ty, shift, bytes, size, coarse, band, w, true);
+}
+static bool have_avx2(void)
+{
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+}
+#endif
+
+tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes,
+                               size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *work,
+                               tc_simd simd)
+{
+#if HAVE_AVX2
+    if (simd == TC_SIMD_AUTO && have_avx2())
+        return decode_tile_avx2(codec, tx, ty, shift, bytes, size, coarse, band, work);
+#endif
+    (void)simd;
+    return decode_tile(codec, tx, ty, shift, bytes, size, coarse, band, work, false);
+}

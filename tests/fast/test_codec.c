@@ -1,0 +1,276 @@
+/* test_codec.c - the codec: the same heights from encoder and decoder, from any rectangle, any thread count and any
+ * processor; every bit back where nothing is rounded; no harm from damaged bytes. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/rect.h"
+#include "tests/support/packed.h"
+#include "tests/support/terrains.h"
+
+enum { KINDS = 7 };
+
+/* Heights of one of KINDS kinds, in units. */
+static int32_t *heights(test_random *r, int kind, int64_t w, int64_t h)
+{
+    int32_t *z = malloc((size_t)(w * h) * sizeof *z);
+    assert_non_null(z);
+    double a = test_random_range(r, 0.02, 0.3), b = test_random_range(r, 0.02, 0.3);
+    for (int64_t y = 0; y < h; y++)
+        for (int64_t x = 0; x < w; x++) {
+            double v = 0, smooth = sin(a * (double)x) * cos(b * (double)y);
+            switch (kind) {
+            case 0: v = test_random_range(r, -20000, 20000); break;
+            case 1: v = 30000 * smooth; break;
+            case 2: v = (x / 7 + y / 5) % 2 ? 400000 : -400000; break;
+            case 3: v = -12345; break;
+            case 4: v = 20000 * smooth + test_random_range(r, -300, 300) * (1 + smooth); break;
+            case 5: v = x == w / 2 && y == h / 3 ? TC_LIFTING_LIMIT / 4 : 0; break;
+            default: v = 3.0 * (double)x - 2.0 * (double)y; break;
+            }
+            z[y * w + x] = (int32_t)lrint(v);
+        }
+    return z;
+}
+
+static void assert_plane_equal(const tc_plane *part, const tc_plane *all)
+{
+    int64_t width = all->rect.x1 - all->rect.x0;
+    for (int64_t y = part->rect.y0; y < part->rect.y1; y++)
+        for (int64_t x = part->rect.x0; x < part->rect.x1; x++)
+            if (*tc_plane_at(part, x, y) != *tc_plane_at(all, ((x % width) + width) % width, y))
+                fail_msg("(%d, %d): %d, expected %d", (int)x, (int)y, *tc_plane_at(part, x, y),
+                         *tc_plane_at(all, ((x % width) + width) % width, y));
+}
+
+static void any_rectangle_is_the_crop(void **state)
+{
+    (void)state;
+    test_random r = {5};
+    for (int k = 0; k < 28; k++) {
+        int64_t w = test_random_int(&r, 1, k % 4 ? 90 : 420), h = test_random_int(&r, 1, k % 4 ? 90 : 420);
+        bool wrap = k % 3 == 0;
+        w += wrap && w % 2;
+        int32_t *z = heights(&r, k % KINDS, w, h);
+        packed_options o = {.q = exp(test_random_range(&r, 0, 9)), .threads = 1, .training_tiles = 4, .wrap_x = wrap};
+        o.builtin = k % 2;
+        packed p = packed_new(z, w, h, &o);
+        for (int n = 0; n < p.levels; n++) {
+            const packed_level *l = &p.level[n];
+            for (int i = 0; i < 12; i++) {
+                int64_t lw = l->codec->level.width, lh = l->codec->level.height, out = l->codec->level.wrap_x ? lw : 0;
+                tc_rect rect = {test_random_int(&r, -out, lw - 1), test_random_int(&r, 0, lh - 1), 0, 0};
+                rect.x1 = test_random_int(&r, rect.x0 + 1, lw + out), rect.y1 = test_random_int(&r, rect.y0 + 1, lh);
+                tc_plane part = packed_plane(rect);
+                int64_t damaged = 0;
+                assert_int_equal(packed_read(l, &part, &damaged, i % 2 ? TC_SIMD_AUTO : TC_SIMD_NONE), TC_OK);
+                assert_int_equal(damaged, 0);
+                assert_plane_equal(&part, &l->fine);
+                free(part.z);
+            }
+        }
+        packed_free(&p);
+        free(z);
+    }
+}
+
+static void unit_steps_lose_nothing(void **state)
+{
+    (void)state;
+    test_random r = {6};
+    for (int k = 0; k < 2 * KINDS; k++) {
+        int64_t w = test_random_int(&r, 17, 300), h = test_random_int(&r, 17, 300);
+        int32_t *z = heights(&r, k % KINDS, w, h);
+        packed p = packed_new(z, w, h, &(packed_options){.q = 0.1, .threads = 1, .training_tiles = 4});
+        assert_memory_equal(p.level[0].fine.z, z, (size_t)(w * h) * sizeof *z);
+        packed_free(&p);
+        free(z);
+    }
+}
+
+static void the_error_follows_the_step(void **state)
+{
+    (void)state;
+    test_random r = {7};
+    int64_t w = 400, h = 300;
+    int32_t *z = heights(&r, 4, w, h);
+    double q[3] = {64, 256, 1024}, last = 0;
+    size_t bytes = SIZE_MAX;
+    for (int k = 0; k < 3; k++) {
+        packed p = packed_new(z, w, h, &(packed_options){.q = q[k], .threads = 1, .training_tiles = 4});
+        double sum = 0;
+        for (int64_t i = 0; i < w * h; i++)
+            sum += pow((double)p.level[0].fine.z[i] - z[i], 2);
+        double rms = sqrt(sum / (double)(w * h));
+        assert_true(rms > last && rms < 0.45 * q[k]); /* uniform error of plain rounding would be 0.29 */
+        assert_true(packed_bytes(&p) < bytes);
+        last = rms, bytes = packed_bytes(&p);
+        packed_free(&p);
+    }
+    free(z);
+}
+
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    test_random r = {8};
+    int64_t w = 500, h = 333;
+    int32_t *z = heights(&r, 4, w, h);
+    packed_options one = {.q = 64, .threads = 1, .training_tiles = 4}, many = one;
+    many.threads = 5;
+    packed p = packed_new(z, w, h, &one), q = packed_new(z, w, h, &many);
+    for (int n = 0; n < p.levels; n++)
+        for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++) {
+            assert_int_equal(p.level[n].tile_size[i], q.level[n].tile_size[i]);
+            if (p.level[n].tile_size[i])
+                assert_memory_equal(p.level[n].tile[i], q.level[n].tile[i], p.level[n].tile_size[i]);
+        }
+    packed_free(&p), packed_free(&q);
+    free(z);
+}
+
+static void constants_and_ramps_take_no_tiles(void **state)
+{
+    (void)state;
+    test_random r = {9};
+    for (int k = 3; k < KINDS; k += 3) {
+        int32_t *z = heights(&r, k, 700, 500);
+        packed p = packed_new(z, 700, 500, &(packed_options){.q = 64, .threads = 1, .training_tiles = 4});
+        for (int n = 0; n < p.levels; n++)
+            for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++)
+                assert_true(p.level[n].tile_size[i] == 0 || k != 3);
+        assert_true(packed_bytes(&p) < 2500);
+        packed_free(&p);
+        free(z);
+    }
+}
+
+/* Decodes damaged bytes on both paths, which must agree, from memory of exactly their size. */
+static tc_status decode_damaged(const packed_level *l, const uint8_t *bytes, size_t size, tc_plane *band,
+                                tc_plane *also, tc_tile_work *work)
+{
+    uint8_t *exact = malloc(size + !size);
+    assert_non_null(exact);
+    memcpy(exact, bytes, size);
+    tc_status a = tc_codec_decode_tile(l->codec, 0, 0, 0, exact, size, &l->coarse, band, work, TC_SIMD_AUTO);
+    tc_status b = tc_codec_decode_tile(l->codec, 0, 0, 0, exact, size, &l->coarse, also, work, TC_SIMD_NONE);
+    assert_int_equal(a, b);
+    for (int n = 0; n < TC_BANDS; n++)
+        assert_memory_equal(band[n].z, also[n].z, (size_t)tc_rect_area(band[n].rect) * sizeof *band[n].z);
+    free(exact);
+    return a;
+}
+
+static void damaged_tiles_do_no_harm(void **state)
+{
+    (void)state;
+    test_random r = {10};
+    tc_tile_work *work = malloc(tc_tile_work_bytes());
+    uint8_t *bytes = malloc(tc_codec_tile_bound());
+    assert_true(work && bytes);
+    int64_t refused = 0, all = 0;
+    for (int k = 0; k < 8; k++) {
+        int64_t w = test_random_int(&r, 60, 140), h = test_random_int(&r, 60, 140);
+        int32_t *z = heights(&r, k % 2 ? 4 : 0, w, h);
+        packed p = packed_new(z, w, h,
+                              &(packed_options){.q = k < 4 ? 3 : 300 * (k % 4) + 1, .threads = 1, .training_tiles = 1});
+        const packed_level *l = &p.level[0];
+        tc_rect tile = tc_codec_tile_rect(l->codec, 0, 0, 0);
+        tc_plane band[TC_BANDS], also[TC_BANDS];
+        for (int b = 0; b < TC_BANDS; b++)
+            band[b] = packed_plane(tile), also[b] = packed_plane(tile);
+        for (int n = 0; n < 400 && l->tile_size[0]; n++, all++) {
+            size_t size = l->tile_size[0];
+            memcpy(bytes, l->tile[0], size);
+            if (n % 4 == 0)
+                size = (size_t)test_random_int(&r, 1, (int64_t)size - 1);
+            else if (n % 4 == 1)
+                for (size_t i = size / 2; i < size; i++)
+                    bytes[i] = (uint8_t)test_random_bits(&r);
+            else if (n % 4 == 2)
+                bytes[size++] = (uint8_t)test_random_bits(&r);
+            else
+                bytes[test_random_int(&r, 0, (int64_t)size - 1)] ^= (uint8_t)(1 << test_random_int(&r, 0, 7));
+            refused += decode_damaged(l, bytes, size, band, also, work) == TC_ERR_FORMAT;
+        }
+        for (int n = 0; n < 100; n++, all++) {
+            size_t size = (size_t)test_random_int(&r, 1, 3000);
+            for (size_t i = 0; i < size; i++)
+                bytes[i] = (uint8_t)test_random_bits(&r);
+            bytes[0] &= 15;
+            refused += decode_damaged(l, bytes, size, band, also, work) == TC_ERR_FORMAT;
+        }
+        for (int b = 0; b < TC_BANDS; b++)
+            free(band[b].z), free(also[b].z);
+        packed_free(&p);
+        free(z);
+    }
+    assert_true((double)refused > 0.8 * (double)all); /* flips of signs cannot be seen here: checksums see them */
+    free(bytes), free(work);
+}
+
+static void headers_come_back(void **state)
+{
+    (void)state;
+    test_random r = {11};
+    uint8_t *bytes = malloc(tc_detail_model_bound() + 64);
+    assert_non_null(bytes);
+    for (int k = 0; k < 3000; k++) {
+        tc_detail_model m, read;
+        tc_detail_parts parts, back;
+        tc_detail_model_builtin((int)test_random_int(&r, 0, TC_BUILTIN_MODELS - 1), &m);
+        int *part[3] = {&parts.predict, &parts.scale, &parts.symbols};
+        for (int i = 0; i < 3; i++) {
+            int own = (int)test_random_int(&r, 0, TC_BUILTIN_MODELS);
+            *part[i] = own == TC_BUILTIN_MODELS ? TC_MODEL_OWN : own;
+        }
+        for (int b = 0; b < TC_BANDS; b++) {
+            m.step[b] = (int32_t)test_random_int(&r, 1, k % 2 ? 300 : TC_MAX_STEP);
+            for (int p = 0; p < TC_PHASES; p++)
+                for (int i = 0; i < TC_SCALE; i++)
+                    m.scale[b][p][i] = (uint16_t)(test_random_bits(&r) >> test_random_int(&r, 48, 63));
+        }
+        for (int b = 0; b < 2; b++)
+            for (int i = 0; i < (b ? TC_PREDICT : TC_PREDICT_KERNEL); i++)
+                m.predict[b][i] = (int16_t)test_random_int(&r, INT16_MIN, INT16_MAX);
+        for (int b = 0; b < TC_BINS; b++) {
+            uint64_t w[TC_RANS_SYMBOLS];
+            for (int s = 0; s < TC_RANS_SYMBOLS; s++)
+                w[s] = test_random_bits(&r) >> test_random_int(&r, 30, 63);
+            m.symbols[b] = tc_rans_normalise(w);
+        }
+        size_t size = tc_detail_model_write(&m, parts, bytes);
+        assert_true(size <= tc_detail_model_bound());
+        assert_int_equal(tc_detail_model_read(bytes, size, &read, &back), TC_OK);
+        assert_memory_equal(&back, &parts, sizeof parts);
+        assert_memory_equal(read.step, m.step, sizeof m.step);
+        if (parts.predict == TC_MODEL_OWN)
+            assert_memory_equal(read.predict, m.predict, sizeof m.predict);
+        for (int b = 0; b < TC_BINS; b++)
+            assert_true(tc_rans_valid(&read.symbols[b]));
+        /* Damage is refused, or gives a model that is fit for decoding. */
+        bytes[test_random_int(&r, 0, (int64_t)size - 1)] ^= (uint8_t)(1 << test_random_int(&r, 0, 7));
+        size_t cut = k % 2 ? size : (size_t)test_random_int(&r, 0, (int64_t)size - 1);
+        uint8_t *exact = malloc(cut + !cut);
+        assert_non_null(exact);
+        memcpy(exact, bytes, cut);
+        if (tc_detail_model_read(exact, cut, &read, &back) == TC_OK)
+            for (int b = 0; b < TC_BINS; b++)
+                assert_true(tc_rans_valid(&read.symbols[b]) && read.step[b % TC_BANDS] > 0);
+        free(exact);
+    }
+    free(bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(headers_come_back),        cmocka_unit_test(any_rectangle_is_the_crop),
+        cmocka_unit_test(unit_steps_lose_nothing),  cmocka_unit_test(the_error_follows_the_step),
+        cmocka_unit_test(threads_do_not_matter),    cmocka_unit_test(constants_and_ramps_take_no_tiles),
+        cmocka_unit_test(damaged_tiles_do_no_harm),
+    };
+    return cmocka_run_group_tests_name("codec", tests, NULL, NULL);
+}

@@ -1,0 +1,174 @@
+/* packed.c - packing a terrain in memory. */
+#include "packed.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/parallel.h"
+#include "common/core/rect.h"
+
+enum { COARSEST = 16 };
+
+static void *get(size_t bytes)
+{
+    void *p = calloc(bytes + 1, 1);
+    if (!p)
+        puts("packed: no memory"), exit(99);
+    return p;
+}
+
+tc_plane packed_plane(tc_rect rect)
+{
+    return (tc_plane){get((size_t)tc_rect_area(rect) * sizeof(int32_t)), rect.x1 - rect.x0, rect};
+}
+
+/* Columns of the other side around a plane of a level that wraps. */
+static tc_plane wrapped(const tc_plane *p, tc_rect rect)
+{
+    tc_plane w = packed_plane(rect);
+    int64_t width = p->rect.x1 - p->rect.x0;
+    for (int64_t y = rect.y0; y < rect.y1; y++)
+        for (int64_t x = rect.x0; x < rect.x1; x++)
+            *tc_plane_at(&w, x, y) = *tc_plane_at(p, ((x % width) + width) % width, y);
+    return w;
+}
+
+typedef struct job {
+    packed_level *l;
+    const tc_plane *coarse, *band;
+    double lambda;
+} job;
+
+static void encode_tile(void *context, int64_t n)
+{
+    job *j = context;
+    packed_level *l = j->l;
+    tc_tile_work *work = get(tc_tile_work_bytes());
+    uint8_t *bytes = get(tc_codec_tile_bound());
+    tc_encode_options options = {.lambda = j->lambda};
+    if (tc_codec_encode_tile(l->codec, n % l->codec->tiles_x, n / l->codec->tiles_x, j->coarse, j->band, &options,
+                             bytes, &l->tile_size[n], work))
+        puts("packed: a tile cannot be encoded"), exit(99);
+    if (l->tile_size[n]) {
+        l->tile[n] = get(l->tile_size[n]);
+        memcpy(l->tile[n], bytes, l->tile_size[n]);
+    }
+    free(bytes), free(work);
+}
+
+tc_status packed_source(void *level, int64_t tx, int64_t ty, const uint8_t **bytes, size_t *size)
+{
+    const packed_level *l = level;
+    *bytes = l->tile[ty * l->codec->tiles_x + tx], *size = l->tile_size[ty * l->codec->tiles_x + tx];
+    return TC_OK;
+}
+
+tc_status packed_read(const packed_level *l, const tc_plane *fine, int64_t *damaged, tc_simd simd)
+{
+    tc_rect need = tc_codec_read_needs(l->codec, fine->rect);
+    tc_plane coarse = l->coarse;
+    if (!tc_rect_within(need, coarse.rect))
+        coarse = wrapped(&coarse, need);
+    void *scratch = get(tc_codec_read_scratch(l->codec, fine->rect));
+    tc_status status = tc_codec_read(l->codec, &coarse, packed_source, (void *)l, fine, scratch, damaged, simd);
+    free(scratch);
+    if (coarse.z != l->coarse.z)
+        free(coarse.z);
+    return status;
+}
+
+packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_options *o)
+{
+    packed p = {0};
+    tc_plane low[PACKED_LEVELS + 1], band[PACKED_LEVELS][TC_BANDS];
+    low[0] = packed_plane((tc_rect){0, 0, width, height});
+    memcpy(low[0].z, z, (size_t)(width * height) * sizeof *z);
+    for (; tc_max64(low[p.levels].rect.x1, low[p.levels].rect.y1) > COARSEST; p.levels++) {
+        int n = p.levels;
+        tc_rect r = low[n].rect, c = {0, 0, tc_coarse_size(r.x1), tc_coarse_size(r.y1)};
+        tc_lifting_level level = {r.x1, r.y1, o->wrap_x && r.x1 % 2 == 0};
+        low[n + 1] = packed_plane(c);
+        for (int b = 0; b < TC_BANDS; b++)
+            band[n][b] = packed_plane(c);
+        int32_t *scratch = get(tc_lifting_analyse_scratch(&level, c.y1) * sizeof *scratch);
+        tc_lifting_analyse(&level, &low[n], 0, c.y1, &low[n + 1], band[n], scratch);
+        free(scratch);
+        p.level[n].codec = get(sizeof *p.level[n].codec);
+        p.level[n].codec->level = level;
+    }
+    tc_plane coarse = low[p.levels];
+    p.coarsest_bytes = 4 * (size_t)tc_rect_area(coarse.rect);
+    for (int n = p.levels - 1; n >= 0; n--) {
+        packed_level *l = &p.level[n];
+        tc_lifting_level level = l->codec->level;
+        int32_t step[TC_BANDS];
+        for (int b = 0; b < TC_BANDS; b++)
+            step[b] = (int32_t)fmin(fmax(1, rint(o->q / tc_lifting_norm(b, n))), TC_MAX_STEP);
+        tc_detail_model model;
+        tc_status status = TC_OK;
+        l->coarse = coarse;
+        tc_plane source =
+            level.wrap_x
+                ? wrapped(&coarse, (tc_rect){-TC_TILE_MARGIN, 0, coarse.rect.x1 + TC_TILE_MARGIN, coarse.rect.y1})
+                : coarse;
+        l->header = get(tc_detail_model_bound());
+        if (o->builtin) {
+            tc_detail_model_builtin(0, &model);
+            memcpy(model.step, step, sizeof step);
+            l->header_size = tc_detail_model_write(&model, (tc_detail_parts){0}, l->header);
+        } else {
+            status = tc_codec_choose(&level, &source, band[n], o->training_tiles, o->lambda, step, l->header,
+                                     &l->header_size, &model);
+        }
+        tc_detail_parts parts;
+        if (status || (status = tc_detail_model_read(l->header, l->header_size, &model, &parts)))
+            puts("packed: no model"), exit(99);
+        tc_codec_init(l->codec, &level, &model);
+        int64_t tiles = l->codec->tiles_x * l->codec->tiles_y;
+        l->tile = get((size_t)tiles * sizeof *l->tile), l->tile_size = get((size_t)tiles * sizeof *l->tile_size);
+        job j = {l, &source, band[n], o->lambda};
+        tc_parallel_for(o->threads, tiles, encode_tile, &j);
+        l->fine = packed_plane(low[n].rect);
+        if (packed_read(l, &l->fine, NULL, TC_SIMD_AUTO))
+            puts("packed: cannot be read"), exit(99);
+        if (source.z != coarse.z)
+            free(source.z);
+        coarse = l->fine;
+        for (int b = 0; b < TC_BANDS; b++)
+            free(band[n][b].z);
+        free(low[n].z);
+    }
+    if (p.levels == 0)
+        free(low[0].z);
+    return p;
+}
+
+void packed_free(packed *p)
+{
+    if (p->levels)
+        free(p->level[p->levels - 1].coarse.z);
+    for (int n = 0; n < p->levels; n++) {
+        packed_level *l = &p->level[n];
+        for (int64_t i = 0; i < l->codec->tiles_x * l->codec->tiles_y; i++)
+            free(l->tile[i]);
+        free(l->tile), free(l->tile_size), free(l->header), free(l->fine.z), free(l->codec);
+    }
+    *p = (packed){0};
+}
+
+size_t packed_bytes(const packed *p)
+{
+    size_t bytes = p->coarsest_bytes, empty = 0;
+    for (int n = 0; n < p->levels; n++) {
+        const packed_level *l = &p->level[n];
+        bytes += l->header_size;
+        for (int64_t i = 0; i < l->codec->tiles_x * l->codec->tiles_y; i++)
+            if (l->tile_size[i])
+                bytes += l->tile_size[i] + 8;
+            else
+                empty++;
+    }
+    return bytes + (empty + 7) / 8;
+}
