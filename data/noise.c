@@ -112,20 +112,3 @@ float tc_fbm(uint32_t seed, double x, double y, int octaves, float gain)
     }
     return sum;
 }
-
-float tc_ridged(uint32_t seed, double x, double y, int octaves, float gain)
-{
-    float sum = 0, total = 0, amplitude = 1, weight = 1;
-    for (int k = 0; k < octaves; k++) {
-        float r = tc_noise(seed + (uint32_t)k * 0x632BE5ABu, x, y);
-        r = 1 - 1.6f * (r < 0 ? -r : r);
-        r = r < 0 ? 0 : r * r;
-        sum += amplitude * weight * r;
-        total += amplitude;
-        weight = 1.5f * r > 1 ? 1 : 1.5f * r;
-        amplitude *= gain;
-        x = 2 * x + 0.37; /* or all octaves would vanish at the coarsest one's lattice points */
-        y = 2 * y + 0.61;
-    }
-    return sum / total;
-}

@@ -21,10 +21,6 @@ void tc_noise_row(uint32_t seed, double x, double dx, double y, int64_t count, f
  * normalised: the first has amplitude 1. */
 float tc_fbm(uint32_t seed, double x, double y, int octaves, float gain);
 
-/* Ridged multifractal (Musgrave): octaves of (1 - |noise|)^2, each weighted by the one before, so that ridges carry
- * detail and valleys stay smooth. About 0..1. */
-float tc_ridged(uint32_t seed, double x, double y, int octaves, float gain);
-
 /* 0 below a, 1 above b, a cubic in between. */
 static inline float tc_smoothstep(float a, float b, float x)
 {

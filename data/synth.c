@@ -199,16 +199,6 @@ static tc_status give_row(void *context, int64_t y, float *z)
     return TC_OK;
 }
 
-/* Fails where the file could not be written either. */
-static tc_status try_output(const char *path, tc_error *error)
-{
-    tc_outfile outfile;
-    tc_status status = tc_outfile_begin(path, &outfile, error);
-    if (status == TC_OK)
-        tc_outfile_end(&outfile, TC_ERR_IO, NULL);
-    return status;
-}
-
 /* Memory is given out before it is there; a terrain that cannot fit would be killed half-way. */
 static tc_status check_memory(const struct arguments *a, tc_error *error)
 {
@@ -228,7 +218,7 @@ static tc_status run(const struct arguments *a, tc_error *error)
                        "--kind: expected planar, found planet, which is not in this version");
     tc_status status = check_memory(a, error);
     if (status == TC_OK)
-        status = try_output(a->output, error);
+        status = tc_outfile_probe(a->output, error);
     if (status != TC_OK)
         return status;
     float *z = malloc((size_t)a->size * (size_t)a->size * sizeof *z);

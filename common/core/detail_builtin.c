@@ -1,7 +1,9 @@
 /* detail_builtin.c - built-in models, trained by tc_codec_train().
  *
  * Set 0: SRTM 3" of the Tatra at 1 m rms (radar, noisy); set 1: Moon GLD100 at 0.5 m rms (stereo, smooth); the finest
- * level of each. Bins that a terrain did not fill keep the symbols of a geometric distribution. */
+ * level of each; but the scale weights of set 1 are round values that look like a starting point, not a result of
+ * training: train them anew before any file format names the sets. Bins that a terrain did not fill keep the symbols of
+ * a geometric distribution. */
 #include "detail_model.h"
 
 #include <string.h>

@@ -20,22 +20,28 @@ static const uint16_t root[16] = {4096, 4277, 4467, 4664, 4871, 5087, 5312, 5547
                                   5793, 6049, 6317, 6597, 6889, 7194, 7512, 7845};
 
 /* Weight of a code: 0 is 0, then 2^((code - 1) / 16), at most 2^13. */
-static uint16_t weight_of(int code)
+static uint32_t weight_of(int code)
 {
-    return code == 0 ? 0 : (uint16_t)((((uint32_t)root[(code - 1) % 16] << (code - 1) / 16) + 2048) >> 12);
+    return code == 0 ? 0 : ((((uint32_t)root[(code - 1) % 16] << (code - 1) / 16) + 2048) >> 12);
 }
 
 enum { WEIGHT_CODES = 13 * 16 + 2, LOG_CODES = 12 * 8 + 1 };
 
-static int weight_code(uint32_t weight)
+/* The code, of `codes`, whose value is nearest; the lowest of equals. */
+static int nearest_code(uint32_t (*value_of)(int code), int codes, uint32_t value)
 {
     int best = 0;
-    for (int c = 1; c < WEIGHT_CODES; c++) {
-        int64_t now = (int64_t)weight_of(c) - weight, old = (int64_t)weight_of(best) - weight;
+    for (int c = 1; c < codes; c++) {
+        int64_t now = (int64_t)value_of(c) - value, old = (int64_t)value_of(best) - value;
         if (now * now < old * old)
             best = c;
     }
     return best;
+}
+
+static int weight_code(uint32_t weight)
+{
+    return nearest_code(weight_of, WEIGHT_CODES, weight);
 }
 
 /* Frequency of a logarithm: 2^(code/8). */
@@ -46,13 +52,7 @@ static uint32_t frequency_of(int code)
 
 static int frequency_code(uint32_t frequency)
 {
-    int best = 0;
-    for (int c = 1; c < LOG_CODES; c++) {
-        int64_t now = (int64_t)frequency_of(c) - frequency, old = (int64_t)frequency_of(best) - frequency;
-        if (now * now < old * old)
-            best = c;
-    }
-    return best;
+    return nearest_code(frequency_of, LOG_CODES, frequency);
 }
 
 static tc_rans_frequencies frequencies_of(const uint8_t code[TC_RANS_SYMBOLS])

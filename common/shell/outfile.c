@@ -84,3 +84,12 @@ tc_status tc_outfile_end(tc_outfile *outfile, tc_status status, tc_error *error)
     release(outfile);
     return status;
 }
+
+tc_status tc_outfile_probe(const char *path, tc_error *error)
+{
+    tc_outfile probe;
+    tc_status status = tc_outfile_begin(path, &probe, error);
+    if (status == TC_OK)
+        tc_outfile_end(&probe, TC_ERR_IO, NULL);
+    return status;
+}

@@ -18,4 +18,7 @@ tc_status tc_outfile_begin(const char *path, tc_outfile *outfile_ret, tc_error *
  * Returns status, or why the last steps failed. */
 tc_status tc_outfile_end(tc_outfile *outfile, tc_status status, tc_error *error);
 
+/* Whether path could be written: begins, and takes the temporary file away again. */
+tc_status tc_outfile_probe(const char *path, tc_error *error);
+
 #endif

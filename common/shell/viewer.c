@@ -258,11 +258,7 @@ static tc_status check_writable(const char *path, tc_error *error)
     struct stat old;
     if (!path || (stat(path, &old) == 0 && !S_ISREG(old.st_mode) && !S_ISDIR(old.st_mode)))
         return TC_OK; /* a device, a pipe: will be seen */
-    tc_outfile probe;
-    tc_status status = tc_outfile_begin(path, &probe, error);
-    if (status == TC_OK)
-        tc_outfile_end(&probe, TC_ERR_IO, NULL); /* takes it away again */
-    return status;
+    return tc_outfile_probe(path, error);
 }
 
 /* ---- The whole ---------------------------------------------------------------------------------------------- */

@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "common/shell/clock.h"
 #include "common/core/camera.h"
 #include "common/shell/flight.h"
 #include "common/shell/source.h"
@@ -19,13 +20,6 @@
 #include "tests/support/terrains.h"
 
 enum { SIZE = 4097, WIDTH = 640, HEIGHT = 480, RUNS = 5 };
-
-static double now_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 static void must(tc_status status, const tc_error *error)
 {
@@ -139,9 +133,9 @@ int main(int argc, char **argv)
 {
     setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
     if (argc == 3) {
-        double start = now_ms();
+        double start = tc_clock_ms();
         (strcmp(argv[1], "read") == 0 ? read_alone : first_frame)(argv[2]);
-        printf("%.3f\n", now_ms() - start);
+        printf("%.3f\n", tc_clock_ms() - start);
         fflush(stdout);
         _exit(0); /* taking it all down is not part of the start */
     }
