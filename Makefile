@@ -32,7 +32,7 @@ LDFLAGS_ALL = -pthread $(filter -fsanitize%,$(opt.$(config))) $(LDFLAGS)
 LIBS := -lm -ldl
 comma := ,
 
-CORE := $(wildcard common/core/*.c)
+CORE := $(wildcard common/core/*/*.c)
 PLUGIN_SRC := $(wildcard common/shell/plugin_*.c common/shell/plugin_*.cpp)
 SHELL_SRC := $(filter-out $(PLUGIN_SRC),$(wildcard common/shell/*.c))
 PLANAR := $(filter-out planar/main.c,$(wildcard planar/*.c))
@@ -106,13 +106,13 @@ $(O)/terraclip: $(OBJ)/data/main.o $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
 $(O)/planar-viewer: $(OBJ)/planar/main.o $(PLANAR_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/terraclip-gdal.so: $(OBJ)/common/shell/plugin_gdal.o $(OBJ)/common/core/status.o
+$(O)/terraclip-gdal.so: $(OBJ)/common/shell/plugin_gdal.o $(OBJ)/common/core/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
-$(O)/terraclip-oiio.so: $(OBJ)/common/shell/plugin_oiio.o $(OBJ)/common/core/status.o
+$(O)/terraclip-oiio.so: $(OBJ)/common/shell/plugin_oiio.o $(OBJ)/common/core/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -lOpenImageIO -lOpenImageIO_Util
-$(O)/terraclip-window.so: $(OBJ)/common/shell/plugin_window.o $(OBJ)/common/core/status.o
+$(O)/terraclip-window.so: $(OBJ)/common/shell/plugin_window.o $(OBJ)/common/core/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs glfw3)
 

@@ -75,8 +75,8 @@ typedef struct tc_grid {
     float *z; /* metres above z_base, [j * width + i], row 0 southernmost; owned. Finite everywhere: voids are filled */
     uint8_t *voids; /* 1 where the source had no height, laid out as z; NULL where there is none; owned */
     int64_t void_count;
-    bool voids_flat;               /* voids are shown at the height void_height, which no filter takes into account */
-    float void_height;             /* metres above z_base */
+    bool voids_flat;             /* voids are shown at the height void_height, which no filter takes into account */
+    float void_height;           /* metres above z_base */
     double z_base;               /* metres; what must be added to z. 0 unless the relief would drown in a float */
     double spacing_x, spacing_y; /* metres */
     float z_min, z_max;          /* of z over samples that are not void */

@@ -4,9 +4,9 @@
  * nobody should wait that long to read that a folder does not exist. */
 #include "synth.h"
 
-#include "../common/core/status.h"
-#include "../common/shell/outfile.h"
-#include "../common/shell/source.h"
+#include "common/core/base/status.h"
+#include "common/shell/outfile.h"
+#include "common/shell/source.h"
 #include "synth_planar.h"
 
 #include <ctype.h>

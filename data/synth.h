@@ -2,7 +2,7 @@
 #ifndef TC_SYNTH_H
 #define TC_SYNTH_H
 
-#include "../common/terraclip.h"
+#include "common/terraclip.h"
 
 #include <stdio.h>
 

@@ -2,7 +2,7 @@
 #ifndef TC_SYNTH_PLANAR_H
 #define TC_SYNTH_PLANAR_H
 
-#include "../common/terraclip.h"
+#include "common/terraclip.h"
 
 /* Zero is the default everywhere. */
 typedef struct tc_synth_planar_options {

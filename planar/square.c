@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/camera.h"
-#include "common/core/pyramid.h"
-#include "common/core/rect.h"
-#include "common/core/status.h"
+#include "common/core/clipmap/camera.h"
+#include "common/core/pyramid/pyramid.h"
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
 #include "square_internal.h"
 
 typedef struct square_surface {

@@ -2,7 +2,7 @@
 #ifndef TC_SQUARE_H
 #define TC_SQUARE_H
 
-#include "common/core/surface.h"
+#include "common/core/clipmap/surface.h"
 
 /* A surface over the clipmap, which must outlive it. */
 tc_status tc_square_create(const tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);

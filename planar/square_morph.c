@@ -7,8 +7,8 @@
  * either when a level is dropped on the way up: it has become the coarser level by then. */
 #include <math.h>
 
-#include "common/core/mesh.h"
-#include "common/core/rect.h"
+#include "common/core/base/mesh.h"
+#include "common/core/base/rect.h"
 #include "square_internal.h"
 
 static const double DROP_HEIGHT = 0.4;  /* of n g_l above ground: a level is dropped (LH04 section 5) */

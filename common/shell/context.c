@@ -5,7 +5,7 @@
  */
 #include "context.h"
 #include "offscreen.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <stdio.h>
 #include <stdlib.h>

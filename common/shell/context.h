@@ -2,7 +2,7 @@
 #ifndef TC_CONTEXT_H
 #define TC_CONTEXT_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 #include "gl.h"
 
 typedef enum tc_backend {

@@ -5,7 +5,7 @@
  * initialised until the process ends; only the context goes. */
 #include "gl.h"
 #include "offscreen.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

@@ -3,7 +3,7 @@
  *
  * Its header is not installed everywhere, so the few declarations needed are here. */
 #include "offscreen.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <dlfcn.h>
 #include <stdlib.h>

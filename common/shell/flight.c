@@ -3,7 +3,7 @@
  * Flying speed is proportional to the height above ground: what is seen then passes at the same pace whether the eye
  * is 2 m or 20 km up, and one key takes it from one to the other in a few seconds. */
 #include "flight.h"
-#include "../core/camera.h"
+#include "common/core/clipmap/camera.h"
 
 #include <math.h>
 #include <stdio.h>

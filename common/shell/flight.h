@@ -3,7 +3,7 @@
 #ifndef TC_FLIGHT_H
 #define TC_FLIGHT_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* Where the eye is and where it looks. */
 typedef struct tc_view {

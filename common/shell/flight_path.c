@@ -4,7 +4,7 @@
  * that whoever writes the keys sets the pace by their distances. At its ends the path goes on straight
  * (p_-1 = 2 p_0 - p_1), which makes evenly spaced keys on a line an even flight. */
 #include "flight_path.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <errno.h>
 #include <math.h>

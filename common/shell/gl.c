@@ -3,7 +3,7 @@
  * The version is looked at first and through functions that every OpenGL has: loaders such as libglvnd hand out a
  * pointer for any name, so a function that is missing cannot be told from one that is there. */
 #include "gl.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #ifndef TC_GL_H
 #define TC_GL_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 #define GL_GLEXT_PROTOTYPES 0
 #include <GL/glcorearb.h>

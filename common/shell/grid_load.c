@@ -1,8 +1,8 @@
 /* grid_load.c - a whole file as a grid: heights, voids filled, extremes. */
 #include "source_internal.h"
 
-#include "../core/fill.h"
-#include "../core/status.h"
+#include "common/core/pyramid/fill.h"
+#include "common/core/base/status.h"
 
 #include <inttypes.h>
 #include <math.h>

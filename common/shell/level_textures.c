@@ -1,8 +1,8 @@
 /* level_textures.c - uploads of toroidal rectangles, cut where they wrap. */
 #include "level_textures.h"
 
-#include "../core/rect.h"
-#include "../core/status.h"
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
 
 static GLuint array_texture(const tc_gl *gl, GLenum format, int size, int layers, GLint filter)
 {

@@ -2,7 +2,7 @@
 #ifndef TC_LEVEL_TEXTURES_H
 #define TC_LEVEL_TEXTURES_H
 
-#include "../core/clipmap.h"
+#include "common/core/clipmap/clipmap.h"
 #include "gl.h"
 
 typedef struct tc_level_textures {

@@ -5,7 +5,7 @@
 #ifndef TC_OFFSCREEN_H
 #define TC_OFFSCREEN_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 typedef struct tc_offscreen {
     const char *name; /* as tc_context_backend gives it */

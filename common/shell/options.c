@@ -1,7 +1,7 @@
 /* options.c - the viewers' command line; see options.h. A new option is one line of the table and one setter. */
 #include "options.h"
-#include "../core/status.h"
-#include "../core/surface.h"
+#include "common/core/base/status.h"
+#include "common/core/clipmap/surface.h"
 
 #include <ctype.h>
 #include <errno.h>

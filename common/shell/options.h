@@ -3,8 +3,8 @@
 #ifndef TC_OPTIONS_H
 #define TC_OPTIONS_H
 
-#include "../terraclip.h"
-#include "../core/clipmap.h"
+#include "common/terraclip.h"
+#include "common/core/clipmap/clipmap.h"
 #include "context.h"
 #include "flight.h"
 #include "renderer.h"

@@ -1,7 +1,7 @@
 /* outfile.c - writing beside the target, flushing, renaming: a failure or a crash leaves an old file as it was. */
 #include "outfile.h"
 
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -2,7 +2,7 @@
 #ifndef TC_OUTFILE_H
 #define TC_OUTFILE_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* A file being written: temporary lies beside the target and has its extension, so that a library can open it by
  * name. */

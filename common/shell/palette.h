@@ -2,7 +2,7 @@
 #ifndef TC_PALETTE_H
 #define TC_PALETTE_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 enum { TC_RAMP_SIZE = 512 };
 

@@ -6,7 +6,7 @@
  * RTLD_NOW makes a missing library an error here and not a crash later. */
 #include "plugin.h"
 
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <dlfcn.h>
 #include <limits.h>

@@ -5,7 +5,7 @@
 #ifndef TC_PLUGIN_H
 #define TC_PLUGIN_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* The table of functions that plugin NAME ("gdal", "oiio", "window") exports as the symbol `tc_plugin`.
  * Loaded once per process and never unloaded; thread-safe. */

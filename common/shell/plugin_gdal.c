@@ -5,7 +5,7 @@
  * are read, since nodata and coordinate systems live there, but never written). */
 #include "plugin_tables.h"
 
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <cpl_conv.h>
 #include <cpl_error.h>

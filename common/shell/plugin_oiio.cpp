@@ -7,7 +7,7 @@
 #include "plugin_tables.h"
 
 extern "C" {
-#include "../core/status.h"
+#include "common/core/base/status.h"
 }
 
 #include <OpenImageIO/imageio.h>

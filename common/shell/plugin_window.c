@@ -1,7 +1,7 @@
 /* plugin_window.c - window.h by means of GLFW 3. Becomes terraclip-window.so, so that programs without a window load
  * neither GLFW nor X11 or Wayland. */
 #include "window.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

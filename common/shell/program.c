@@ -5,7 +5,7 @@
  * "0(20014) : ..." (NVIDIA) can be told as "file.glsl:14: ...". (#line could number the part, too; Mesa ignores that.)
  */
 #include "program.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <ctype.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #ifndef TC_PROGRAM_H
 #define TC_PROGRAM_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 #include "gl.h"
 
 /* The files of shaders/, built into the program; the list ends with a NULL name. */

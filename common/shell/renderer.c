@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "../core/camera.h"
-#include "../core/status.h"
+#include "common/core/clipmap/camera.h"
+#include "common/core/base/status.h"
 #include "level_textures.h"
 #include "palette.h"
 #include "clock.h"

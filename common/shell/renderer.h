@@ -2,8 +2,8 @@
 #ifndef TC_RENDERER_H
 #define TC_RENDERER_H
 
-#include "../terraclip.h"
-#include "../core/surface.h"
+#include "common/terraclip.h"
+#include "common/core/clipmap/surface.h"
 #include "gl.h"
 
 /* What the scene needs, settled once; what is not needed is neither compiled nor allocated. */

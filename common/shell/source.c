@@ -7,7 +7,7 @@
  */
 #include "source_internal.h"
 
-#include "../core/status.h"
+#include "common/core/base/status.h"
 #include "plugin.h"
 
 #include <errno.h>

@@ -7,7 +7,7 @@
 #ifndef TC_SOURCE_H
 #define TC_SOURCE_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 typedef enum tc_void_policy {
     TC_VOIDS_FILL = 0, /* filled from the surroundings */
@@ -17,12 +17,12 @@ typedef enum tc_void_policy {
 
 /* Zero is the default everywhere. */
 typedef struct tc_source_options {
-    double spacing;            /* metres between samples; 0: as the file says, else 1 */
-    double unit;               /* metres per stored unit; 0: as the file says, else 1 */
+    double spacing; /* metres between samples; 0: as the file says, else 1 */
+    double unit;    /* metres per stored unit; 0: as the file says, else 1 */
     bool has_nodata;
-    double nodata;             /* stored value that means void, beside the file's own */
+    double nodata; /* stored value that means void, beside the file's own */
     tc_void_policy voids;
-    double void_constant;      /* metres, for TC_VOIDS_CONSTANT */
+    double void_constant; /* metres, for TC_VOIDS_CONSTANT */
     /* Called with one line without newline for what a user should know (a warning: 8-bit steps, ...) or may want to
      * (said with -v: how degrees became metres, ...). NULL: not said. */
     void (*say)(void *context, bool warning, const char *line);
@@ -30,13 +30,13 @@ typedef struct tc_source_options {
 } tc_source_options;
 
 typedef struct tc_source_info {
-    int64_t width, height;        /* samples */
-    double spacing_x, spacing_y;  /* metres */
-    double z_base;                /* metres; subtracted from the heights that tc_source_read gives */
-    const char *sample_type;      /* "int16", "float32", ... */
-    bool integer;                 /* stored as integers */
-    double unit;                  /* metres per stored unit */
-    tc_georef georef;             /* crs_wkt owned by the source */
+    int64_t width, height;       /* samples */
+    double spacing_x, spacing_y; /* metres */
+    double z_base;               /* metres; subtracted from the heights that tc_source_read gives */
+    const char *sample_type;     /* "int16", "float32", ... */
+    bool integer;                /* stored as integers */
+    double unit;                 /* metres per stored unit */
+    tc_georef georef;            /* crs_wkt owned by the source */
 } tc_source_info;
 
 typedef struct tc_source tc_source;
@@ -60,10 +60,11 @@ tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_gr
 typedef tc_status (*tc_row_function)(void *context, int64_t y, float *z);
 typedef struct tc_tiff_options {
     int64_t width, height;
-    double spacing;            /* metres */
-    bool int16;                /* rounded to int16 instead of float32 */
+    double spacing; /* metres */
+    bool int16;     /* rounded to int16 instead of float32 */
 } tc_tiff_options;
-tc_status tc_write_tiff(const char *path, const tc_tiff_options *options, tc_row_function row, void *context, tc_error *error);
+tc_status tc_write_tiff(const char *path, const tc_tiff_options *options, tc_row_function row, void *context,
+                        tc_error *error);
 
 /* Writes 8-bit RGB pixels, rows top to bottom, as a picture whose format the extension names (OpenImageIO), beside
  * the target and renamed. */

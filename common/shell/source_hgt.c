@@ -6,7 +6,7 @@
  * opens as well, its place unknown, and so simple a file needs no library. */
 #include "source_internal.h"
 
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -87,9 +87,10 @@ static void settle_place(tc_raster_info *info, const char *path, const tc_source
         info->nominal_x = dx * radians * equator;
         info->nominal_y = dy * radians * equator;
         if (options->spacing <= 0)
-            tc_say(options, true,
-                   "the file's name says no place (as N46E008.hgt would): samples taken %.0f arc-s apart on the equator",
-                   3600 * dy);
+            tc_say(
+                options, true,
+                "the file's name says no place (as N46E008.hgt would): samples taken %.0f arc-s apart on the equator",
+                3600 * dy);
         return;
     }
     /* Samples are points on the degree lines; GDAL's transform is that of pixel corners, half a sample outside. */

@@ -5,7 +5,7 @@
  * Blocks that are cut off themselves it does report; they are checked here all the same, before minutes of reading. */
 #include "source_internal.h"
 
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <stdio.h>
 #include <string.h>

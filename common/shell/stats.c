@@ -1,6 +1,6 @@
 /* stats.c - collects and reports the figures of frames; see stats.h. */
 #include "stats.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 #include "outfile.h"
 
 #include <errno.h>

@@ -2,7 +2,7 @@
 #ifndef TC_STATS_H
 #define TC_STATS_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 #include "renderer.h"
 
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* viewer.c - a viewer from its command line to its exit code: options, terrain, context, renderer, then one of picture,
  * flight and window, then the figures. */
 #include "viewer_internal.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 #include "outfile.h"
 #include "plugin.h"
 

@@ -2,8 +2,8 @@
 #ifndef TC_VIEWER_H
 #define TC_VIEWER_H
 
-#include "../terraclip.h"
-#include "../core/surface.h"
+#include "common/terraclip.h"
+#include "common/core/clipmap/surface.h"
 
 typedef struct tc_viewer_program {
     const char *name;    /* "planar-viewer" */

@@ -2,8 +2,8 @@
 #ifndef TC_VIEWER_INTERNAL_H
 #define TC_VIEWER_INTERNAL_H
 
-#include "../core/clipmap.h"
-#include "../core/surface.h"
+#include "common/core/clipmap/clipmap.h"
+#include "common/core/clipmap/surface.h"
 #include "clock.h"
 #include "context.h"
 #include "flight.h"

@@ -1,6 +1,6 @@
 /* viewer_offscreen.c - pictures and flights without a window. */
 #include "viewer_internal.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <limits.h>
 #include <stdlib.h>

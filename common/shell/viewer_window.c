@@ -2,7 +2,7 @@
  *
  * What a key does is one line of the table; the help text comes from it. */
 #include "viewer_internal.h"
-#include "../core/status.h"
+#include "common/core/base/status.h"
 
 #include <inttypes.h>
 #include <limits.h>

@@ -6,7 +6,7 @@
 #ifndef TC_WINDOW_H
 #define TC_WINDOW_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 typedef struct tc_window tc_window;
 

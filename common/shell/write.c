@@ -1,7 +1,7 @@
 /* write.c - GeoTIFFs and pictures, through the plugins, atomically. */
 #include "source.h"
 
-#include "../core/status.h"
+#include "common/core/base/status.h"
 #include "outfile.h"
 #include "plugin.h"
 #include "plugin_tables.h"

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <time.h>
 
-#include "common/core/rect.h"
+#include "common/core/base/rect.h"
 #include "tests/support/datasets.h"
 #include "tests/support/packed.h"
 

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/camera.h"
+#include "common/core/clipmap/camera.h"
 #include "common/shell/clock.h"
 #include "common/shell/program.h"
 #include "planar/square_internal.h"

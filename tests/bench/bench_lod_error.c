@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "common/core/clipmap.h"
-#include "common/core/lod_error.h"
+#include "common/core/clipmap/clipmap.h"
+#include "common/core/clipmap/lod_error.h"
 #include "tests/support/datasets.h"
 
 static void measure(const dataset *d)

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "common/shell/clock.h"
-#include "common/core/camera.h"
+#include "common/core/clipmap/camera.h"
 #include "common/shell/flight.h"
 #include "common/shell/source.h"
 #include "tests/support/made_files.h"

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/rect.h"
+#include "common/core/base/rect.h"
 #include "tests/support/packed.h"
 #include "tests/support/terrains.h"
 

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "common/core/camera.h"
+#include "common/core/clipmap/camera.h"
 #include "common/shell/flight_path.h"
 
 #include <math.h>

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/core/error_stats.h"
-#include "common/core/lod_error.h"
-#include "common/core/mesh.h"
+#include "common/core/clipmap/error_stats.h"
+#include "common/core/clipmap/lod_error.h"
+#include "common/core/base/mesh.h"
 #include "tests/support/terrains.h"
 
 static int by_value(const void *a, const void *b)

@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/filter.h"
-#include "common/core/rect.h"
+#include "common/core/pyramid/filter.h"
+#include "common/core/base/rect.h"
 #include "tests/support/terrains.h"
 
 /* D by its definition, on one axis, in double: the oracle. */

@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/clipmap_internal.h"
+#include "common/core/clipmap/clipmap_internal.h"
 #include "common/shell/flight.h"
 #include "common/shell/flight_path.h"
 #include "common/shell/stats.h"

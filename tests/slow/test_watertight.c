@@ -12,7 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/camera.h"
+#include "common/core/clipmap/camera.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 

@@ -1,5 +1,5 @@
 /* loading.c - test files loaded as grids. */
-#include "tests/support/test.h"
+#include "test.h"
 
 #include "loading.h"
 

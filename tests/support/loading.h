@@ -3,7 +3,7 @@
 #define LOADING_H
 
 #include "common/shell/source.h"
-#include "tests/support/made_files.h"
+#include "made_files.h"
 
 /* What a file's opening said. */
 typedef struct sayings {

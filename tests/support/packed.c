@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/parallel.h"
-#include "common/core/rect.h"
+#include "common/core/base/parallel.h"
+#include "common/core/base/rect.h"
 
 enum { COARSEST = 16 };
 

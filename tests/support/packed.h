@@ -2,7 +2,7 @@
 #ifndef PACKED_H
 #define PACKED_H
 
-#include "common/core/codec.h"
+#include "common/core/codec/codec.h"
 
 enum { PACKED_LEVELS = 32 };
 

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/rect.h"
+#include "common/core/base/rect.h"
 
 static bool eroded_contains(tc_rect coarse, tc_rect extent, int64_t distance, tc_rect fine)
 {

@@ -2,8 +2,8 @@
 #ifndef REGIONS_H
 #define REGIONS_H
 
-#include "common/core/clipmap.h"
-#include "tests/support/terrains.h"
+#include "common/core/clipmap/clipmap.h"
+#include "terrains.h"
 
 /* LH04's four constraints of section 5, and that no region leaves its window or the terrain; NULL, or what is broken.
  */

@@ -10,7 +10,7 @@
 #ifndef TC_DETAIL_MODEL_H
 #define TC_DETAIL_MODEL_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 #include "lifting.h"
 #include "rans.h"
 

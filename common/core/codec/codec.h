@@ -8,7 +8,7 @@
 #ifndef TC_CODEC_H
 #define TC_CODEC_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 #include "detail_model.h"
 #include "lifting.h"
 

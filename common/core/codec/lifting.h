@@ -9,8 +9,8 @@
 #ifndef TC_LIFTING_H
 #define TC_LIFTING_H
 
-#include "../terraclip.h"
-#include "filter.h"
+#include "common/terraclip.h"
+#include "common/core/pyramid/filter.h"
 
 enum { TC_LIFTING_LIMIT = 1 << 23, TC_LIFTING_REACH = 3 };
 enum { TC_HL, TC_LH, TC_HH, TC_BANDS };

@@ -11,9 +11,9 @@
 #include <string.h>
 
 #include "clipmap_internal.h"
-#include "filter.h"
-#include "mesh.h"
-#include "rect.h"
+#include "common/core/pyramid/filter.h"
+#include "common/core/base/mesh.h"
+#include "common/core/base/rect.h"
 
 enum { MARGIN = 8 };
 

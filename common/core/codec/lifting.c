@@ -13,7 +13,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "rect.h"
+#include "common/core/base/rect.h"
 
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 

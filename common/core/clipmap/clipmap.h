@@ -12,7 +12,7 @@
 #ifndef TC_CLIPMAP_H
 #define TC_CLIPMAP_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 typedef struct tc_clipmap tc_clipmap;
 

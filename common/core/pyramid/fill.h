@@ -2,7 +2,7 @@
 #ifndef TC_FILL_H
 #define TC_FILL_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* Replaces z where voids is not 0 by a membrane stretched between the valid samples around: each filled sample is close
  * to the mean of its four neighbours, so that no pit, wall or peak can arise. Layout [j * width + i]; border sides are

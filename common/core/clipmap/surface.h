@@ -6,7 +6,7 @@
 #ifndef TC_SURFACE_H
 #define TC_SURFACE_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 #include "clipmap.h"
 
 /* Static support geometry: vertices of two small integers, indices of triangle strips or triangles. TC_RESTART ends a

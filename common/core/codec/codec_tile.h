@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "codec.h"
-#include "rect.h"
+#include "common/core/base/rect.h"
 
 #define TC_INLINE static inline __attribute__((always_inline))
 

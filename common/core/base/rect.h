@@ -2,7 +2,7 @@
 #ifndef TC_RECT_H
 #define TC_RECT_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 static inline int64_t tc_min64(int64_t a, int64_t b)
 {

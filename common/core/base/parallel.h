@@ -2,7 +2,7 @@
 #ifndef TC_PARALLEL_H
 #define TC_PARALLEL_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* Calls body(context, i) once for every 0 <= i < count from up to `threads` threads (0: as many as there are
  * processors), the calling one among them, and returns when all are done. Works with fewer threads where no more can

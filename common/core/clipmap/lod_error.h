@@ -2,7 +2,7 @@
 #ifndef TC_LOD_ERROR_H
 #define TC_LOD_ERROR_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* Errors of a level's mesh against the finest level's samples, without voids. */
 typedef struct tc_lod_error {

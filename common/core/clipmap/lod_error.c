@@ -6,9 +6,9 @@
 #include <stdlib.h>
 
 #include "error_stats.h"
-#include "mesh.h"
-#include "parallel.h"
-#include "rect.h"
+#include "common/core/base/mesh.h"
+#include "common/core/base/parallel.h"
+#include "common/core/base/rect.h"
 
 enum { ROWS = 64 }; /* finest rows of a task */
 

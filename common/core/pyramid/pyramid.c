@@ -4,8 +4,8 @@
 #include <math.h>
 
 #include "filter.h"
-#include "mesh.h"
-#include "rect.h"
+#include "common/core/base/mesh.h"
+#include "common/core/base/rect.h"
 
 void tc_pyramid_set_levels(tc_pyramid *pyramid, tc_level finest)
 {

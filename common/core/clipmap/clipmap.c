@@ -12,8 +12,8 @@
 
 #include "camera.h"
 #include "clipmap_internal.h"
-#include "rect.h"
-#include "status.h"
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
 
 static const tc_clip_state *state(const tc_clipmap *clipmap, int level)
 {

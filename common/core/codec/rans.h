@@ -8,7 +8,7 @@
 #ifndef TC_RANS_H
 #define TC_RANS_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 enum {
     TC_RANS_BITS = 12,

@@ -1,5 +1,5 @@
 /* grid.c - grids: heights in memory. */
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -6,7 +6,7 @@
 #ifndef TC_FILTER_H
 #define TC_FILTER_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* Samples of the next coarser level along an axis of `fine` samples. */
 static inline int64_t tc_coarse_size(int64_t fine)

@@ -2,7 +2,7 @@
 #ifndef TC_STATUS_H
 #define TC_STATUS_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 #ifdef __cplusplus
 extern "C" {

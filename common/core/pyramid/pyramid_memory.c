@@ -4,10 +4,10 @@
 #include <string.h>
 
 #include "filter.h"
-#include "parallel.h"
+#include "common/core/base/parallel.h"
 #include "pyramid.h"
-#include "rect.h"
-#include "status.h"
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
 
 enum {
     TILE = 16, /* samples of a bounds tile along a side */

@@ -2,7 +2,7 @@
 #ifndef TC_ERROR_STATS_H
 #define TC_ERROR_STATS_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 enum { TC_ERROR_BINS = 1 << 17 };
 

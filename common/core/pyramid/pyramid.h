@@ -2,7 +2,7 @@
 #ifndef TC_PYRAMID_H
 #define TC_PYRAMID_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 typedef struct tc_pyramid_class {
     tc_status (*read)(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);

@@ -2,7 +2,7 @@
 #ifndef TC_CAMERA_H
 #define TC_CAMERA_H
 
-#include "../terraclip.h"
+#include "common/terraclip.h"
 
 /* The camera's axes in the map's frame: unit vectors right, up, forward. */
 typedef struct tc_basis {
