@@ -132,6 +132,132 @@ size_t tc_pyramid_bytes(const tc_pyramid *pyramid);
  * that of the nearest border point. */
 tc_status tc_pyramid_height(const tc_pyramid *pyramid, double x, double y, double *z_ret);
 
+/* ---- Packed terrains ------------------------------------------------------------------------------------------ */
+
+/* The pyramid in a file (.tclip; docs/format.md): compressed 10 to 100 times, read by regions of any level. */
+
+/* What shows where the source had no height. */
+typedef enum tc_void_policy {
+    TC_VOIDS_FILL = 0, /* filled from the surroundings */
+    TC_VOIDS_HOLE,     /* filled likewise, and left out of the mesh */
+    TC_VOIDS_CONSTANT  /* a constant height */
+} tc_void_policy;
+
+typedef enum tc_pack_mode {
+    TC_PACK_RMS = 0,   /* root mean square of the finest level's error at most `error`, and at least 0.97 of it */
+    TC_PACK_MAX_ERROR, /* no sample of the finest level off by more than `error` */
+    TC_PACK_LOSSLESS   /* the source's values themselves */
+} tc_pack_mode;
+
+typedef enum tc_pack_codec {
+    TC_CODEC_LIFTING = 0, /* critically sampled four-point lifting with trained prediction */
+    TC_CODEC_LH04         /* LH04's redundant pyramid of residuals, to compare; TC_PACK_RMS only */
+} tc_pack_codec;
+
+/* Stored values of a source, as `extract` gives them back. */
+typedef enum tc_sample_type {
+    TC_SAMPLE_UINT8,
+    TC_SAMPLE_INT8,
+    TC_SAMPLE_UINT16,
+    TC_SAMPLE_INT16,
+    TC_SAMPLE_UINT32,
+    TC_SAMPLE_INT32,
+    TC_SAMPLE_FLOAT32,
+    TC_SAMPLE_FLOAT64
+} tc_sample_type;
+
+/* The terrain that a packed file holds, beside its heights. */
+typedef struct tc_pack_terrain {
+    int64_t width, height;       /* samples of the finest level */
+    double spacing_x, spacing_y; /* metres */
+    double z_base;               /* metres; heights given and read are above it */
+    tc_georef georef;            /* of the whole; crs_wkt is copied. Its transform runs rows north to south */
+    bool area_registered;        /* the source's samples stood for areas; the transform is corner-based either way */
+    tc_sample_type sample_type;  /* of the source */
+    double unit;                 /* metres per stored unit of the source */
+    double offset;               /* metres of the stored value 0, z_base not subtracted */
+    bool has_nodata;
+    double nodata;        /* stored value */
+    tc_void_policy voids; /* how they are to be shown */
+    double void_constant; /* metres */
+} tc_pack_terrain;
+
+/* Zero is the default everywhere, but for error. */
+typedef struct tc_pack_options {
+    tc_pack_mode mode;
+    tc_pack_codec codec;
+    double error;   /* metres, above 0; not for TC_PACK_LOSSLESS */
+    double lattice; /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
+    int threads;    /* 0: as many as there are processors. The file does not depend on it */
+    /* Called now and then, from the calling thread, with the share of the whole work that is done, 0 to 1; false stops
+     * the packing with TC_ERR_IO. NULL: not called. */
+    bool (*progress)(void *context, double done);
+    void *progress_context;
+} tc_pack_options;
+
+typedef struct tc_pack_result {
+    int64_t samples, voids;
+    int64_t bytes;               /* of the file */
+    double rms, max_error;       /* metres, finest level, without voids, against the heights given */
+    int64_t disagreeing;         /* samples given twice with different heights; the first ones hold */
+    double largest_disagreement; /* metres */
+} tc_pack_result;
+
+typedef struct tc_packer tc_packer;
+
+/* Starts packing into path, beside which a temporary file without a name takes up to 7 bytes a sample. An old file of
+ * that name stays untouched until the end, and nothing else is left behind, however the process ends. */
+tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, const tc_pack_options *options,
+                           tc_packer **packer_ret, tc_error *error);
+
+/* Gives the samples of rect: z[(j - rect.y0) * stride + (i - rect.x0)], metres above z_base, row 0 southernmost; void
+ * where voids (same layout; may be NULL) is not 0 or z is not finite. In any order; samples never given are void; of
+ * samples given more than once the first valid one holds. */
+tc_status tc_packer_put(tc_packer *packer, tc_rect rect, const float *z, const uint8_t *voids, ptrdiff_t stride,
+                        tc_error *error);
+
+/* Packs and puts the file in its place. On failure the packer can only be destroyed. Destroying it without this
+ * leaves everything as it was. */
+tc_status tc_packer_finish(tc_packer *packer, tc_pack_result *result_ret, tc_error *error);
+void tc_packer_destroy(tc_packer *packer);
+
+/* One level of a packed terrain. */
+typedef struct tc_packed_level {
+    int64_t bytes;            /* tiles and index of the level; 0 for levels that are made from the first coded one */
+    double rms, max_error;    /* metres, declared: against the filtered source, without voids */
+    double residual_variance; /* square metres: what the level adds to the upsampled coarser one; for synthesis */
+} tc_packed_level;
+
+typedef struct tc_packed_info {
+    int version;
+    int64_t bytes; /* of the whole file, as its header says */
+    tc_pack_mode mode;
+    tc_pack_codec codec;
+    double error; /* metres, as asked for when packing */
+    tc_pack_terrain terrain;
+    int levels_missing;     /* finest levels that a file cut short lacks */
+    double mean, deviation; /* metres (z_base included), of the finest level */
+} tc_packed_info;
+
+/* How to open; zero is the default. */
+typedef struct tc_open_options {
+    bool has_policy; /* else as the file says */
+    tc_void_policy voids;
+    double void_constant; /* metres */
+    size_t cache_bytes;   /* of decoded tiles; 0: 32 MiB */
+} tc_open_options;
+
+/* Opens a packed terrain; reads its header only. A file that was cut short opens with the levels that are whole. */
+tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error);
+
+/* NULL for a pyramid that is not packed; lives as long as the pyramid. */
+const tc_packed_info *tc_pyramid_packed_info(const tc_pyramid *pyramid);
+tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level);
+
+/* Tiles found damaged so far, which were read from the next coarser level, and bytes of tiles decoded so far. */
+int64_t tc_pyramid_damaged(const tc_pyramid *pyramid);
+int64_t tc_pyramid_bytes_decoded(const tc_pyramid *pyramid);
+
 /* ---- Camera ------------------------------------------------------------------------------------------------- */
 
 typedef struct tc_camera {

@@ -13,17 +13,6 @@ extern "C" {
 
 /* How samples lie in memory. Wider or narrower stored types are widened without loss by the library (half to float,
  * 64-bit integers to double, the latter exact up to 2^53). */
-typedef enum tc_sample_type {
-    TC_SAMPLE_UINT8,
-    TC_SAMPLE_INT8,
-    TC_SAMPLE_UINT16,
-    TC_SAMPLE_INT16,
-    TC_SAMPLE_UINT32,
-    TC_SAMPLE_INT32,
-    TC_SAMPLE_FLOAT32,
-    TC_SAMPLE_FLOAT64
-} tc_sample_type;
-
 /* Coordinate systems by what their unit measures. */
 typedef enum tc_crs_kind {
     TC_CRS_NONE,       /* the file names none */

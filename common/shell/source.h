@@ -9,12 +9,6 @@
 
 #include "common/terraclip.h"
 
-typedef enum tc_void_policy {
-    TC_VOIDS_FILL = 0, /* filled from the surroundings */
-    TC_VOIDS_HOLE,     /* filled likewise, and left out of the mesh */
-    TC_VOIDS_CONSTANT  /* set to a constant height */
-} tc_void_policy;
-
 /* Zero is the default everywhere. */
 typedef struct tc_source_options {
     double spacing; /* metres between samples; 0: as the file says, else 1 */
