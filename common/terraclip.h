@@ -154,7 +154,8 @@ typedef enum tc_pack_codec {
     TC_CODEC_LH04         /* LH04's redundant pyramid of residuals, to compare; TC_PACK_RMS only */
 } tc_pack_codec;
 
-/* Stored values of a source, as `extract` gives them back. */
+/* How samples lie in memory. Wider or narrower stored types are widened without loss when read (half to float, 64-bit
+ * integers to double, the latter exact up to 2^53). */
 typedef enum tc_sample_type {
     TC_SAMPLE_UINT8,
     TC_SAMPLE_INT8,

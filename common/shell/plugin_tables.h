@@ -11,8 +11,6 @@
 extern "C" {
 #endif
 
-/* How samples lie in memory. Wider or narrower stored types are widened without loss by the library (half to float,
- * 64-bit integers to double, the latter exact up to 2^53). */
 /* Coordinate systems by what their unit measures. */
 typedef enum tc_crs_kind {
     TC_CRS_NONE,       /* the file names none */
