@@ -79,6 +79,36 @@ tc_status packed_read(const packed_level *l, const tc_plane *fine, int64_t *dama
     return status;
 }
 
+/* The part of a plane that its copy holds. */
+static void crop(const tc_plane *from, tc_plane *to)
+{
+    *to = packed_plane(to->rect);
+    for (int64_t y = to->rect.y0; y < to->rect.y1; y++)
+        memcpy(tc_plane_at(to, to->rect.x0, y), tc_plane_at(from, to->rect.x0, y), (size_t)to->stride * sizeof *to->z);
+}
+
+/* Makes the level's header as a packer does that never has whole planes: from copies of some tiles. */
+static tc_status choose(packed_level *l, const tc_lifting_level *level, const packed_options *o, const tc_plane *coarse,
+                        const tc_plane *band, const int32_t *step, const tc_detail_model *start, tc_detail_model *model)
+{
+    int wanted = o->training_tiles ? o->training_tiles : TC_TRAINING_TILES;
+    tc_training_tile *tiles = get((size_t)wanted * sizeof *tiles);
+    int count = tc_codec_sample(level, wanted, tiles);
+    for (int k = 0; k < count; k++) {
+        crop(coarse, &tiles[k].coarse);
+        for (int b = 0; b < TC_BANDS; b++)
+            crop(&band[b], &tiles[k].band[b]);
+    }
+    tc_status status = tc_codec_choose(level, tiles, count, o->lambda, step, start, l->header, &l->header_size, model);
+    for (int k = 0; k < count; k++) {
+        free(tiles[k].coarse.z);
+        for (int b = 0; b < TC_BANDS; b++)
+            free(tiles[k].band[b].z);
+    }
+    free(tiles);
+    return status;
+}
+
 packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_options *o)
 {
     packed p = {0};
@@ -100,13 +130,13 @@ packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_
     }
     tc_plane coarse = low[p.levels];
     p.coarsest_bytes = 4 * (size_t)tc_rect_area(coarse.rect);
+    tc_detail_model model;
     for (int n = p.levels - 1; n >= 0; n--) {
         packed_level *l = &p.level[n];
         tc_lifting_level level = l->codec->level;
         int32_t step[TC_BANDS];
         for (int b = 0; b < TC_BANDS; b++)
             step[b] = (int32_t)fmin(fmax(1, rint(o->q / tc_lifting_norm(b, n))), TC_MAX_STEP);
-        tc_detail_model model;
         tc_status status = TC_OK;
         l->coarse = coarse;
         tc_plane source =
@@ -119,8 +149,8 @@ packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_
             memcpy(model.step, step, sizeof step);
             l->header_size = tc_detail_model_write(&model, (tc_detail_parts){0}, l->header);
         } else {
-            status = tc_codec_choose(&level, &source, band[n], o->training_tiles, o->lambda, step, l->header,
-                                     &l->header_size, &model);
+            const tc_detail_model *start = n == p.levels - 1 ? NULL : &model;
+            status = choose(l, &level, o, &source, band[n], step, start, &model);
         }
         tc_detail_parts parts;
         if (status || (status = tc_detail_model_read(l->header, l->header_size, &model, &parts)))

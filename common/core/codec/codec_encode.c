@@ -100,10 +100,8 @@ static bool quantise_band(const coder *e, int band, tc_rect tile, const tc_plane
         *coded = false;
     if (any && !*coded)
         memset(w->magnitude[band], 0, sizeof w->magnitude[band]);
-    if (*coded)
-        total->error += sum.error, total->bits += sum.bits + *spare, *spare = 0;
-    else
-        total->error += zero;
+    *total = *coded ? (cost){sum.error, sum.bits + *spare} : (cost){zero, 0};
+    *spare = *coded ? 0 : *spare;
     for (int j = 0; j < rows && *coded && pred; j++)
         for (int i = 0; i < columns; i++)
             pred[j * stride + i] =
@@ -235,23 +233,26 @@ tc_status tc_codec_encode_tile(const tc_codec *codec, int64_t tx, int64_t ty, co
     tc_tile_curves(codec, work);
     memset(work->magnitude, 0, sizeof work->magnitude);
     double spare = TILE_BITS;
-    cost total = {0, 0};
+    cost total[TC_BANDS];
     bool coded[TC_BANDS];
     tc_predict_hl(codec, work);
-    if (!quantise_band(&e, TC_HL, tile, &band[TC_HL], &work->hl[1][HL_X], HL_STRIDE, &spare, &total, &coded[TC_HL],
-                       work))
+    if (!quantise_band(&e, TC_HL, tile, &band[TC_HL], &work->hl[1][HL_X], HL_STRIDE, &spare, &total[TC_HL],
+                       &coded[TC_HL], work))
         return TC_ERR_UNSUPPORTED;
     tc_predict_lh(codec, work);
-    if (!quantise_band(&e, TC_LH, tile, &band[TC_LH], work->pred[0], TC_TILE, &spare, &total, &coded[TC_LH], work) ||
-        !quantise_band(&e, TC_HH, tile, &band[TC_HH], NULL, 0, &spare, &total, &coded[TC_HH], work))
+    if (!quantise_band(&e, TC_LH, tile, &band[TC_LH], work->pred[0], TC_TILE, &spare, &total[TC_LH], &coded[TC_LH],
+                       work) ||
+        !quantise_band(&e, TC_HH, tile, &band[TC_HH], NULL, 0, &spare, &total[TC_HH], &coded[TC_HH], work))
         return TC_ERR_UNSUPPORTED;
     int flags = coded[TC_HL] << TC_HL | coded[TC_LH] << TC_LH | coded[TC_HH] << TC_HH;
     if (options->count)
         count_symbols(codec, flags, tile, options->count, work);
-    if (options->bits)
-        *options->bits += total.bits;
-    if (options->error)
-        *options->error += total.error;
-    *size_ret = flags ? write_tile(&e, flags, tile, bytes, work) : 0;
+    for (int b = 0; b < TC_BANDS; b++) {
+        if (options->bits)
+            options->bits[b] += total[b].bits;
+        if (options->error)
+            options->error[b] += total[b].error;
+    }
+    *size_ret = flags && bytes ? write_tile(&e, flags, tile, bytes, work) : 0;
     return TC_OK;
 }

@@ -12,16 +12,14 @@
 
 #include "codec_tile.h"
 
-enum { DEFAULT_TILES = 16, ROUNDS = 2, ITERATIONS = 16, COLUMNS = TC_PREDICT };
+enum { ROUNDS = 2, ITERATIONS = 16, COLUMNS = TC_PREDICT };
 
 typedef struct trainer {
     tc_codec *codec;
-    const tc_plane *coarse, *band;
+    const tc_training_tile *tile;
+    int tiles;
     tc_tile_work *work;
-    uint8_t *bytes;
     double lambda;
-    int64_t *tile; /* numbers of the tiles looked at */
-    int64_t tiles;
     float *feature[TC_BANDS][TC_PHASES]; /* TC_SCALE + 1 numbers a coefficient, the last one its magnitude */
     int64_t features[TC_BANDS][TC_PHASES];
 } trainer;
@@ -78,24 +76,25 @@ static void normal_solve(normal *n, int count, int16_t weight[TC_PREDICT])
     }
 }
 
-static tc_rect tile_rect(const trainer *t, int64_t n)
+static tc_rect tile_rect(const trainer *t, int n)
 {
-    return tc_codec_tile_rect(t->codec, t->tile[n] % t->codec->tiles_x, t->tile[n] / t->codec->tiles_x, 0);
+    return tc_codec_tile_rect(t->codec, t->tile[n].tx, t->tile[n].ty, 0);
 }
 
 static void train_hl(trainer *t)
 {
     normal n = {0};
-    for (int64_t k = 0; k < t->tiles; k++) {
+    for (int k = 0; k < t->tiles; k++) {
         tc_rect tile = tile_rect(t, k);
         int columns, rows;
         tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
-        tc_tile_load(t->codec, tile, t->coarse, t->work);
+        tc_tile_load(t->codec, tile, &t->tile[k].coarse, t->work);
         for (int j = 0; j < rows; j += 2)
             for (int i = j / 2 % 2; i < columns; i += 2) {
                 uint32_t term[TC_PREDICT_KERNEL];
                 tc_terms_hl(t->work, i, j, term);
-                normal_add(&n, term, TC_PREDICT_KERNEL, *tc_plane_at(&t->band[TC_HL], tile.x0 + i, tile.y0 + j));
+                normal_add(&n, term, TC_PREDICT_KERNEL,
+                           *tc_plane_at(&t->tile[k].band[TC_HL], tile.x0 + i, tile.y0 + j));
             }
     }
     normal_solve(&n, TC_PREDICT_KERNEL, t->codec->model.predict[TC_HL]);
@@ -105,16 +104,16 @@ static void train_lh(trainer *t)
 {
     normal n = {0};
     int32_t step = t->codec->model.step[TC_HL];
-    for (int64_t k = 0; k < t->tiles; k++) {
+    for (int k = 0; k < t->tiles; k++) {
         tc_rect tile = tile_rect(t, k);
         int columns, rows;
-        tc_tile_load(t->codec, tile, t->coarse, t->work);
+        tc_tile_load(t->codec, tile, &t->tile[k].coarse, t->work);
         tc_predict_hl(t->codec, t->work);
         tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
         for (int j = 0; j < rows; j++)
             for (int i = 0; i < columns; i++) { /* about what the decoder will have */
                 int32_t *p = &t->work->hl[j + 1][HL_X + i];
-                double size = ((double)*tc_plane_at(&t->band[TC_HL], tile.x0 + i, tile.y0 + j) - *p) / step;
+                double size = ((double)*tc_plane_at(&t->tile[k].band[TC_HL], tile.x0 + i, tile.y0 + j) - *p) / step;
                 *p = (int32_t)(*p + copysign(step == 1 ? fabs(rint(size)) : floor(fabs(size) + 0.4), size) * step);
             }
         tc_tile_extent(t->codec, TC_LH, tile, 0, &columns, &rows);
@@ -123,7 +122,7 @@ static void train_lh(trainer *t)
                 uint32_t term[TC_PREDICT];
                 tc_terms_lh(t->work, i, j, term);
                 tc_terms_cross(t->work, i, j, term + TC_PREDICT_KERNEL);
-                normal_add(&n, term, TC_PREDICT, *tc_plane_at(&t->band[TC_LH], tile.x0 + i, tile.y0 + j));
+                normal_add(&n, term, TC_PREDICT, *tc_plane_at(&t->tile[k].band[TC_LH], tile.x0 + i, tile.y0 + j));
             }
     }
     normal_solve(&n, TC_PREDICT, t->codec->model.predict[TC_LH]);
@@ -131,12 +130,13 @@ static void train_lh(trainer *t)
 
 /* ---- Scales and symbols -------------------------------------------------------------------------------------- */
 
-static tc_status encode(trainer *t, int64_t n, tc_symbol_counts *count)
+static tc_status encode(trainer *t, int n, tc_symbol_counts *count, double *bits, double *error)
 {
     size_t size;
-    tc_encode_options options = {.count = count, .lambda = t->lambda};
-    return tc_codec_encode_tile(t->codec, t->tile[n] % t->codec->tiles_x, t->tile[n] / t->codec->tiles_x, t->coarse,
-                                t->band, &options, t->bytes, &size, t->work);
+    const tc_training_tile *tile = &t->tile[n];
+    tc_encode_options options = {.lambda = t->lambda, .count = count, .bits = bits, .error = error};
+    return tc_codec_encode_tile(t->codec, tile->tx, tile->ty, &tile->coarse, tile->band, &options, NULL, &size,
+                                t->work);
 }
 
 /* Features of every coefficient of a tile that encode() has left in the work. */
@@ -191,8 +191,8 @@ static void fit(const float *feature, int64_t count, uint16_t weight[TC_SCALE])
 static tc_status train_scale(trainer *t)
 {
     memset(t->features, 0, sizeof t->features);
-    for (int64_t n = 0; n < t->tiles; n++) {
-        tc_status status = encode(t, n, NULL);
+    for (int n = 0; n < t->tiles; n++) {
+        tc_status status = encode(t, n, NULL, NULL, NULL);
         if (status)
             return status;
         gather(t, tile_rect(t, n));
@@ -208,8 +208,8 @@ static tc_status train_symbols(trainer *t)
 {
     enum { PRIOR = 64 }; /* what the old table weighs against symbols seen */
     tc_symbol_counts count = {{{0}}};
-    for (int64_t n = 0; n < t->tiles; n++) {
-        tc_status status = encode(t, n, &count);
+    for (int n = 0; n < t->tiles; n++) {
+        tc_status status = encode(t, n, &count, NULL, NULL);
         if (status)
             return status;
     }
@@ -234,31 +234,27 @@ static void trainer_free(trainer *t)
     for (int b = 0; b < TC_BANDS; b++)
         for (int p = 0; p < TC_PHASES; p++)
             free(t->feature[b][p]);
-    free(t->codec), free(t->work), free(t->bytes), free(t->tile);
+    free(t->codec), free(t->work);
 }
 
-static tc_status trainer_init(trainer *t, const tc_lifting_level *level, const tc_plane *coarse,
-                              const tc_plane band[TC_BANDS], int tiles, double lambda, const tc_detail_model *model)
+static tc_status trainer_init(trainer *t, const tc_lifting_level *level, const tc_training_tile *tiles, int count,
+                              double lambda, const tc_detail_model *model)
 {
-    *t = (trainer){.coarse = coarse, .band = band, .lambda = lambda};
-    t->codec = malloc(sizeof *t->codec), t->work = malloc(sizeof *t->work), t->bytes = malloc(tc_codec_tile_bound());
-    if (!t->codec || !t->work || !t->bytes)
+    *t = (trainer){.tile = tiles, .tiles = count, .lambda = lambda};
+    t->codec = malloc(sizeof *t->codec), t->work = malloc(sizeof *t->work);
+    if (!t->codec || !t->work)
         return TC_ERR_MEMORY;
     tc_codec_init(t->codec, level, model);
-    int64_t all = t->codec->tiles_x * t->codec->tiles_y;
-    t->tiles = tc_min64(all, tiles > 0 ? tiles : DEFAULT_TILES);
-    t->tile = malloc((size_t)t->tiles * sizeof *t->tile);
-    if (!t->tile)
-        return TC_ERR_MEMORY;
-    for (int64_t k = 0; k < t->tiles; k++) /* spread over the plane: steps of the golden section through all tiles */
-        t->tile[k] =
-            t->tiles == all ? k : (int64_t)fmod(((double)k + 0.5) * 0.6180339887498949 * (double)all, (double)all);
+    return TC_OK;
+}
+
+static tc_status make_room(trainer *t)
+{
+    size_t room = (size_t)t->tiles * TC_TILE * HALF * (TC_SCALE + 1) * sizeof(float);
     for (int b = 0; b < TC_BANDS; b++)
-        for (int p = 0; p < TC_PHASES; p++) {
-            size_t room = (size_t)t->tiles * TC_TILE * HALF * (TC_SCALE + 1);
-            if (!(t->feature[b][p] = malloc(room * sizeof(float))))
+        for (int p = 0; p < TC_PHASES; p++)
+            if (!(t->feature[b][p] = malloc(room + !room)))
                 return TC_ERR_MEMORY;
-        }
     return TC_OK;
 }
 
@@ -276,67 +272,103 @@ static tc_status train(trainer *t)
     return TC_OK;
 }
 
-tc_status tc_codec_train(const tc_lifting_level *level, const tc_plane *coarse, const tc_plane band[TC_BANDS],
-                         int tiles, double lambda, tc_detail_model *model)
+/* ---- Choice -------------------------------------------------------------------------------------------------- */
+
+static int64_t common_divisor(int64_t a, int64_t b)
+{
+    return b == 0 ? a : common_divisor(b, a % b);
+}
+
+int tc_codec_sample(const tc_lifting_level *level, int wanted, tc_training_tile *tiles)
+{
+    tc_codec c = {.level = *level, .cw = tc_coarse_size(level->width), .ch = tc_coarse_size(level->height)};
+    int64_t across = (c.cw + TC_TILE - 1) / TC_TILE, all = across * ((c.ch + TC_TILE - 1) / TC_TILE);
+    int count = (int)tc_min64(all, wanted);
+    /* Steps of about the golden section through all tiles, which come to none twice. */
+    int64_t step = tc_max64(1, (int64_t)(0.6180339887498949 * (double)all));
+    while (count < all && common_divisor(step, all) != 1)
+        step++;
+    for (int k = 0; k < count; k++) {
+        int64_t n = count == all ? k : (all / 2 + k * step) % all;
+        tc_training_tile *t = &tiles[k];
+        *t = (tc_training_tile){.tx = n % across, .ty = n / across};
+        tc_rect tile = tc_codec_tile_rect(&c, t->tx, t->ty, 0), need = tc_codec_tile_needs(&c, tile);
+        t->coarse = (tc_plane){NULL, need.x1 - need.x0, need};
+        for (int b = 0; b < TC_BANDS; b++)
+            t->band[b] = (tc_plane){NULL, tile.x1 - tile.x0, tile};
+    }
+    return count;
+}
+
+static tc_status price(trainer *t, double bits[TC_BANDS], double error[TC_BANDS])
+{
+    memset(bits, 0, TC_BANDS * sizeof *bits), memset(error, 0, TC_BANDS * sizeof *error);
+    for (int n = 0; n < t->tiles; n++) {
+        tc_status status = encode(t, n, NULL, bits, error);
+        if (status)
+            return status;
+    }
+    return TC_OK;
+}
+
+tc_status tc_codec_price(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
+                         const tc_detail_model *model, double bits[TC_BANDS], double error[TC_BANDS])
 {
     trainer t;
-    tc_status status = trainer_init(&t, level, coarse, band, tiles, lambda, model);
-    if (!status && !(status = train(&t)))
-        *model = t.codec->model;
+    tc_status status = trainer_init(&t, level, tiles, count, lambda, model);
+    if (!status && !(status = price(&t, bits, error)))
+        for (int b = 0; b < TC_BANDS; b++)
+            error[b] *= (double)model->step[b] * model->step[b];
     trainer_free(&t);
     return status;
 }
 
-/* Bits of all tiles with the codec's model, errors counted as the bits that they are worth. */
-static tc_status price(trainer *t, double *bits_ret)
+/* Bits of the whole level with the codec's model, errors counted as the bits that they are worth. */
+static tc_status whole_price(trainer *t, double *bits_ret)
 {
-    double bits = 0, error = 0, lambda = t->lambda == 0 ? TC_DEFAULT_LAMBDA : t->lambda;
-    for (int64_t n = 0; n < t->tiles; n++) {
-        size_t size;
-        tc_encode_options options = {.lambda = t->lambda, .bits = &bits, .error = &error};
-        tc_status status =
-            tc_codec_encode_tile(t->codec, t->tile[n] % t->codec->tiles_x, t->tile[n] / t->codec->tiles_x, t->coarse,
-                                 t->band, &options, t->bytes, &size, t->work);
-        if (status)
-            return status;
-    }
-    *bits_ret =
-        (bits + (lambda > 0 ? error / lambda : 0)) * (double)(t->codec->tiles_x * t->codec->tiles_y) / (double)t->tiles;
-    return TC_OK;
+    double bits[TC_BANDS], error[TC_BANDS], lambda = t->lambda == 0 ? TC_DEFAULT_LAMBDA : t->lambda, sum = 0;
+    tc_status status = price(t, bits, error);
+    for (int b = 0; b < TC_BANDS && !status; b++)
+        sum += bits[b] + (lambda > 0 ? error[b] / lambda : 0);
+    *bits_ret = sum * (double)(t->codec->tiles_x * t->codec->tiles_y) / t->tiles;
+    return status;
 }
 
-tc_status tc_codec_choose(const tc_lifting_level *level, const tc_plane *coarse, const tc_plane band[TC_BANDS],
-                          int tiles, double lambda, const int32_t step[TC_BANDS], uint8_t *header, size_t *size_ret,
+tc_status tc_codec_choose(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
+                          const int32_t step[TC_BANDS], const tc_detail_model *start, uint8_t *header, size_t *size_ret,
                           tc_detail_model *model_ret)
 {
     trainer t;
     tc_detail_model own, model;
     tc_detail_parts parts, best = {0};
     double least = INFINITY;
-    int start = 0;
+    int set = 0;
     tc_detail_model_builtin(0, &own);
     memcpy(own.step, step, sizeof own.step);
-    tc_status status = trainer_init(&t, level, coarse, band, tiles, lambda, &own);
-    /* The built-in sets, then from the better one on own parts. */
-    for (int n = 0; n < TC_BUILTIN_MODELS + 4 && !status; n++) {
+    tc_status status = trainer_init(&t, level, tiles, count, lambda, &own);
+    status = status ? status : make_room(&t);
+    /* The built-in sets, then own parts. */
+    for (int n = 0; n < TC_BUILTIN_MODELS + 4 && !status && count > 0; n++) {
         enum { OWN = TC_MODEL_OWN };
         if (n == TC_BUILTIN_MODELS) {
-            start = best.predict;
-            tc_detail_model_builtin(start, &own);
+            set = best.predict;
+            tc_detail_model_builtin(set, &own);
+            if (start)
+                own = *start;
             memcpy(own.step, step, sizeof own.step);
             set_up(&t, &own);
             if ((status = train(&t)))
                 break;
             own = t.codec->model;
         }
-        const tc_detail_parts tries[] = {{OWN, start, start}, {OWN, OWN, start}, {OWN, start, OWN}, {OWN, OWN, OWN}};
+        const tc_detail_parts tries[] = {{OWN, set, set}, {OWN, OWN, set}, {OWN, set, OWN}, {OWN, OWN, OWN}};
         parts = n < TC_BUILTIN_MODELS ? (tc_detail_parts){n, n, n} : tries[n - TC_BUILTIN_MODELS];
         double bits = 0;
         size_t size = tc_detail_model_write(&own, parts, header);
         if ((status = tc_detail_model_read(header, size, &model, &parts)))
             break;
         set_up(&t, &model);
-        if (!(status = price(&t, &bits)) && bits + 8 * (double)size < least)
+        if (!(status = whole_price(&t, &bits)) && bits + 8 * (double)size < least)
             least = bits + 8 * (double)size, best = parts;
     }
     if (!status) {
