@@ -5,7 +5,7 @@
 #include "synth.h"
 
 #include "common/core/base/status.h"
-#include "common/shell/outfile.h"
+#include "common/core/base/outfile.h"
 #include "common/shell/source.h"
 #include "synth_planar.h"
 

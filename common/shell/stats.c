@@ -1,7 +1,7 @@
 /* stats.c - collects and reports the figures of frames; see stats.h. */
 #include "stats.h"
 #include "common/core/base/status.h"
-#include "outfile.h"
+#include "common/core/base/outfile.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -2,7 +2,7 @@
  * flight and window, then the figures. */
 #include "viewer_internal.h"
 #include "common/core/base/status.h"
-#include "outfile.h"
+#include "common/core/base/outfile.h"
 #include "plugin.h"
 
 #include <inttypes.h>

@@ -11,6 +11,7 @@ typedef struct page_models {
     tc_bit_model mask_class[TC_MASK_CLASSES][2];
     tc_number_model size[TC_STREAMS], low, span;
     tc_tile_entry before;
+    int64_t low_before; /* in steps */
 } page_models;
 
 static void reset(page_models *m)
@@ -23,6 +24,12 @@ static void reset(page_models *m)
     tc_number_reset(&m->low), tc_number_reset(&m->span);
 }
 
+/* Height units that a step stands for. */
+static int64_t step_size(int64_t lowest, int64_t highest)
+{
+    return (highest - lowest) / TC_BOUND_STEPS + 1;
+}
+
 size_t tc_page_bound(void)
 {
     return (size_t)TC_PAGE_TILES * 128;
@@ -32,8 +39,15 @@ size_t tc_page_write(tc_page_form form, const tc_tile_entry *entries, int count,
 {
     page_models m;
     tc_bit_encoder e;
+    int32_t lowest = entries[0].low, highest = entries[0].high;
+    for (int i = 1; i < count; i++) {
+        lowest = entries[i].low < lowest ? entries[i].low : lowest;
+        highest = entries[i].high > highest ? entries[i].high : highest;
+    }
+    int64_t size = step_size(lowest, highest);
     reset(&m);
     tc_bit_encode_begin(&e, bytes, tc_page_bound());
+    tc_bit_encode_raw(&e, (uint32_t)lowest, 32), tc_bit_encode_raw(&e, (uint32_t)highest, 32);
     for (int i = 0; i < count; i++) {
         const tc_tile_entry *t = &entries[i];
         tc_bit_model *class = m.mask_class[m.before.mask_class];
@@ -43,17 +57,18 @@ size_t tc_page_write(tc_page_form form, const tc_tile_entry *entries, int count,
         if (form.corrections)
             tc_number_encode(&e, &m.size[1], t->size[1]);
         if (form.mask) {
-            tc_bit_encode(&e, &class[0], t->mask_class == TC_MASK_CLASS_VALID);
+            tc_bit_encode(&e, &class[0], t -> mask_class == TC_MASK_CLASS_VALID);
             if (t->mask_class != TC_MASK_CLASS_VALID)
-                tc_bit_encode(&e, &class[1], t->mask_class == TC_MASK_CLASS_VOID);
+                tc_bit_encode(&e, &class[1], t -> mask_class == TC_MASK_CLASS_VOID);
             if (t->mask_class == TC_MASK_CLASS_CODED)
                 tc_number_encode(&e, &m.size[2], t->size[2]);
         }
         if (tc_tile_bytes(t) > 0)
             tc_bit_encode_raw(&e, t->crc, 32);
-        tc_number_encode(&e, &m.low, tc_zigzag(t->low - m.before.low));
-        tc_number_encode(&e, &m.span, (uint32_t)(t->high - t->low));
-        m.before = *t;
+        int64_t low = ((int64_t)t->low - lowest) / size, high = ((int64_t)t->high - lowest) / size;
+        tc_number_encode(&e, &m.low, tc_zigzag((int32_t)(low - m.low_before)));
+        tc_number_encode(&e, &m.span, (uint32_t)(high - low));
+        m.before = *t, m.low_before = low;
     }
     return tc_bit_encode_end(&e);
 }
@@ -75,6 +90,10 @@ tc_status tc_page_read(tc_page_form form, const uint8_t *bytes, size_t size, tc_
     bool bad = false;
     reset(&m);
     tc_bit_decode_begin(&d, bytes, size);
+    int64_t lowest = (int32_t)tc_bit_decode_raw(&d, 32), highest = (int32_t)tc_bit_decode_raw(&d, 32);
+    if (lowest > highest)
+        return TC_ERR_FORMAT;
+    int64_t step = step_size(lowest, highest);
     for (int i = 0; i < count && !bad; i++) {
         tc_tile_entry t = {{0}, 0, TC_MASK_CLASS_VALID, 0, 0, 0};
         tc_bit_model *class = m.mask_class[m.before.mask_class];
@@ -88,32 +107,13 @@ tc_status tc_page_read(tc_page_form form, const uint8_t *bytes, size_t size, tc_
             t.size[2] = read_size(&d, &m.size[2], &bad);
         if (tc_tile_bytes(&t) > 0)
             t.crc = tc_bit_decode_raw(&d, 32);
-        int64_t low = (int64_t)m.before.low + tc_unzigzag(tc_number_decode(&d, &m.low));
+        int64_t low = m.low_before + tc_unzigzag(tc_number_decode(&d, &m.low));
         int64_t high = low + tc_number_decode(&d, &m.span);
-        bad |= low < 0 || high >= TC_BOUND_STEPS;
-        t.low = (uint16_t)low, t.high = (uint16_t)high;
-        m.before = entries[i] = t;
+        if (low < 0 || high >= TC_BOUND_STEPS || lowest + low * step > highest)
+            return TC_ERR_FORMAT;
+        t.low = (int32_t)(lowest + low * step);
+        t.high = (int32_t)tc_min64(lowest + (high + 1) * step - 1, highest);
+        m.before = entries[i] = t, m.low_before = low;
     }
     return bad || !tc_bit_decode_end(&d) ? TC_ERR_FORMAT : TC_OK;
-}
-
-/* Height units that a step stands for. */
-static int64_t step_size(int32_t lowest, int32_t highest)
-{
-    return ((int64_t)highest - lowest) / TC_BOUND_STEPS + 1;
-}
-
-uint16_t tc_bound_step(int32_t height, int32_t lowest, int32_t highest)
-{
-    return (uint16_t)(((int64_t)height - lowest) / step_size(lowest, highest));
-}
-
-int32_t tc_bound_low(uint16_t step, int32_t lowest, int32_t highest)
-{
-    return (int32_t)tc_min64(lowest + step * step_size(lowest, highest), highest);
-}
-
-int32_t tc_bound_high(uint16_t step, int32_t lowest, int32_t highest)
-{
-    return (int32_t)tc_min64(lowest + (step + 1) * step_size(lowest, highest) - 1, highest);
 }

@@ -9,7 +9,7 @@ enum {
     TC_PAGE_COLUMNS = 32,
     TC_PAGE_ROWS = 8,
     TC_PAGE_TILES = TC_PAGE_COLUMNS * TC_PAGE_ROWS,
-    TC_BOUND_STEPS = 1024 /* heights of a level, lowest to highest, in which bounds are told */
+    TC_BOUND_STEPS = 256 /* from a page's lowest to its highest height, in which tiles' bounds are told */
 };
 
 /* What a tile's mask of voids is. */
@@ -22,8 +22,8 @@ typedef struct tc_tile_entry {
     uint32_t size[TC_STREAMS]; /* bytes */
     uint32_t crc;              /* of all of them; 0 where there are none */
     uint8_t mask_class;
-    uint16_t low, high; /* steps of bounds, both inclusive */
-    uint64_t offset;    /* in the file; not stored: tiles follow their page in order */
+    int32_t low, high; /* heights, in height units; reading gives what is as low and as high or a little more */
+    uint64_t offset;   /* in the file; not stored: tiles follow their page in order */
 } tc_tile_entry;
 
 static inline uint32_t tc_tile_bytes(const tc_tile_entry *entry)
@@ -42,11 +42,5 @@ size_t tc_page_write(tc_page_form form, const tc_tile_entry *entries, int count,
 
 /* Reads `count` entries but for their offsets. TC_ERR_FORMAT for what no writer makes. */
 tc_status tc_page_read(tc_page_form form, const uint8_t *bytes, size_t size, tc_tile_entry *entries, int count);
-
-/* A bound in steps of a level whose heights are lowest .. highest (in height units), and the lowest and highest height
- * that a step may stand for. */
-uint16_t tc_bound_step(int32_t height, int32_t lowest, int32_t highest);
-int32_t tc_bound_low(uint16_t step, int32_t lowest, int32_t highest);
-int32_t tc_bound_high(uint16_t step, int32_t lowest, int32_t highest);
 
 #endif

@@ -3,59 +3,26 @@
 #include "spool.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "common/core/base/outfile.h"
 #include "common/core/base/status.h"
-
-/* The folder that `path` lies in, "." where it names none; owned by the caller. */
-static char *folder_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    if (!slash)
-        return strdup(".");
-    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
-}
-
-/* A file without a name, or, where the file system has none such, one whose name is taken away at once. */
-static int open_nameless(const char *folder)
-{
-    int file = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    if (file >= 0 || (errno != EOPNOTSUPP && errno != EISDIR && errno != ENOENT && errno != EINVAL))
-        return file;
-    size_t room = strlen(folder) + 32;
-    char *name = malloc(room);
-    if (!name)
-        return -1;
-    strcpy(name, folder);
-    strcat(name, "/.terraclip-XXXXXX");
-    file = mkostemp(name, O_CLOEXEC);
-    if (file >= 0)
-        unlink(name);
-    free(name);
-    return file;
-}
 
 tc_status tc_spool_create(const char *path, int64_t width, int64_t height, size_t element, tc_spool *spool_ret,
                           tc_error *error)
 {
-    char *folder = folder_of(path);
-    if (!folder)
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
-    int file = open_nameless(folder);
-    tc_status status = TC_OK;
+    int file = tc_outfile_nameless(path);
     if (file < 0)
-        status = tc_fail(error, TC_ERR_IO, "%s: no temporary file can be made: %s", folder, strerror(errno));
-    else if (ftruncate(file, width * height * (off_t)element) != 0) {
-        status = tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made: %s", folder,
-                         (double)width * (double)height * (double)element / (1 << 30), strerror(errno));
+        return tc_fail(error, TC_ERR_IO, "%s: no temporary file can be made beside it: %s", path, strerror(errno));
+    if (ftruncate(file, width * height * (off_t)element) != 0) {
+        tc_status status = tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made beside it: %s",
+                                   path, (double)width * (double)height * (double)element / (1 << 30), strerror(errno));
         close(file);
-    } else
-        *spool_ret = (tc_spool){file, width, height, element};
-    free(folder);
-    return status;
+        return status;
+    }
+    *spool_ret = (tc_spool){file, width, height, element};
+    return TC_OK;
 }
 
 void tc_spool_close(tc_spool *spool)
