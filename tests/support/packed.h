@@ -20,6 +20,7 @@ typedef struct packed {
     int levels;                        /* above the coarsest */
     packed_level level[PACKED_LEVELS]; /* 0: the finest */
     size_t coarsest_bytes;
+    double train_s, encode_s; /* processor time of models and of tiles */
 } packed;
 
 typedef struct packed_options {
