@@ -25,6 +25,7 @@ typedef struct tc_codec {
     int64_t tiles_x, tiles_y; /* tiles */
     tc_detail_model model;
     int32_t coarse_shift, coarse_scale[TC_BANDS];      /* curvatures to steps */
+    int32_t pair[TC_BANDS][TC_PHASES][7];              /* scale weights, two in each for codec_avx2.h */
     uint8_t spread[1 << TC_RANS_LANES][TC_RANS_LANES]; /* [lanes that want a word][lane]: how many do before it */
     tc_rans_table table[TC_BINS];
 } tc_codec;
