@@ -28,6 +28,7 @@ typedef struct packed_options {
     double lambda; /* as tc_encode_options */
     int threads, training_tiles;
     bool wrap_x, builtin; /* builtin: no own models */
+    tc_simd simd;         /* of encoding */
 } packed_options;
 
 /* Packs z (width x height). Ends the program on failure. */

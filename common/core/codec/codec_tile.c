@@ -9,6 +9,7 @@
  * and no raw bit behind the last one is set. */
 #include "codec_tile.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #include "codec_avx2.h"
@@ -49,8 +50,13 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
     for (int mask = 0; mask < 1 << TC_RANS_LANES; mask++)
         for (int lane = 0; lane < TC_RANS_LANES; lane++)
             codec->spread[mask][lane] = (uint8_t)__builtin_popcount((unsigned)mask & ((1u << lane) - 1));
-    for (int b = 0; b < TC_BINS; b++)
+    for (int b = 0; b < TC_BINS; b++) {
+        codec->shift[b] = tc_bin_shift[b];
         tc_rans_table_build(&model->symbols[b], &codec->table[b]);
+        tc_rans_symbols_build(&model->symbols[b], &codec->put[b * TC_RANS_SYMBOLS]);
+        for (int s = 0; s < TC_RANS_SYMBOLS; s++)
+            codec->bits[b * TC_RANS_SYMBOLS + s] = (float)(TC_RANS_BITS - log2(model->symbols[b].of[s]));
+    }
 }
 
 tc_rect tc_codec_tile_rect(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift)

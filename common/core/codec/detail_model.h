@@ -16,6 +16,7 @@
 
 enum {
     TC_BINS = 24,
+    TC_PLAIN_BINS = 17,    /* as many have no low bits */
     TC_PREDICT_KERNEL = 8, /* numbers of one band's kernel */
     TC_PREDICT_CROSS = 4,  /* LH from HL */
     TC_PREDICT = TC_PREDICT_KERNEL + TC_PREDICT_CROSS,
