@@ -112,6 +112,19 @@ static void the_error_follows_the_step(void **state)
     free(z);
 }
 
+/* Both ways to pack must write the same tiles. */
+static void compare(const int32_t *z, int64_t w, int64_t h, const packed_options *a, const packed_options *b)
+{
+    packed p = packed_new(z, w, h, a), q = packed_new(z, w, h, b);
+    for (int n = 0; n < p.levels; n++)
+        for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++) {
+            assert_int_equal(p.level[n].tile_size[i], q.level[n].tile_size[i]);
+            if (p.level[n].tile_size[i])
+                assert_memory_equal(p.level[n].tile[i], q.level[n].tile[i], p.level[n].tile_size[i]);
+        }
+    packed_free(&p), packed_free(&q);
+}
+
 static void threads_do_not_matter(void **state)
 {
     (void)state;
@@ -120,15 +133,22 @@ static void threads_do_not_matter(void **state)
     int32_t *z = heights(&r, 4, w, h);
     packed_options one = {.q = 64, .threads = 1, .training_tiles = 4}, many = one;
     many.threads = 5;
-    packed p = packed_new(z, w, h, &one), q = packed_new(z, w, h, &many);
-    for (int n = 0; n < p.levels; n++)
-        for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++) {
-            assert_int_equal(p.level[n].tile_size[i], q.level[n].tile_size[i]);
-            if (p.level[n].tile_size[i])
-                assert_memory_equal(p.level[n].tile[i], q.level[n].tile[i], p.level[n].tile_size[i]);
-        }
-    packed_free(&p), packed_free(&q);
+    compare(z, w, h, &one, &many);
     free(z);
+}
+
+static void any_processor_writes_the_same_bytes(void **state)
+{
+    (void)state;
+    test_random r = {14};
+    for (int k = 0; k < 3 * KINDS; k++) {
+        int64_t w = test_random_int(&r, 17, 300), h = test_random_int(&r, 17, 300);
+        int32_t *z = heights(&r, k % KINDS, w, h);
+        packed_options one = {.q = exp(test_random_range(&r, -3, 9)), .threads = 1, .training_tiles = 2}, other = one;
+        one.simd = TC_SIMD_AUTO, other.simd = TC_SIMD_NONE;
+        compare(z, w, h, &one, &other);
+        free(z);
+    }
 }
 
 static void constants_and_ramps_take_no_tiles(void **state)
@@ -337,6 +357,7 @@ int main(void)
         cmocka_unit_test(constants_and_ramps_take_no_tiles),
         cmocka_unit_test(training_tiles_are_distinct_and_hold_what_they_must),
         cmocka_unit_test(prices_follow_the_step),
+        cmocka_unit_test(any_processor_writes_the_same_bytes),
         cmocka_unit_test(damaged_tiles_do_no_harm),
     };
     return cmocka_run_group_tests_name("codec", tests, NULL, NULL);

@@ -18,14 +18,18 @@ enum {
     TC_TILE_SYMBOLS = TC_BANDS * TC_TILE * TC_TILE
 };
 
-/* A level's geometry, model and decoding tables. */
+/* A level's geometry, model and tables. */
 typedef struct tc_codec {
     tc_lifting_level level;
     int64_t cw, ch;           /* positions */
     int64_t tiles_x, tiles_y; /* tiles */
     tc_detail_model model;
     int32_t coarse_shift, coarse_scale[TC_BANDS];      /* curvatures to steps */
+    int32_t pair[TC_BANDS][TC_PHASES][7];              /* scale weights, two in each for codec_avx2.h */
     uint8_t spread[1 << TC_RANS_LANES][TC_RANS_LANES]; /* [lanes that want a word][lane]: how many do before it */
+    int32_t shift[TC_BINS];                            /* tc_bin_shift */
+    float bits[TC_BINS * TC_RANS_SYMBOLS];             /* what symbols cost, [bin * TC_RANS_SYMBOLS + symbol] */
+    tc_rans_symbol put[TC_BINS * TC_RANS_SYMBOLS];     /* to encode them */
     tc_rans_table table[TC_BINS];
 } tc_codec;
 
@@ -68,6 +72,7 @@ typedef struct tc_encode_options {
     /* Where not NULL, the bands' ideal code lengths (a coded tile's head and index entry with its first band) and their
      * squared errors in squared steps are added. */
     double *bits, *error;
+    tc_simd simd; /* the bytes are the same */
 } tc_encode_options;
 
 /* Encodes tile (tx, ty) of the true details `band` against the reconstructed coarser level. The planes hold at least

@@ -9,14 +9,10 @@
  * and no raw bit behind the last one is set. */
 #include "codec_tile.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-#if defined __x86_64__ && defined __GNUC__
-#define HAVE_AVX2 1
-#include <immintrin.h>
-#else
-#define HAVE_AVX2 0
-#endif
+#include "codec_avx2.h"
 
 size_t tc_tile_work_bytes(void)
 {
@@ -29,6 +25,11 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
     codec->cw = tc_coarse_size(level->width), codec->ch = tc_coarse_size(level->height);
     codec->tiles_x = (codec->cw + TC_TILE - 1) / TC_TILE, codec->tiles_y = (codec->ch + TC_TILE - 1) / TC_TILE;
     codec->model = *model;
+    for (int b = 0; b < TC_BANDS; b++)
+        for (int p = 0; p < TC_PHASES; p++)
+            for (int k = 0; k < TC_SCALE; k++)
+                if (codec->model.scale[b][p][k] > TC_SCALE_MOST)
+                    codec->model.scale[b][p][k] = TC_SCALE_MOST;
     /* Curvatures keep 6 to 7 bits of the step. */
     codec->coarse_shift = 0;
     while (model->step[TC_HL] >> codec->coarse_shift >= 128)
@@ -36,11 +37,26 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
     for (int b = 0; b < TC_BANDS; b++)
         codec->coarse_scale[b] =
             (int32_t)tc_clamp64(((int64_t)1 << (20 + codec->coarse_shift)) / model->step[b], 128, 1 << 20);
+    for (int b = 0; b < TC_BANDS; b++)
+        for (int p = 0; p < TC_PHASES; p++) {
+            enum { KNOWN = TC_SCALE_OWN + TC_SCALE_CROSS };
+            const uint16_t *weight = codec->model.scale[b][p];
+            for (int k = 0; k < 7; k++) {
+                int first = k < 4 ? 2 * k : KNOWN + 2 * (k - 4), end = k < 4 ? KNOWN : KNOWN + TC_SCALE_COARSE;
+                codec->pair[b][p][k] =
+                    (int32_t)(weight[first] | (first + 1 < end ? (uint32_t)weight[first + 1] << 16 : 0));
+            }
+        }
     for (int mask = 0; mask < 1 << TC_RANS_LANES; mask++)
         for (int lane = 0; lane < TC_RANS_LANES; lane++)
             codec->spread[mask][lane] = (uint8_t)__builtin_popcount((unsigned)mask & ((1u << lane) - 1));
-    for (int b = 0; b < TC_BINS; b++)
+    for (int b = 0; b < TC_BINS; b++) {
+        codec->shift[b] = tc_bin_shift[b];
         tc_rans_table_build(&model->symbols[b], &codec->table[b]);
+        tc_rans_symbols_build(&model->symbols[b], &codec->put[b * TC_RANS_SYMBOLS]);
+        for (int s = 0; s < TC_RANS_SYMBOLS; s++)
+            codec->bits[b * TC_RANS_SYMBOLS + s] = (float)(TC_RANS_BITS - log2(model->symbols[b].of[s]));
+    }
 }
 
 tc_rect tc_codec_tile_rect(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift)
@@ -117,13 +133,13 @@ TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const 
     return symbol;
 }
 
-#if HAVE_AVX2
+#if TC_AVX2
 enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
 
 /* A whole run on eight lanes at once: one gather for the table entries, and the words that some lanes want are dealt
  * out by a permutation (Giesen 2014, "SIMD entropy coding"). */
-__attribute__((target("avx2,popcnt"))) static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d,
-                                                                          const uint8_t bin[HALF], uint8_t symbol[HALF])
+TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF],
+                                                  uint8_t symbol[HALF])
 {
     __m256i x = _mm256_loadu_si256((const __m256i *)d->state);
     const uint8_t *at = d->at;
@@ -155,7 +171,7 @@ __attribute__((target("avx2,popcnt"))) static inline void decode_run_avx2(const 
 TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF], int count,
                           uint8_t symbol[HALF], bool simd)
 {
-#if HAVE_AVX2
+#if TC_AVX2
     if (simd && count == HALF && d->lanes == 8 && d->end - d->at >= 2 * HALF + AHEAD) {
         decode_run_avx2(c, d, bin, symbol);
         return;
@@ -201,7 +217,12 @@ TC_INLINE void decode_phase(const tc_codec *c, tc_rans_decoder *d, int band, int
                             tc_tile_work *w, bool simd)
 {
     uint8_t *bin = w->bin[band][j][phase], *symbol = w->symbol[band][j][phase], *seen = magnitude_at(w, band, j, phase);
-    tc_context_bins(c, w, band, j, phase, bin);
+#if TC_AVX2
+    if (simd)
+        context_bins_avx2(c, w, band, j, phase, bin);
+    else
+#endif
+        tc_context_bins(c, w, band, j, phase, bin);
     int count = tc_phase_columns(columns, phase);
     decode_run(c, d, bin, count, symbol, simd);
     for (int k = count; k < HALF; k++)
@@ -351,7 +372,12 @@ TC_INLINE bool decode_streams(const tc_codec *c, tc_rect tile, int64_t shift, co
         !tc_rans_decode_begin(&d, lanes, bytes + 1, size - 1))
         return false;
     memset(w->magnitude, 0, sizeof w->magnitude);
-    tc_tile_curves(c, w);
+#if TC_AVX2
+    if (simd)
+        tile_curves_avx2(c, w);
+    else
+#endif
+        tc_tile_curves(c, w);
     if (flags >> TC_HL & 1)
         decode_symbols(c, &d, TC_HL, tile, shift, w, simd);
     if (flags >> TC_LH & 1)
@@ -381,16 +407,12 @@ TC_INLINE tc_status decode_tile(const tc_codec *c, int64_t tx, int64_t ty, int64
 }
 
 /* The same code for processors with AVX2 and without. */
-#if HAVE_AVX2
-__attribute__((target("avx2,bmi,bmi2,popcnt"), noinline)) static tc_status
-decode_tile_avx2(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes, size_t size,
-                 const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *w)
+#if TC_AVX2
+TC_TARGET_AVX2 static tc_status decode_tile_avx2(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift,
+                                                 const uint8_t *bytes, size_t size, const tc_plane *coarse,
+                                                 const tc_plane band[TC_BANDS], tc_tile_work *w)
 {
     return decode_tile(c, tx, ty, shift, bytes, size, coarse, band, w, true);
-}
-static bool have_avx2(void)
-{
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
 }
 #endif
 
@@ -398,8 +420,8 @@ tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, in
                                size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *work,
                                tc_simd simd)
 {
-#if HAVE_AVX2
-    if (simd == TC_SIMD_AUTO && have_avx2())
+#if TC_AVX2
+    if (simd == TC_SIMD_AUTO && tc_have_avx2())
         return decode_tile_avx2(codec, tx, ty, shift, bytes, size, coarse, band, work);
 #endif
     (void)simd;
