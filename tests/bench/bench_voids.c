@@ -7,7 +7,9 @@
 
 #include "common/core/base/rect.h"
 #include "common/core/codec/void_mask.h"
+#include "common/core/pyramid/fill.h"
 #include "tests/support/datasets.h"
+#include "tests/support/memory_rows.h"
 
 static const dataset sets[] = {
     {"srtm3_canyonlands_voids_2401x3601.tif", 0, 0},
@@ -90,6 +92,79 @@ static void mask_row(const dataset *d)
     tc_grid_free(&g);
 }
 
+/* ---- Filling ------------------------------------------------------------------------------------------------- */
+
+typedef struct roughness {
+    double inside,
+        across; /* rms of second differences along rows and columns: of voids only, of voids and valid ones */
+} roughness;
+
+static roughness measure(const float *z, const uint8_t *voids, int64_t width, int64_t height)
+{
+    double sum[2] = {0, 0};
+    int64_t count[2] = {0, 0};
+    for (int64_t y = 0; y < height; y++) {
+        for (int64_t x = 0; x < width; x++) {
+            for (int axis = 0; axis < 2; axis++) {
+                int64_t step = axis ? width : 1, i = y * width + x;
+                if (axis ? y == 0 || y + 1 == height : x == 0 || x + 1 == width)
+                    continue;
+                int n = voids[i - step] + voids[i] + voids[i + step];
+                if (n == 0)
+                    continue;
+                double d = (double)z[i - step] + z[i + step] - 2. * z[i];
+                sum[n < 3] += d * d, count[n < 3]++;
+            }
+        }
+    }
+    return (roughness){sqrt(sum[0] / fmax((double)count[0], 1)), sqrt(sum[1] / fmax((double)count[1], 1))};
+}
+
+static void fill_rows(const dataset *d, bool disc)
+{
+    tc_grid g;
+    if (!dataset_load(d, &g))
+        return;
+    int64_t count = g.width * g.height, voids = 0;
+    float *z = malloc((size_t)count * sizeof *z), *membrane = malloc((size_t)count * sizeof *membrane);
+    if (!g.voids)
+        g.voids = calloc((size_t)count, 1);
+    for (int64_t i = 0; i < count; i++) {
+        int64_t x = i % g.width - g.width / 2, y = i / g.width - g.height / 2, r = g.width / 3;
+        g.voids[i] |= disc && x * x + y * y < r * r;
+        voids += g.voids[i];
+    }
+    memcpy(membrane, g.z, (size_t)count * sizeof *membrane);
+    double start = now();
+    tc_fill_voids(membrane, g.voids, g.width, g.height);
+    double seconds = now() - start;
+    roughness r = measure(membrane, g.voids, g.width, g.height);
+    printf("%-38s %s %lld voids\n  in memory             %8s %8s %8.3f %8.3f %9.2f %9.0f\n", d->name,
+           disc ? "+ disc" : "", (long long)voids, "", "", r.inside, r.across, 1e9 * seconds / (double)count,
+           1e9 * seconds / (double)voids);
+    for (int pulls = 1; pulls <= 6; pulls++) {
+        for (int64_t i = 0; i < count; i++)
+            z[i] = g.voids[i] ? NAN : g.z[i];
+        row_store store;
+        tc_fill_rows rows = row_store_begin(&store, z, g.width, g.height);
+        tc_fill_options options = {.memory_samples = (g.width >> pulls) * (g.height >> pulls) * 11 / 10};
+        start = now();
+        tc_status status = tc_fill_void_rows(&rows, row_store_scratch, &store, &options);
+        seconds = now() - start;
+        double sum = 0, largest = 0;
+        for (int64_t i = 0; i < count; i++) {
+            double e = fabs((double)z[i] - membrane[i]);
+            sum += e * e, largest = fmax(largest, e);
+        }
+        r = measure(z, g.voids, g.width, g.height);
+        printf("  %d levels pulled%s       %8.3f %8.2f %8.3f %8.3f %9.2f %9.0f\n", store.count - 1,
+               status ? ": failed" : "", sqrt(sum / (double)voids), largest, r.inside, r.across,
+               1e9 * seconds / (double)count, 1e9 * seconds / (double)voids);
+        row_store_end(&store);
+    }
+    free(z), free(membrane), tc_grid_free(&g);
+}
+
 int main(void)
 {
     printf(
@@ -99,5 +174,10 @@ int main(void)
            "encode", "decode");
     for (int s = 0; s < SETS; s++)
         mask_row(&sets[s]);
+    printf("\nFilling by rows against filling in memory: difference over voids (rms, largest, metres), roughness\n"
+           "(rms of second differences, metres) within voids and across their borders; nanoseconds a sample, a void\n");
+    printf("  %-21s %8s %8s %8s %8s %9s %9s\n", "", "rms", "largest", "within", "across", "a sample", "a void");
+    for (int s = 0; s < 2 * SETS; s++)
+        fill_rows(&sets[s / 2], s % 2);
     return 0;
 }
