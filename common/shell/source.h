@@ -14,7 +14,8 @@ typedef struct tc_source_options {
     double spacing; /* metres between samples; 0: as the file says, else 1 */
     double unit;    /* metres per stored unit; 0: as the file says, else 1 */
     bool has_nodata;
-    double nodata; /* stored value that means void, beside the file's own */
+    double nodata;  /* stored value that means void, beside the file's own */
+    bool has_voids; /* the policy was asked for */
     tc_void_policy voids;
     double void_constant; /* metres, for TC_VOIDS_CONSTANT */
     /* Called with one line without newline for what a user should know (a warning: 8-bit steps, ...) or may want to
