@@ -109,10 +109,11 @@ struct rows {
     int64_t size;
 };
 
-static tc_status give_row(void *context, int64_t y, float *z)
+static tc_status give_row(void *context, int64_t y, double *values)
 {
     const struct rows *rows = context;
-    memcpy(z, rows->z + y * rows->size, (size_t)rows->size * sizeof *z);
+    for (int64_t i = 0; i < rows->size; i++)
+        values[i] = rows->z[y * rows->size + i];
     return TC_OK;
 }
 
@@ -154,7 +155,7 @@ static tc_status run(const struct arguments *a, tc_error *error)
         fprintf(stderr, "\r            \r");
     if (status == TC_OK) {
         struct rows rows = {z, a->size};
-        tc_tiff_options tiff = {.width = a->size, .height = a->size, .spacing = a->spacing};
+        tc_tiff_options tiff = {.width = a->size, .height = a->size, .type = TC_SAMPLE_FLOAT32, .spacing = a->spacing};
         status = tc_write_tiff(a->output, &tiff, give_row, &rows, error);
     }
     if (status == TC_OK && a->verbose)
