@@ -44,6 +44,9 @@ const char *tc_gdal_heard(const tc_gdal_messages *m)
     return *m->failure ? m->failure : *m->warning ? m->warning : "GDAL gives no reason";
 }
 
+/* Of GDAL's cache of decoded blocks. */
+enum { CACHE_BYTES = 64 << 20, MOST_CACHE_BYTES = 512 << 20 };
+
 static void start_gdal(void)
 {
     static const struct {
@@ -67,7 +70,7 @@ static void start_gdal(void)
     GDALAllRegister();
     /* Whole rows of blocks are read at once, so a cache of a twentieth of the memory would only hold what has been
      * converted already. */
-    GDALSetCacheMax64((GIntBig)64 << 20);
+    GDALSetCacheMax64(CACHE_BYTES);
 }
 
 void tc_gdal_start(void)
@@ -272,6 +275,15 @@ static bool names_remote_files(const char *path)
     return found;
 }
 
+/* Rows may be read in smaller portions than those of blocks: none should be decoded twice for that. */
+static void keep_two_rows_of_blocks(const gdal_raster *r)
+{
+    const tc_raster_info *info = &r->base.info;
+    GIntBig bytes = 2 * (GIntBig)info->width * info->block_rows * GDALGetDataTypeSizeBytes(r->type);
+    if (bytes > GDALGetCacheMax64() && bytes <= MOST_CACHE_BYTES)
+        GDALSetCacheMax64(bytes);
+}
+
 /* Fills in what the opened dataset says of itself, or refuses it. */
 static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_error *error)
 {
@@ -300,6 +312,7 @@ static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_e
     int block_width = 0, block_height = 0;
     GDALGetBlockSize(r->band, &block_width, &block_height);
     info->block_rows = block_height > 0 ? block_height : 1;
+    keep_two_rows_of_blocks(r);
 
     read_nodata(r->band, info);
     int flags = GDALGetMaskFlags(r->band);

@@ -51,7 +51,7 @@ void tc_say(const tc_source_options *options, bool warning, const char *format, 
 
 /* ---- Opening ---------------------------------------------------------------------------------------------------- */
 
-static tc_status check_options(const tc_source_options *options, tc_error *error)
+tc_status tc_check_source_options(const tc_source_options *options, tc_error *error)
 {
     if (options->spacing != 0 && !(options->spacing >= 1e-6 && options->spacing <= 1e7))
         return tc_fail(error, TC_ERR_USAGE, "spacing: expected 1e-6 to 1e7 metres, found %g", options->spacing);
@@ -94,6 +94,11 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     if (status != TC_OK)
         return status;
 
+    if (tc_is_tclip(signature))
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected an elevation file or a picture of heights, found a packed "
+                       "terrain",
+                       path);
     bool recognised = false;
     bool tiff = tc_is_tiff(signature), png = tc_is_png(signature);
     bool exr = memcmp(signature, "\x76\x2f\x31\x01", 4) == 0;
@@ -244,7 +249,7 @@ tc_status tc_source_open(const char *path, const tc_source_options *options, tc_
 {
     static const tc_source_options defaults = {0};
     options = options ? options : &defaults;
-    tc_status status = check_options(options, error);
+    tc_status status = tc_check_source_options(options, error);
     if (status != TC_OK)
         return status;
     tc_raster *raster = NULL;

@@ -70,6 +70,7 @@ tc_status tc_check_whole(const char *path, tc_error *error);
 /* By a file's first bytes. */
 bool tc_is_tiff(const unsigned char signature[4]);
 bool tc_is_png(const unsigned char signature[4]);
+bool tc_is_tclip(const unsigned char signature[8]);
 
 /* ---- Sources (source.c) -------------------------------------------------------------------------------------------
  */
@@ -77,6 +78,9 @@ bool tc_is_png(const unsigned char signature[4]);
 /* tc_source_read, which also accumulates statistics. */
 tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, float *z, uint8_t *voids,
                                  tc_statistics *statistics, tc_error *error);
+
+/* TC_ERR_USAGE where a number of the options is nonsense. */
+tc_status tc_check_source_options(const tc_source_options *options, tc_error *error);
 
 /* Says one line to the user by options->say. */
 void tc_say(const tc_source_options *options, bool warning, const char *format, ...)
