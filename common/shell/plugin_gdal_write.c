@@ -57,7 +57,7 @@ static bool set_georeference(GDALDatasetH dataset, const tc_tiff_options *option
     /* Without a georeference sample centres lie at multiples of the spacing, the south-west one at the origin; GDAL's
      * transform is that of pixel corners. A local system says that the unit is the metre. */
     double s = options->spacing, transform[6] = {-0.5 * s, s, 0, ((double)options->height - 0.5) * s, 0, -s};
-    const char *wkt = "LOCAL_CS[\"terrain\",UNIT[\"metre\",1]]";
+    const char *wkt = TC_LOCAL_CRS;
     if (georef && georef->known) {
         memcpy(transform, georef->transform, sizeof transform);
         wkt = georef->crs_wkt;

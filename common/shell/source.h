@@ -74,6 +74,9 @@ static inline double tc_stored_value(float z, double base, double unit)
     return ((double)z - base) / unit;
 }
 
+/* A coordinate system in metres from the terrain's own origin. */
+#define TC_LOCAL_CRS "LOCAL_CS[\"terrain\",UNIT[\"metre\",1]]"
+
 /* Writes a GeoTIFF from rows that are asked for as they are needed: row(context, y, values) gives row y counted from
  * the south as stored values, NaN where there is none. Written beside the target and renamed, so that a failure leaves
  * an old file as it was. */

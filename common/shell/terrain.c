@@ -32,27 +32,33 @@ static tc_status refuse_settled(const char *path, const tc_source_options *optio
     return tc_check_source_options(options, error);
 }
 
-static tc_status open_packed(const char *path, const tc_source_options *options, tc_terrain *terrain, tc_error *error)
+tc_status tc_terrain_open_packed(const char *path, const tc_source_options *options, tc_terrain *terrain_ret,
+                                 tc_error *error)
 {
     tc_status status = refuse_settled(path, options, error);
     if (status != TC_OK)
         return status;
     double start = tc_clock_ms();
+    tc_terrain terrain = {0};
     const tc_open_options how = {
         .has_policy = options->has_voids, .voids = options->voids, .void_constant = options->void_constant};
-    status = tc_pyramid_open(path, &how, &terrain->pyramid, error);
+    status = tc_pyramid_open(path, &how, &terrain.pyramid, error);
     if (status != TC_OK)
         return status;
-    const tc_packed_info *packed = tc_pyramid_packed_info(terrain->pyramid);
-    terrain->voids = options->has_voids ? options->voids : packed->terrain.voids;
-    terrain->georef = packed->terrain.georef;
-    terrain->width = packed->terrain.width;
-    terrain->height = packed->terrain.height;
-    terrain->read_ms = tc_clock_ms() - start;
+    const tc_packed_info *packed = tc_pyramid_packed_info(terrain.pyramid);
+    terrain.voids = options->has_voids ? options->voids : packed->terrain.voids;
+    terrain.georef = packed->terrain.georef;
+    terrain.width = packed->terrain.width;
+    terrain.height = packed->terrain.height;
+    terrain.spacing_x = packed->terrain.spacing_x;
+    terrain.spacing_y = packed->terrain.spacing_y;
+    terrain.read_ms = tc_clock_ms() - start;
     if (packed->levels_missing > 0)
         tc_say(options, true,
-               "%s: damaged or truncated: expected %lld bytes, found fewer; the %d finest levels are missing", path,
+               "%s: damaged or truncated: expected %lld bytes, found fewer; levels missing, the finest: %d", path,
                (long long)packed->bytes, packed->levels_missing);
+    terrain.georef.crs_wkt = NULL; /* the pyramid's */
+    *terrain_ret = terrain;
     return TC_OK;
 }
 
@@ -69,6 +75,8 @@ static tc_status load(const char *path, const tc_source_options *options, int th
     terrain->georef = grid.georef;
     terrain->width = grid.width;
     terrain->height = grid.height;
+    terrain->spacing_x = grid.spacing_x;
+    terrain->spacing_y = grid.spacing_y;
     status = tc_pyramid_build(&grid, threads, &terrain->pyramid, error);
     terrain->read_ms = read - start;
     terrain->build_ms = tc_clock_ms() - read;
@@ -80,9 +88,10 @@ tc_status tc_terrain_open(const char *path, const tc_source_options *options, in
 {
     static const tc_source_options defaults = {0};
     options = options ? options : &defaults;
+    if (tc_is_packed(path))
+        return tc_terrain_open_packed(path, options, terrain_ret, error);
     tc_terrain terrain = {0};
-    tc_status status = tc_is_packed(path) ? open_packed(path, options, &terrain, error)
-                                          : load(path, options, threads, &terrain, error);
+    tc_status status = load(path, options, threads, &terrain, error);
     terrain.georef.crs_wkt = NULL; /* the pyramid's */
     if (status == TC_OK)
         *terrain_ret = terrain;

@@ -7,9 +7,10 @@
 
 typedef struct tc_terrain {
     tc_pyramid *pyramid;
-    tc_void_policy voids; /* that of the options, or the file's own */
-    tc_georef georef;     /* of the finest level, which may be missing; without crs_wkt */
-    int64_t width, height;
+    tc_void_policy voids;        /* that of the options, or the file's own */
+    tc_georef georef;            /* of the finest level, which may be missing; without crs_wkt */
+    int64_t width, height;       /* likewise */
+    double spacing_x, spacing_y; /* likewise */
     double read_ms, build_ms;
 } tc_terrain;
 
@@ -20,6 +21,9 @@ bool tc_is_packed(const char *path);
  * TC_ERR_USAGE. threads: that build the pyramid, 0 all. */
 tc_status tc_terrain_open(const char *path, const tc_source_options *options, int threads, tc_terrain *terrain_ret,
                           tc_error *error);
+/* The same for packed terrains only. */
+tc_status tc_terrain_open_packed(const char *path, const tc_source_options *options, tc_terrain *terrain_ret,
+                                 tc_error *error);
 void tc_terrain_close(tc_terrain *terrain);
 
 /* Bytes of a packed terrain's tiles decoded so far, and tiles found damaged; 0 for others. */
