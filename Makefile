@@ -78,6 +78,7 @@ $(OBJ)/%.o: %.cpp | build/.packages
 
 # Flags of outside libraries are asked for only once their packages are there.
 CPPFLAGS_plugin_gdal = $(shell pkg-config --cflags gdal)
+CPPFLAGS_plugin_gdal_write = $(CPPFLAGS_plugin_gdal)
 CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
 
 # Shaders as strings: build/gen/shaders.c defines tc_shader_files[].
@@ -106,7 +107,8 @@ $(O)/terraclip: $(OBJ)/data/main.o $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
 $(O)/planar-viewer: $(OBJ)/planar/main.o $(PLANAR_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/terraclip-gdal.so: $(OBJ)/common/shell/plugin_gdal.o $(OBJ)/common/core/base/status.o
+$(O)/terraclip-gdal.so: $(OBJ)/common/shell/plugin_gdal.o $(OBJ)/common/shell/plugin_gdal_write.o \
+                        $(OBJ)/common/core/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
 $(O)/terraclip-oiio.so: $(OBJ)/common/shell/plugin_oiio.o $(OBJ)/common/core/base/status.o

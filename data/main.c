@@ -1,6 +1,10 @@
 /* main.c - terraclip, the terrain tool: hands over to a subcommand. A new one is a row of the table.
  *
  * Help and version, and the one line that says why something failed, are the same for all of them and live here. */
+#include "extract.h"
+#include "height.h"
+#include "info.h"
+#include "pack.h"
 #include "synth.h"
 
 #include <stdbool.h>
@@ -13,6 +17,10 @@ static const struct command {
     void (*help)(FILE *file);
 } commands[] = {
     {"synth", "writes a synthetic terrain", tc_synth_main, tc_synth_help},
+    {"pack", "compresses elevation models into one file", tc_pack_main, tc_pack_help},
+    {"info", "shows what a packed terrain holds", tc_info_main, tc_info_help},
+    {"extract", "writes a level of a packed terrain as a GeoTIFF", tc_extract_main, tc_extract_help},
+    {"height", "tells heights at points", tc_height_main, tc_height_help},
 };
 
 enum { COMMANDS = sizeof commands / sizeof *commands };
@@ -75,5 +83,5 @@ int main(int argc, char **argv)
     tc_status status = command->run(argc - 1, argv + 1, &error);
     if (status != TC_OK)
         fprintf(stderr, "terraclip: %s\n", error.text);
-    return tc_exit_code(status);
+    return status == TC_OK ? flushed() : tc_exit_code(status);
 }

@@ -5,12 +5,12 @@
 #include "synth.h"
 
 #include "common/core/base/status.h"
+#include "common/shell/arguments.h"
+#include "common/shell/numbers.h"
 #include "common/core/base/outfile.h"
 #include "common/shell/source.h"
 #include "synth_planar.h"
 
-#include <ctype.h>
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,154 +25,71 @@ struct arguments {
     bool quiet, verbose;
 };
 
-void tc_synth_help(FILE *file)
-{
-    fprintf(file,
-            "Usage: terraclip synth [OPTION]... -o FILE.tif\n"
-            "Writes a synthetic terrain as a float32 GeoTIFF, heights in metres above the sea.\n"
-            "The same size, seed and spacing give the same heights on every machine.\n"
-            "\n"
-            "  --kind KIND      planar: mountains, valleys, plains and a coast (default)\n"
-            "                   planet: not in this version\n"
-            "  --size N         N x N samples, %d..%d (default 4097)\n"
-            "  --seed S         which terrain, 0..%" PRIu64 " (default 1)\n"
-            "  --spacing M      metres between samples, %g..%g (default %g)\n"
-            "  --threads N      1..1024 (default: as many as there are processors)\n"
-            "  -o, --output FILE.tif\n"
-            "  -q, --quiet      no progress\n"
-            "  -v, --verbose    what was written\n"
-            "  -h, --help\n"
-            "      --version\n",
-            TC_SYNTH_SIZE_MIN, TC_SYNTH_SIZE_MAX, UINT64_MAX, TC_SYNTH_SPACING_MIN, TC_SYNTH_SPACING_MAX,
-            TC_SYNTH_SPACING);
-}
-
 /* ---- Command line ----------------------------------------------------------------------------------------------- */
 
-/* A whole decimal number in low..high and nothing around it. */
-static bool read_whole(const char *text, uint64_t low, uint64_t high, uint64_t *value_ret)
+static bool set_kind(void *arguments, const char *value)
 {
-    if (!isdigit((unsigned char)*text))
-        return false;
-    char *end;
-    errno = 0;
-    unsigned long long value = strtoull(text, &end, 10);
-    if (*end || errno || value < low || value > high)
-        return false;
-    *value_ret = value;
-    return true;
+    ((struct arguments *)arguments)->kind = value;
+    return strcmp(value, "planar") == 0 || strcmp(value, "planet") == 0;
 }
 
-static bool read_metres(const char *text, double *value_ret)
+static bool set_size(void *arguments, const char *value)
 {
-    /* strtod also takes spaces, hexadecimals, "inf" and "nan". */
-    size_t length = strspn(text, "0123456789.eE+-");
-    char *end;
-    double value = strtod(text, &end);
-    if (length == 0 || text[length] || *end || !(value >= TC_SYNTH_SPACING_MIN && value <= TC_SYNTH_SPACING_MAX))
-        return false;
-    *value_ret = value;
-    return true;
+    return tc_read_integer(value, TC_SYNTH_SIZE_MIN, TC_SYNTH_SIZE_MAX, &((struct arguments *)arguments)->size);
 }
 
-enum { KIND, SIZE, SEED, SPACING, THREADS, OUTPUT, QUIET, VERBOSE };
+static bool set_seed(void *arguments, const char *value)
+{
+    return tc_read_unsigned(value, 0, UINT64_MAX, &((struct arguments *)arguments)->seed);
+}
 
-static const struct option_row {
-    int id;
-    char letter;
-    const char *name;
-    bool has_value;
-} table[] = {
-    {KIND, 0, "kind", true},       {SIZE, 0, "size", true},          {SEED, 0, "seed", true},
-    {SPACING, 0, "spacing", true}, {THREADS, 0, "threads", true},    {OUTPUT, 'o', "output", true},
-    {QUIET, 'q', "quiet", false},  {VERBOSE, 'v', "verbose", false},
+static bool set_spacing(void *arguments, const char *value)
+{
+    return tc_read_number(value, TC_SYNTH_SPACING_MIN, TC_SYNTH_SPACING_MAX, &((struct arguments *)arguments)->spacing);
+}
+
+static bool set_threads(void *arguments, const char *value)
+{
+    return tc_read_threads(value, &((struct arguments *)arguments)->threads);
+}
+
+static bool set_output(void *arguments, const char *value)
+{
+    ((struct arguments *)arguments)->output = value;
+    return *value != '\0';
+}
+
+static const tc_option table[] = {
+    {.help = "Options"},
+    {0, "kind", "KIND", "planar or planet",
+     "planar: mountains, valleys, plains and a coast; planet: not in this version (planar)", set_kind, 0},
+    {0, "size", "N", "a whole number 2..65537", "N x N samples (4097)", set_size, 0},
+    {0, "seed", "S", "a whole number 0..18446744073709551615", "which terrain (1)", set_seed, 0},
+    {0, "spacing", "M", "metres of 0.001..100000", "between samples (30)", set_spacing, 0},
+    {0, "threads", "N", TC_EXPECTED_THREADS, "that compute (all processors)", set_threads, 0},
+    {'o', "output", "FILE.tif", "the name of a file", "where it goes", set_output, 0},
+    TC_SWITCH(struct arguments, quiet, 'q', "quiet", "no progress"),
+    TC_SWITCH(struct arguments, verbose, 'v', "verbose", "what was written"),
+    TC_HELP_AND_VERSION,
 };
 
-static tc_status set(struct arguments *a, int id, const char *value, tc_error *error)
+static tc_status refuse_operand(void *arguments, const char *operand, tc_error *error)
 {
-    uint64_t number = 0;
-    switch (id) {
-    case KIND:
-        if (strcmp(value, "planar") != 0 && strcmp(value, "planet") != 0)
-            return tc_fail(error, TC_ERR_USAGE, "--kind: expected planar or planet, found '%s'", value);
-        a->kind = value;
-        break;
-    case SIZE:
-        if (!read_whole(value, TC_SYNTH_SIZE_MIN, TC_SYNTH_SIZE_MAX, &number))
-            return tc_fail(error, TC_ERR_USAGE, "--size: expected a whole number %d..%d, found '%s'", TC_SYNTH_SIZE_MIN,
-                           TC_SYNTH_SIZE_MAX, value);
-        a->size = (int64_t)number;
-        break;
-    case SEED:
-        if (!read_whole(value, 0, UINT64_MAX, &a->seed))
-            return tc_fail(error, TC_ERR_USAGE, "--seed: expected a whole number 0..%" PRIu64 ", found '%s'",
-                           UINT64_MAX, value);
-        break;
-    case SPACING:
-        if (!read_metres(value, &a->spacing))
-            return tc_fail(error, TC_ERR_USAGE, "--spacing: expected %g..%g metres, found '%s'", TC_SYNTH_SPACING_MIN,
-                           TC_SYNTH_SPACING_MAX, value);
-        break;
-    case THREADS:
-        if (!read_whole(value, 1, 1024, &number))
-            return tc_fail(error, TC_ERR_USAGE, "--threads: expected a whole number 1..1024, found '%s'", value);
-        a->threads = (int)number;
-        break;
-    case OUTPUT:
-        if (!*value)
-            return tc_fail(error, TC_ERR_USAGE, "--output: expected the name of a file, found ''");
-        a->output = value;
-        break;
-    case QUIET: a->quiet = true; break;
-    case VERBOSE: a->verbose = true; break;
-    }
-    return TC_OK;
+    (void)arguments;
+    return tc_fail(error, TC_ERR_USAGE, "synth: expected options only, found '%s'", operand);
 }
 
-/* Finds the option that an argument names; *value_ret is what is stuck to it (--size=5, -oFILE), or NULL. */
-static const struct option_row *find(const char *argument, const char **value_ret)
-{
-    *value_ret = NULL;
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        size_t length = strlen(table[i].name);
-        if (argument[1] == '-') {
-            if (strncmp(argument + 2, table[i].name, length) != 0)
-                continue;
-            const char *rest = argument + 2 + length;
-            if (*rest && *rest != '=')
-                continue;
-            *value_ret = *rest ? rest + 1 : NULL;
-            return &table[i];
-        }
-        if (table[i].letter && argument[1] == table[i].letter && (table[i].has_value || !argument[2])) {
-            *value_ret = argument[2] ? argument + 2 : NULL;
-            return &table[i];
-        }
-    }
-    return NULL;
-}
+static const tc_command_line line = {.options = table,
+                                     .count = sizeof table / sizeof *table,
+                                     .help = "'terraclip synth --help'",
+                                     .operand = refuse_operand};
 
-static tc_status parse(int argc, char **argv, struct arguments *a, tc_error *error)
+void tc_synth_help(FILE *file)
 {
-    for (int i = 1; i < argc; i++) {
-        if (argv[i][0] != '-' || !argv[i][1])
-            return tc_fail(error, TC_ERR_USAGE, "synth: expected options only, found '%s'", argv[i]);
-        const char *value;
-        const struct option_row *option = find(argv[i], &value);
-        if (!option)
-            return tc_fail(error, TC_ERR_USAGE, "%s: expected an option of 'terraclip synth --help', found none such",
-                           argv[i]);
-        if (option->has_value && !value && ++i == argc)
-            return tc_fail(error, TC_ERR_USAGE, "--%s: expected a value, found none", option->name);
-        if (!option->has_value && value)
-            return tc_fail(error, TC_ERR_USAGE, "--%s: expected no value, found '%s'", option->name, value);
-        tc_status status = set(a, option->id, value ? value : argv[i], error);
-        if (status != TC_OK)
-            return status;
-    }
-    if (!a->output)
-        return tc_fail(error, TC_ERR_USAGE, "synth: expected -o FILE.tif, found none");
-    return TC_OK;
+    fprintf(file, "Usage: terraclip synth [OPTION]... -o FILE.tif\n"
+                  "Writes a synthetic terrain as a float32 GeoTIFF, heights in metres above the sea.\n"
+                  "The same size, seed and spacing give the same heights on every machine.\n");
+    tc_arguments_print(&line, file);
 }
 
 /* ---- Running ---------------------------------------------------------------------------------------------------- */
@@ -192,10 +109,11 @@ struct rows {
     int64_t size;
 };
 
-static tc_status give_row(void *context, int64_t y, float *z)
+static tc_status give_row(void *context, int64_t y, double *values)
 {
     const struct rows *rows = context;
-    memcpy(z, rows->z + y * rows->size, (size_t)rows->size * sizeof *z);
+    for (int64_t i = 0; i < rows->size; i++)
+        values[i] = rows->z[y * rows->size + i];
     return TC_OK;
 }
 
@@ -237,7 +155,7 @@ static tc_status run(const struct arguments *a, tc_error *error)
         fprintf(stderr, "\r            \r");
     if (status == TC_OK) {
         struct rows rows = {z, a->size};
-        tc_tiff_options tiff = {.width = a->size, .height = a->size, .spacing = a->spacing};
+        tc_tiff_options tiff = {.width = a->size, .height = a->size, .type = TC_SAMPLE_FLOAT32, .spacing = a->spacing};
         status = tc_write_tiff(a->output, &tiff, give_row, &rows, error);
     }
     if (status == TC_OK && a->verbose)
@@ -250,6 +168,9 @@ static tc_status run(const struct arguments *a, tc_error *error)
 tc_status tc_synth_main(int argc, char **argv, tc_error *error)
 {
     struct arguments arguments = {.kind = "planar", .size = 4097, .seed = 1, .spacing = TC_SYNTH_SPACING};
-    tc_status status = parse(argc, argv, &arguments, error);
+    tc_action action;
+    tc_status status = tc_arguments_read(&line, argc, argv, &arguments, &action, error);
+    if (status == TC_OK && !arguments.output)
+        status = tc_fail(error, TC_ERR_USAGE, "synth: expected -o FILE.tif, found none");
     return status == TC_OK ? run(&arguments, error) : status;
 }

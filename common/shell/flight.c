@@ -3,6 +3,8 @@
  * Flying speed is proportional to the height above ground: what is seen then passes at the same pace whether the eye
  * is 2 m or 20 km up, and one key takes it from one to the other in a few seconds. */
 #include "flight.h"
+
+#include "numbers.h"
 #include "common/core/clipmap/camera.h"
 
 #include <math.h>
@@ -21,13 +23,9 @@ bool tc_view_parse(const char *text, tc_view *view_ret)
     static const double limits[5] = {TC_VIEW_LIMIT, TC_VIEW_LIMIT, TC_VIEW_LIMIT, 360, 90};
     double v[5];
     for (int i = 0; i < 5; i++) {
-        /* strtod also takes spaces, hexadecimals, "inf" and "nan". */
-        size_t length = strspn(text, "0123456789.eE+-");
-        char *end;
-        v[i] = strtod(text, &end);
-        if (length == 0 || end != text + length || *end != (i < 4 ? ',' : '\0') || !(fabs(v[i]) <= limits[i]))
+        if (!tc_take_number(&text, &v[i]) || *text != (i < 4 ? ',' : '\0') || !(fabs(v[i]) <= limits[i]))
             return false;
-        text = end + 1;
+        text++;
     }
     *view_ret = (tc_view){v[0], v[1], v[2], v[3] * DEGREE, v[4] * DEGREE};
     return true;

@@ -1,10 +1,10 @@
-/* options.h - the command line shared by the viewers: one table of options, from which both parsing and the help are
- * made. No GL, no window. */
+/* options.h - the command line shared by the viewers. No GL, no window. */
 #ifndef TC_OPTIONS_H
 #define TC_OPTIONS_H
 
 #include "common/terraclip.h"
 #include "common/core/clipmap/clipmap.h"
+#include "arguments.h"
 #include "context.h"
 #include "flight.h"
 #include "renderer.h"
@@ -14,7 +14,7 @@
 
 /* What the command line asks for. Strings point into argv. */
 typedef struct tc_options {
-    enum { TC_RUN = 0, TC_SHOW_HELP, TC_SHOW_VERSION } action;
+    tc_action action;
     const char *terrain;
     const char *output; /* picture, or pattern of pictures where path is given; NULL: a window */
     int width, height;  /* pixels */

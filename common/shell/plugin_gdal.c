@@ -1,9 +1,9 @@
-/* plugin_gdal.c - terraclip-gdal.so: elevation files through GDAL's C API, and GeoTIFF out.
+/* plugin_gdal.c - terraclip-gdal.so: elevation files through GDAL's C API (GeoTIFF out: plugin_gdal_write.c).
  *
  * GDAL is kept silent (messages are collected and the first failure goes into our error), off the network (drivers
  * that fetch are left out, remote file names inside a VRT are refused) and away from the user's folders (side files
  * are read, since nodata and coordinate systems live there, but never written). */
-#include "plugin_tables.h"
+#include "plugin_gdal.h"
 
 #include "common/core/base/status.h"
 
@@ -21,16 +21,10 @@
 
 /* ---- Set-up and messages ---------------------------------------------------------------------------------------- */
 
-/* GDAL's messages during one call: the first failure is the cause, later ones are its echo. */
-typedef struct messages {
-    char failure[256];
-    char warning[256];
-} messages;
-
 static void CPL_STDCALL collect(CPLErr severity, CPLErrorNum number, const char *text)
 {
     (void)number;
-    messages *m = CPLGetErrorHandlerUserData();
+    tc_gdal_messages *m = CPLGetErrorHandlerUserData();
     if (!m)
         return;
     char *kept = severity >= CE_Failure ? m->failure : severity == CE_Warning ? m->warning : NULL;
@@ -38,18 +32,20 @@ static void CPL_STDCALL collect(CPLErr severity, CPLErrorNum number, const char 
         snprintf(kept, sizeof m->failure, "%s", text);
 }
 
-static void listen(messages *m)
+void tc_gdal_listen(tc_gdal_messages *m)
 {
     memset(m, 0, sizeof *m);
     CPLPushErrorHandlerEx(collect, m);
 }
 
-/* Ends listen(); what GDAL said in the meantime. */
-static const char *heard(const messages *m)
+const char *tc_gdal_heard(const tc_gdal_messages *m)
 {
     CPLPopErrorHandler();
     return *m->failure ? m->failure : *m->warning ? m->warning : "GDAL gives no reason";
 }
+
+/* Of GDAL's cache of decoded blocks. */
+enum { CACHE_BYTES = 64 << 20, MOST_CACHE_BYTES = 512 << 20 };
 
 static void start_gdal(void)
 {
@@ -74,10 +70,10 @@ static void start_gdal(void)
     GDALAllRegister();
     /* Whole rows of blocks are read at once, so a cache of a twentieth of the memory would only hold what has been
      * converted already. */
-    GDALSetCacheMax64((GIntBig)64 << 20);
+    GDALSetCacheMax64(CACHE_BYTES);
 }
 
-static void start_once(void)
+void tc_gdal_start(void)
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, start_gdal);
@@ -178,6 +174,9 @@ static void read_georeference(GDALDatasetH dataset, tc_raster_info *info)
         memcpy(info->transform, t, sizeof t);
     }
 
+    const char *registration = GDALGetMetadataItem(dataset, "AREA_OR_POINT", NULL);
+    info->area_registered = info->has_transform && !(registration && EQUAL(registration, "Point"));
+
     OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
     if (!crs)
         return;
@@ -209,7 +208,7 @@ static void read_georeference(GDALDatasetH dataset, tc_raster_info *info)
 
 /* Why rows cannot be read: messages of the threads that decode many blocks at once are lost, so the blocks are read one
  * by one until one fails here. */
-static void find_damage(gdal_raster *r, int y, int height, void *samples, messages *said)
+static void find_damage(gdal_raster *r, int y, int height, void *samples, tc_gdal_messages *said)
 {
     int width = (int)r->base.info.width, block_width = 0, block_height = 0;
     GDALGetBlockSize(r->band, &block_width, &block_height);
@@ -230,14 +229,14 @@ static tc_status read_rows(tc_raster *raster, int64_t row, int64_t rows, void *s
 {
     gdal_raster *r = (gdal_raster *)raster;
     int width = (int)r->base.info.width, y = (int)row, height = (int)rows;
-    messages said;
-    listen(&said);
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
     CPLErr failed = GDALRasterIO(r->band, GF_Read, 0, y, width, height, samples, width, height, r->type, 0, 0);
     if (!failed && r->mask)
         failed = GDALRasterIO(r->mask, GF_Read, 0, y, width, height, mask, width, height, GDT_Byte, 0, 0);
     if (failed && !*said.failure)
         find_damage(r, y, height, samples, &said);
-    const char *why = heard(&said);
+    const char *why = tc_gdal_heard(&said);
     if (failed)
         return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read to its end, damaged or truncated: %s", r->path, why);
     return TC_OK;
@@ -246,11 +245,11 @@ static tc_status read_rows(tc_raster *raster, int64_t row, int64_t rows, void *s
 static void close_raster(tc_raster *raster)
 {
     gdal_raster *r = (gdal_raster *)raster;
-    messages said;
-    listen(&said);
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
     if (r->dataset)
         GDALClose(r->dataset);
-    heard(&said);
+    tc_gdal_heard(&said);
     CSLDestroy(r->base.info.parts);
     free(r->base.info.crs_wkt);
     free(r);
@@ -274,6 +273,15 @@ static bool names_remote_files(const char *path)
     free(line);
     fclose(file);
     return found;
+}
+
+/* Rows may be read in smaller portions than those of blocks: none should be decoded twice for that. */
+static void keep_two_rows_of_blocks(const gdal_raster *r)
+{
+    const tc_raster_info *info = &r->base.info;
+    GIntBig bytes = 2 * (GIntBig)info->width * info->block_rows * GDALGetDataTypeSizeBytes(r->type);
+    if (bytes > GDALGetCacheMax64() && bytes <= MOST_CACHE_BYTES)
+        GDALSetCacheMax64(bytes);
 }
 
 /* Fills in what the opened dataset says of itself, or refuses it. */
@@ -304,6 +312,7 @@ static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_e
     int block_width = 0, block_height = 0;
     GDALGetBlockSize(r->band, &block_width, &block_height);
     info->block_rows = block_height > 0 ? block_height : 1;
+    keep_two_rows_of_blocks(r);
 
     read_nodata(r->band, info);
     int flags = GDALGetMaskFlags(r->band);
@@ -328,7 +337,7 @@ static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_e
 static tc_status open_raster(const char *path, const tc_source_options *options, bool *recognised,
                              tc_raster **raster_ret, tc_error *error)
 {
-    start_once();
+    tc_gdal_start();
     *recognised = false;
     gdal_raster *r = calloc(1, sizeof *r + strlen(path) + 1);
     if (!r)
@@ -337,8 +346,8 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     r->base.read = read_rows;
     r->base.close = close_raster;
 
-    messages said;
-    listen(&said);
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
     GDALDriverH driver = GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL);
     const char *name = driver ? GDALGetDriverShortName(driver) : "";
     bool remote = EQUAL(name, "VRT") && names_remote_files(path);
@@ -346,7 +355,7 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
         const char *const only[] = {name, NULL};
         r->dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, only, NULL, NULL);
     }
-    const char *why = heard(&said);
+    const char *why = tc_gdal_heard(&said);
 
     tc_status status;
     *recognised = driver != NULL; /* the file's format; whether it opens or not */
@@ -358,11 +367,11 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
         status = tc_fail(error, TC_ERR_FORMAT, "%s: looks like %s but cannot be opened, damaged or truncated: %s", path,
                          name, why);
     } else {
-        listen(&said);
+        tc_gdal_listen(&said);
         if (EQUAL(name, "VRT"))
             r->base.info.parts = GDALGetFileList(r->dataset);
         status = describe(r, options, error);
-        heard(&said);
+        tc_gdal_heard(&said);
     }
     if (status == TC_OK)
         *raster_ret = &r->base;
@@ -371,92 +380,20 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     return status;
 }
 
-/* ---- Writing ---------------------------------------------------------------------------------------------------- */
-
-/* Asks for the rows of one band of tiles, north to south, into strip. */
-static tc_status fill_strip(const char *path, const tc_tiff_options *options, tc_row_function row, void *context,
-                            int64_t first, int64_t rows, float *heights, void *strip, tc_error *error)
+static bool same_crs(const char *wkt, const char *other_wkt)
 {
-    for (int64_t k = 0; k < rows; k++) {
-        float *z = options->int16 ? heights : (float *)strip + k * options->width;
-        int64_t y = options->height - 1 - (first + k);
-        tc_status status = row(context, y, z);
-        if (status != TC_OK)
-            return tc_fail(error, status, "%s: row %lld could not be made: %s", path, (long long)y,
-                           tc_status_text(status));
-        if (!options->int16)
-            continue;
-        int16_t *to = (int16_t *)strip + k * options->width;
-        for (int64_t i = 0; i < options->width; i++) {
-            if (!(z[i] > -32768.5f && z[i] < 32767.5f))
-                return tc_fail(error, TC_ERR_USAGE,
-                               "%s: height at %lld,%lld: expected -32768 to 32767 for int16, found %g", path,
-                               (long long)i, (long long)y, (double)z[i]);
-            to[i] = (int16_t)lrintf(z[i]);
-        }
-    }
-    return TC_OK;
-}
-
-static tc_status write_tiff(const char *path, const char *temporary, const tc_tiff_options *options,
-                            tc_row_function row, void *context, tc_error *error)
-{
-    enum { TILE = 256 };
-    start_once();
-    int width = (int)options->width, height = (int)options->height;
-    GDALDataType type = options->int16 ? GDT_Int16 : GDT_Float32;
-    size_t size = options->int16 ? sizeof(int16_t) : sizeof(float);
-    void *strip = malloc((size_t)width * TILE * size);
-    float *heights = malloc((size_t)width * sizeof *heights);
-    if (!strip || !heights) {
-        free(strip);
-        free(heights);
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for %d columns", path, width);
-    }
-
-    const char *const creation[] = {"TILED=YES",
-                                    "COMPRESS=DEFLATE",
-                                    options->int16 ? "PREDICTOR=2" : "PREDICTOR=3",
-                                    "NUM_THREADS=ALL_CPUS",
-                                    "BIGTIFF=IF_SAFER",
-                                    NULL};
-    messages said;
-    listen(&said);
-    CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", "NO"); /* no .aux.xml beside the file */
-    GDALDriverH driver = GDALGetDriverByName("GTiff");
-    GDALDatasetH dataset = GDALCreate(driver, temporary, width, height, 1, type, (char **)creation);
-    tc_status status = TC_OK;
-    bool failed = dataset == NULL;
-    if (dataset) {
-        /* Sample centres lie at multiples of the spacing, the south-west one at the origin; GDAL's transform is that
-         * of pixel corners. A local system says that the unit is the metre. */
-        double s = options->spacing, transform[6] = {-0.5 * s, s, 0, ((double)height - 0.5) * s, 0, -s};
-        failed = GDALSetMetadataItem(dataset, "AREA_OR_POINT", "Point", NULL) != CE_None ||
-                 GDALSetGeoTransform(dataset, transform) != CE_None;
-        OGRSpatialReferenceH crs = OSRNewSpatialReference("LOCAL_CS[\"terrain\",UNIT[\"metre\",1]]");
-        if (crs)
-            GDALSetSpatialRef(dataset, crs);
-        OSRDestroySpatialReference(crs);
-
-        GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
-        for (int y = 0; y < height && !failed && status == TC_OK; y += TILE) {
-            int rows = height - y < TILE ? height - y : TILE;
-            status = fill_strip(path, options, row, context, y, rows, heights, strip, error);
-            if (status == TC_OK)
-                failed = GDALRasterIO(band, GF_Write, 0, y, width, rows, strip, width, rows, type, 0, 0) != CE_None ||
-                         GDALFlushRasterCache(band) != CE_None; /* keeps the memory bounded */
-        }
-        GDALClose(dataset); /* writes the directory; tells of failure only by a message */
-        failed |= *said.failure != '\0';
-    }
-    CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", NULL);
-    const char *why = heard(&said);
-    free(strip);
-    free(heights);
-    if (status == TC_OK && failed)
-        status = tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", path, why);
-    return status;
+    tc_gdal_start();
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    OGRSpatialReferenceH a = OSRNewSpatialReference(wkt), b = OSRNewSpatialReference(other_wkt);
+    /* The order of axes does not matter: transforms are always x, y. */
+    const char *const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", "CRITERION=EQUIVALENT", NULL};
+    bool same = a && b && OSRIsSameEx(a, b, options);
+    OSRDestroySpatialReference(a);
+    OSRDestroySpatialReference(b);
+    tc_gdal_heard(&said);
+    return same;
 }
 
 extern const struct tc_gdal_plugin tc_plugin;
-const struct tc_gdal_plugin tc_plugin = {.open = open_raster, .write_tiff = write_tiff};
+const struct tc_gdal_plugin tc_plugin = {.open = open_raster, .write_tiff = tc_gdal_write_tiff, .same_crs = same_crs};

@@ -29,6 +29,7 @@ typedef struct tc_raster_info {
     double nodata;        /* stored value */
     double scale, offset; /* value = stored * scale + offset */
     char unit_name[32];   /* of the values; empty where not said */
+    bool area_registered; /* samples stand for areas; the transform is that of corners either way */
     bool has_transform;
     double transform[6];         /* GDAL's geotransform: from (column, row) of pixel corners to the CRS */
     double nominal_x, nominal_y; /* metres between samples, for a format that tells without a transform; 0 unknown */
@@ -54,12 +55,17 @@ struct tc_raster {
 typedef tc_status (*tc_raster_open)(const char *path, const tc_source_options *options, bool *recognised,
                                     tc_raster **raster_ret, tc_error *error);
 
+typedef tc_status (*tc_sample_row_function)(void *context, int64_t y, void *samples);
+
 /* terraclip-gdal.so */
 struct tc_gdal_plugin {
     tc_raster_open open;
-    /* As tc_write_tiff, straight to the file temporary; messages name path. */
+    /* As tc_write_tiff, straight to the file temporary; messages name path. Rows are asked for from the north in the
+     * type of options; where row fails, *error is its own. */
     tc_status (*write_tiff)(const char *path, const char *temporary, const tc_tiff_options *options,
-                            tc_row_function row, void *context, tc_error *error);
+                            tc_sample_row_function row, void *context, tc_error *error);
+    /* Whether two coordinate systems are the same, however they are written. */
+    bool (*same_crs)(const char *wkt, const char *other_wkt);
 };
 
 /* terraclip-oiio.so */

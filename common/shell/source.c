@@ -51,7 +51,7 @@ void tc_say(const tc_source_options *options, bool warning, const char *format, 
 
 /* ---- Opening ---------------------------------------------------------------------------------------------------- */
 
-static tc_status check_options(const tc_source_options *options, tc_error *error)
+tc_status tc_check_source_options(const tc_source_options *options, tc_error *error)
 {
     if (options->spacing != 0 && !(options->spacing >= 1e-6 && options->spacing <= 1e7))
         return tc_fail(error, TC_ERR_USAGE, "spacing: expected 1e-6 to 1e7 metres, found %g", options->spacing);
@@ -94,6 +94,11 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     if (status != TC_OK)
         return status;
 
+    if (tc_is_tclip(signature))
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected an elevation file or a picture of heights, found a packed "
+                       "terrain",
+                       path);
     bool recognised = false;
     bool tiff = tc_is_tiff(signature), png = tc_is_png(signature);
     bool exr = memcmp(signature, "\x76\x2f\x31\x01", 4) == 0;
@@ -142,6 +147,10 @@ static void settle_unit(tc_source *source)
     }
     /* The option stands for the file's scale and unit; its offset stays what it is in metres. */
     source->info.unit = options->unit > 0 ? options->unit : raster->scale * unit;
+    source->info.type = raster->type;
+    source->info.offset = raster->offset * unit;
+    source->info.has_nodata = raster->has_nodata || options->has_nodata;
+    source->info.nodata = raster->has_nodata ? raster->nodata : options->nodata;
     source->conversion.type = raster->type;
     source->conversion.scale = source->info.unit;
     source->conversion.offset = raster->offset * unit;
@@ -175,6 +184,11 @@ static tc_status make_buffers(tc_source *source, tc_error *error)
 static tc_status settle_base(tc_source *source, tc_error *error)
 {
     const tc_raster_info *raster = &source->raster->info;
+    if (source->options.has_base) {
+        source->info.z_base = source->options.z_base;
+        source->conversion.offset -= source->info.z_base;
+        return TC_OK;
+    }
     bool wide =
         raster->type == TC_SAMPLE_UINT32 || raster->type == TC_SAMPLE_INT32 || raster->type == TC_SAMPLE_FLOAT64;
     if (!wide && source->conversion.offset == 0)
@@ -213,6 +227,9 @@ static tc_status settle(tc_source *source, tc_error *error)
     tc_settle_georef(raster, &source->options, &info->georef, &info->spacing_x, &info->spacing_y, &source->flip_x,
                      &source->flip_y);
     info->georef.crs_wkt = raster->crs_wkt;
+    info->area_registered = raster->area_registered;
+    info->crs_unit = tc_crs_unit(raster, &info->georef);
+    info->inverse_flattening = raster->inverse_flattening;
     settle_unit(source);
 
     int64_t row_bytes = raster->width * (int64_t)tc_sample_size(raster->type);
@@ -232,7 +249,7 @@ tc_status tc_source_open(const char *path, const tc_source_options *options, tc_
 {
     static const tc_source_options defaults = {0};
     options = options ? options : &defaults;
-    tc_status status = check_options(options, error);
+    tc_status status = tc_check_source_options(options, error);
     if (status != TC_OK)
         return status;
     tc_raster *raster = NULL;
@@ -293,6 +310,21 @@ static void mirror_row(float *z, uint8_t *voids, int64_t width)
     }
 }
 
+/* Refuses a height from which the stored value does not come back. */
+static tc_status check_exact(const tc_source *source, int64_t row, const void *samples, const uint8_t *voids,
+                             const float *z, tc_error *error)
+{
+    int64_t i = tc_find_inexact(&source->conversion, samples, voids, source->info.width, z);
+    if (i < 0)
+        return TC_OK;
+    const tc_conversion as_stored = {.type = source->conversion.type, .scale = 1};
+    return tc_fail(
+        error, TC_ERR_UNSUPPORTED,
+        "%s: column %lld, row %lld: expected a value that a 32-bit float can stand for, found %.17g; without "
+        "loss it cannot be kept",
+        source->path, (long long)i, (long long)row, tc_convert_one(&as_stored, samples, NULL, i));
+}
+
 /* Refuses heights that must come from a wrong unit, naming the first. */
 static tc_status check_heights(const tc_source *source, int64_t y, const float *z, tc_error *error)
 {
@@ -328,8 +360,13 @@ tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, fl
             float *to = z + (y - y0) * width;
             uint8_t *to_voids = voids + (y - y0) * width;
             const uint8_t *mask = source->mask ? source->mask + k * width : NULL;
-            tc_convert_row(&source->conversion, (const char *)source->samples + (size_t)(k * width) * size, mask, width,
-                           to, to_voids, statistics);
+            const void *samples = (const char *)source->samples + (size_t)(k * width) * size;
+            tc_convert_row(&source->conversion, samples, mask, width, to, to_voids, statistics);
+            if (source->options.exact) {
+                status = check_exact(source, row + k, samples, to_voids, to, error);
+                if (status != TC_OK)
+                    return status;
+            }
             if (statistics->low + source->info.z_base < -TC_HIGHEST ||
                 statistics->high + source->info.z_base > TC_HIGHEST) {
                 status = check_heights(source, y, to, error);

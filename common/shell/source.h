@@ -14,9 +14,13 @@ typedef struct tc_source_options {
     double spacing; /* metres between samples; 0: as the file says, else 1 */
     double unit;    /* metres per stored unit; 0: as the file says, else 1 */
     bool has_nodata;
-    double nodata; /* stored value that means void, beside the file's own */
+    double nodata;  /* stored value that means void, beside the file's own */
+    bool has_voids; /* the policy was asked for */
     tc_void_policy voids;
     double void_constant; /* metres, for TC_VOIDS_CONSTANT */
+    bool has_base;
+    double z_base; /* metres; instead of what suits the file */
+    bool exact;    /* refuse heights from which, as floats, the stored values do not come back */
     /* Called with one line without newline for what a user should know (a warning: 8-bit steps, ...) or may want to
      * (said with -v: how degrees became metres, ...). NULL: not said. */
     void (*say)(void *context, bool warning, const char *line);
@@ -28,9 +32,16 @@ typedef struct tc_source_info {
     double spacing_x, spacing_y; /* metres */
     double z_base;               /* metres; subtracted from the heights that tc_source_read gives */
     const char *sample_type;     /* "int16", "float32", ... */
+    tc_sample_type type;         /* that holds them all */
     bool integer;                /* stored as integers */
     double unit;                 /* metres per stored unit */
-    tc_georef georef;            /* crs_wkt owned by the source */
+    double offset;               /* metres of the stored value 0, z_base not subtracted */
+    bool has_nodata;
+    double nodata;             /* stored value: the file's own, else that of the options */
+    tc_georef georef;          /* crs_wkt owned by the source */
+    bool area_registered;      /* the samples stood for areas */
+    double crs_unit;           /* radians or metres per unit of the transform */
+    double inverse_flattening; /* of the georeference's body; 0: a sphere */
 } tc_source_info;
 
 typedef struct tc_source tc_source;
@@ -49,13 +60,36 @@ tc_status tc_source_read(tc_source *source, int64_t y0, int64_t rows, float *z, 
  * grids that would not fit the machine's memory together with their pyramid, and grids without one valid sample. */
 tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_grid *grid_ret, tc_error *error);
 
-/* Writes a float32 GeoTIFF from rows that are asked for as they are needed: row(context, y, z) gives row y counted
- * from the south. Written beside the target and renamed, so that a failure leaves an old file as it was. */
-typedef tc_status (*tc_row_function)(void *context, int64_t y, float *z);
+/* Rows read together at the least cost. */
+int64_t tc_source_chunk_rows(const tc_source *source);
+
+/* Metres between samples of a raster of that size with the transform of georef, which is known: degrees at its mean
+ * latitude. What the source's info says of the CRS holds. */
+void tc_georef_spacing(const tc_source_info *info, const tc_georef *georef, int64_t width, int64_t height,
+                       double *spacing_x, double *spacing_y);
+
+/* The stored value of a height that was read, before rounding to its type. base: offset - z_base of the source. */
+static inline double tc_stored_value(float z, double base, double unit)
+{
+    return ((double)z - base) / unit;
+}
+
+/* A coordinate system in metres from the terrain's own origin. */
+#define TC_LOCAL_CRS "LOCAL_CS[\"terrain\",UNIT[\"metre\",1]]"
+
+/* Writes a GeoTIFF from rows that are asked for as they are needed: row(context, y, values) gives row y counted from
+ * the south as stored values, NaN where there is none. Written beside the target and renamed, so that a failure leaves
+ * an old file as it was. */
+typedef tc_status (*tc_row_function)(void *context, int64_t y, double *values);
 typedef struct tc_tiff_options {
     int64_t width, height;
-    double spacing; /* metres */
-    bool int16;     /* rounded to int16 instead of float32 */
+    tc_sample_type type;     /* values are rounded to it; one beyond its range is an error */
+    double spacing;          /* metres; for a terrain without a georeference: its south-west sample is the origin */
+    const tc_georef *georef; /* NULL or not known: by spacing */
+    bool area_registered;
+    bool has_nodata;
+    double nodata;       /* stands for NaN, for which integers have no other value */
+    double unit, offset; /* metres per stored unit, 0 is 1; metres of the stored value 0 */
 } tc_tiff_options;
 tc_status tc_write_tiff(const char *path, const tc_tiff_options *options, tc_row_function row, void *context,
                         tc_error *error);

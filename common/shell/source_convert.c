@@ -187,6 +187,63 @@ void tc_convert_row(const tc_conversion *c, const void *samples, const uint8_t *
     }
 }
 
+int64_t tc_find_inexact(const tc_conversion *c, const void *samples, const uint8_t *voids, int64_t width,
+                        const float *z)
+{
+    bool narrow = c->type <= TC_SAMPLE_INT16 || c->type == TC_SAMPLE_FLOAT32;
+    if (narrow && c->scale == 1 && c->offset == 0)
+        return -1;
+    for (int64_t i = 0; i < width; i++) {
+        double value = tc_stored_value(z[i], c->offset, c->scale);
+        value = c->type == TC_SAMPLE_FLOAT32   ? (double)(float)value
+                : c->type == TC_SAMPLE_FLOAT64 ? value
+                                               : rint(value);
+        if (!voids[i] && value != stored(c->type, samples, i))
+            return i;
+    }
+    return -1;
+}
+
+#define DEFINE_STORE(TYPE, NAME, LOW, HIGH, ROUND)                                                                     \
+    static int64_t store_##NAME(const double *values, int64_t n, double nodata, TYPE *to)                              \
+    {                                                                                                                  \
+        for (int64_t i = 0; i < n; i++) {                                                                              \
+            double value = ROUND(isnan(values[i]) ? nodata : values[i]);                                               \
+            if (!(value >= (LOW) && value <= (HIGH)))                                                                  \
+                return i;                                                                                              \
+            to[i] = (TYPE)value;                                                                                       \
+        }                                                                                                              \
+        return -1;                                                                                                     \
+    }
+
+DEFINE_STORE(uint8_t, uint8, 0, UINT8_MAX, rint)
+DEFINE_STORE(int8_t, int8, INT8_MIN, INT8_MAX, rint)
+DEFINE_STORE(uint16_t, uint16, 0, UINT16_MAX, rint)
+DEFINE_STORE(int16_t, int16, INT16_MIN, INT16_MAX, rint)
+DEFINE_STORE(uint32_t, uint32, 0, UINT32_MAX, rint)
+DEFINE_STORE(int32_t, int32, INT32_MIN, INT32_MAX, rint)
+
+int64_t tc_store_row(tc_sample_type type, const double *values, int64_t width, double nodata, void *samples)
+{
+    switch (type) {
+    case TC_SAMPLE_UINT8: return store_uint8(values, width, nodata, samples);
+    case TC_SAMPLE_INT8: return store_int8(values, width, nodata, samples);
+    case TC_SAMPLE_UINT16: return store_uint16(values, width, nodata, samples);
+    case TC_SAMPLE_INT16: return store_int16(values, width, nodata, samples);
+    case TC_SAMPLE_UINT32: return store_uint32(values, width, nodata, samples);
+    case TC_SAMPLE_INT32: return store_int32(values, width, nodata, samples);
+    case TC_SAMPLE_FLOAT32:
+        for (int64_t i = 0; i < width; i++)
+            ((float *)samples)[i] = (float)(isnan(values[i]) ? nodata : values[i]);
+        break;
+    case TC_SAMPLE_FLOAT64:
+        for (int64_t i = 0; i < width; i++)
+            ((double *)samples)[i] = isnan(values[i]) ? nodata : values[i];
+        break;
+    }
+    return -1;
+}
+
 double tc_convert_one(const tc_conversion *c, const void *samples, const uint8_t *mask, int64_t i)
 {
     uint8_t is_void = mask && mask[i] == 0;

@@ -61,12 +61,13 @@ static double sample_latitude(const double t[6], double column, double row)
 
 /* Spacing of a raster in degrees, at its mean latitude on the ellipsoid: a degree of longitude is as long as the
  * parallel there, one of latitude as the meridian. */
-static void degrees_to_metres(const tc_raster_info *raster, const double t[6], double unit, double *x, double *y)
+static void degrees_to_metres(const double t[6], int64_t width, int64_t height, double semi_major,
+                              double inverse_flattening, double unit, double *x, double *y)
 {
-    double a = raster->semi_major > 0 ? raster->semi_major : wgs84_semi_major;
-    double inverse = raster->semi_major > 0 ? raster->inverse_flattening : wgs84_inverse_flattening;
+    double a = semi_major > 0 ? semi_major : wgs84_semi_major;
+    double inverse = semi_major > 0 ? inverse_flattening : wgs84_inverse_flattening;
     double f = inverse > 0 ? 1 / inverse : 0, e2 = f * (2 - f);
-    double middle = sample_latitude(t, 0.5 * (double)(raster->width - 1), 0.5 * (double)(raster->height - 1)) * unit;
+    double middle = sample_latitude(t, 0.5 * (double)(width - 1), 0.5 * (double)(height - 1)) * unit;
     double limit = 89.9 * radians_per_degree; /* at a pole itself columns would have no distance */
     double latitude = fmax(-limit, fmin(limit, middle));
     double w2 = 1 - e2 * sin(latitude) * sin(latitude);
@@ -104,6 +105,25 @@ static void orient(const tc_raster_info *raster, double t[6], bool *flip_x, bool
     }
 }
 
+double tc_crs_unit(const tc_raster_info *raster, const tc_georef *georef)
+{
+    /* Degrees without a coordinate system are a guess. */
+    return raster->crs == TC_CRS_NONE && georef->geographic ? radians_per_degree
+           : raster->crs_unit > 0                           ? raster->crs_unit
+                                                            : 1;
+}
+
+void tc_georef_spacing(const tc_source_info *info, const tc_georef *georef, int64_t width, int64_t height,
+                       double *spacing_x, double *spacing_y)
+{
+    const double *t = georef->transform;
+    *spacing_x = hypot(t[1], t[4]) * info->crs_unit;
+    *spacing_y = hypot(t[2], t[5]) * info->crs_unit;
+    if (georef->geographic)
+        degrees_to_metres(t, width, height, georef->semi_major, info->inverse_flattening, info->crs_unit, spacing_x,
+                          spacing_y);
+}
+
 static bool usable(double spacing)
 {
     return isfinite(spacing) && spacing > 1e-9 && spacing < 1e9;
@@ -129,7 +149,8 @@ void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *opt
         }
         double tx = hypot(t[1], t[4]) * unit, ty = hypot(t[2], t[5]) * unit;
         if (degrees)
-            degrees_to_metres(raster, t, unit, &tx, &ty);
+            degrees_to_metres(t, raster->width, raster->height, raster->semi_major, raster->inverse_flattening, unit,
+                              &tx, &ty);
         if (usable(tx) && usable(ty)) {
             x = tx;
             y = ty;

@@ -30,6 +30,13 @@ size_t tc_sample_size(tc_sample_type type);
 void tc_convert_row(const tc_conversion *conversion, const void *samples, const uint8_t *mask, int64_t width, float *z,
                     uint8_t *voids, tc_statistics *statistics);
 
+/* The first sample of a row converted to z that tc_stored_value does not give back; -1: it gives back all. */
+int64_t tc_find_inexact(const tc_conversion *conversion, const void *samples, const uint8_t *voids, int64_t width,
+                        const float *z);
+
+/* Rounds values to a type; NaN becomes nodata. The index of the first that has no place in the type, else -1. */
+int64_t tc_store_row(tc_sample_type type, const double *values, int64_t width, double nodata, void *samples);
+
 /* Metres (not above z_base) of sample i, NaN where void. */
 double tc_convert_one(const tc_conversion *conversion, const void *samples, const uint8_t *mask, int64_t i);
 
@@ -40,6 +47,9 @@ double tc_convert_one(const tc_conversion *conversion, const void *samples, cons
  * file's columns run east to west, its rows south to north. */
 void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *options, tc_georef *georef,
                       double *spacing_x, double *spacing_y, bool *flip_x, bool *flip_y);
+
+/* Radians or metres per unit of the transform. */
+double tc_crs_unit(const tc_raster_info *raster, const tc_georef *georef);
 
 /* Metres per unit of height by the unit's name; 0 for an unknown name. */
 double tc_unit_by_name(const char *name);
@@ -60,6 +70,7 @@ tc_status tc_check_whole(const char *path, tc_error *error);
 /* By a file's first bytes. */
 bool tc_is_tiff(const unsigned char signature[4]);
 bool tc_is_png(const unsigned char signature[4]);
+bool tc_is_tclip(const unsigned char signature[8]);
 
 /* ---- Sources (source.c) -------------------------------------------------------------------------------------------
  */
@@ -68,8 +79,8 @@ bool tc_is_png(const unsigned char signature[4]);
 tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, float *z, uint8_t *voids,
                                  tc_statistics *statistics, tc_error *error);
 
-/* Rows that are read together at the least cost. */
-int64_t tc_source_chunk_rows(const tc_source *source);
+/* TC_ERR_USAGE where a number of the options is nonsense. */
+tc_status tc_check_source_options(const tc_source_options *options, tc_error *error);
 
 /* Says one line to the user by options->say. */
 void tc_say(const tc_source_options *options, bool warning, const char *format, ...)

@@ -22,6 +22,11 @@ bool tc_is_png(const unsigned char signature[4])
     return memcmp(signature, "\x89PNG", 4) == 0;
 }
 
+bool tc_is_tclip(const unsigned char signature[8])
+{
+    return memcmp(signature, "\x89TCLIP\r\n", 8) == 0;
+}
+
 typedef struct reader {
     FILE *file;
     uint64_t size;

@@ -2,6 +2,7 @@
 #include "stats.h"
 #include "common/core/base/status.h"
 #include "common/core/base/outfile.h"
+#include "json.h"
 
 #include <errno.h>
 #include <inttypes.h>
@@ -99,21 +100,6 @@ void tc_stats_summarise(tc_stats *stats, tc_stats_summary *summary_ret)
     };
 }
 
-/* A JSON string, quotes included. */
-static void print_string(const char *text, FILE *file)
-{
-    fputc('"', file);
-    for (const char *c = text ? text : ""; *c; c++) {
-        if (*c == '"' || *c == '\\')
-            fprintf(file, "\\%c", *c);
-        else if ((unsigned char)*c < 0x20)
-            fprintf(file, "\\u%04x", *c);
-        else
-            fputc(*c, file);
-    }
-    fputc('"', file);
-}
-
 void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, FILE *file)
 {
     const tc_memory_stats *m = &context->memory;
@@ -125,19 +111,19 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
             s->triangles, s->draws, s->levels_active);
     fprintf(file, "  \"samples_updated\": %" PRId64 ",\n  \"bytes_uploaded\": %" PRId64 ",\n", s->samples_updated,
             s->bytes_uploaded);
-    fprintf(file, "  \"bytes_decoded\": 0,\n"); /* nothing here is packed */
+    fprintf(file, "  \"bytes_decoded\": %" PRId64 ",\n", context->bytes_decoded);
     fprintf(
         file,
         "  \"memory\": {\"geometry\": %zu, \"heights\": %zu, \"normals\": %zu, \"imagery\": %zu, \"pyramid\": %zu},\n",
         m->geometry, m->heights, m->normals, m->imagery, m->pyramid);
     fprintf(file, "  \"renderer\": ");
-    print_string(context->renderer, file);
+    tc_json_string(context->renderer, file);
     fprintf(file, ",\n  \"backend\": ");
-    print_string(context->backend, file);
+    tc_json_string(context->backend, file);
     fprintf(file, ",\n  \"left_out\": [");
     for (int i = 0; context->left_out && context->left_out[i]; i++) {
         fprintf(file, i ? ",\n    " : "\n    ");
-        print_string(context->left_out[i], file);
+        tc_json_string(context->left_out[i], file);
     }
     fprintf(file, context->left_out && context->left_out[0] ? "\n  ]\n}\n" : "]\n}\n");
 }

@@ -35,6 +35,7 @@ void tc_stats_summarise(tc_stats *stats, tc_stats_summary *summary_ret);
 typedef struct tc_stats_context {
     const char *renderer, *backend;
     tc_memory_stats memory;
+    int64_t bytes_decoded;       /* of a packed terrain's tiles */
     const char *const *left_out; /* NULL-terminated */
 } tc_stats_context;
 

@@ -3,11 +3,11 @@
 #include "viewer_internal.h"
 #include "common/core/base/status.h"
 #include "common/core/base/outfile.h"
+#include "interrupt.h"
 #include "plugin.h"
 
 #include <inttypes.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -16,30 +16,6 @@
 #endif
 
 enum { WINDOW_FRAMES = 65536 }; /* that a window's statistics look back */
-
-/* ---- Signals ------------------------------------------------------------------------------------------------ */
-
-/* A handler can only reach a global. */
-static volatile sig_atomic_t interrupted;
-
-static void on_signal(int number)
-{
-    (void)number;
-    interrupted = 1;
-}
-
-void tc_viewer_watch_signals(void)
-{
-    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGINT, &action, NULL);
-    sigaction(SIGTERM, &action, NULL);
-}
-
-bool tc_viewer_interrupted(void)
-{
-    return interrupted;
-}
 
 /* ---- Starting ----------------------------------------------------------------------------------------------- */
 
@@ -53,29 +29,24 @@ static void say(void *context, bool warning, const char *line)
 
 static tc_status load_terrain(tc_viewer *v, tc_error *error)
 {
-    double start = tc_clock_ms();
     tc_source_options source = v->options.source;
     source.say = say;
     source.say_context = v;
-    tc_grid grid;
-    tc_status status = tc_grid_load(v->options.terrain, &source, &grid, error);
+    tc_status status = tc_terrain_open(v->options.terrain, &source, v->options.threads, &v->terrain, error);
     if (status != TC_OK)
         return status;
-    double loaded = tc_clock_ms();
-    status = tc_pyramid_build(&grid, v->options.threads, &v->pyramid, error);
-    if (status != TC_OK)
-        return status;
-
+    v->pyramid = v->terrain.pyramid;
     const tc_terrain_info *info = tc_pyramid_info(v->pyramid);
     const tc_level finest = tc_pyramid_level(v->pyramid, info->levels);
     v->spacing = fmin(finest.spacing_x, finest.spacing_y);
     if (v->options.verbose)
         fprintf(stderr,
                 "%s: %s: %" PRId64 " x %" PRId64 " samples every %g x %g m, heights %.2f to %.2f m, %" PRId64
-                " voids; read in %.0f ms, %d levels in %.0f ms\n",
+                " voids; %s in %.0f ms, %d levels in %.0f ms\n",
                 v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
-                info->z_base + info->z_min, info->z_base + info->z_max, info->void_count, loaded - start, info->levels,
-                tc_clock_ms() - loaded);
+                info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
+                tc_pyramid_packed_info(v->pyramid) ? "opened" : "read", v->terrain.read_ms, info->levels,
+                v->terrain.build_ms);
     return TC_OK;
 }
 
@@ -152,7 +123,7 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
 static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
-    v->scene.holes = v->options.source.voids == TC_VOIDS_HOLE && tc_pyramid_info(v->pyramid)->void_count > 0;
+    v->scene.holes = v->terrain.voids == TC_VOIDS_HOLE && tc_pyramid_info(v->pyramid)->void_count > 0;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
     if (v->options.output && !v->scene.budget)
         v->scene.budget = -1;
@@ -188,7 +159,7 @@ tc_status tc_viewer_measured_frame(tc_viewer *v, tc_frame_stats *frame_ret, tc_e
 tc_status tc_viewer_resident_frame(tc_viewer *v, tc_error *error)
 {
     /* Every frame brings something, or nothing more will come. */
-    for (int idle = 0; idle < 3 && !tc_viewer_interrupted();) {
+    for (int idle = 0; idle < 3 && !tc_interrupted();) {
         tc_frame_stats frame;
         double start = tc_clock_ms();
         tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, &frame, error);
@@ -201,7 +172,7 @@ tc_status tc_viewer_resident_frame(tc_viewer *v, tc_error *error)
         tc_stats_load(v->stats, &frame);
         idle = frame.samples_updated > 0 ? 0 : idle + 1;
     }
-    if (tc_viewer_interrupted())
+    if (tc_interrupted())
         return tc_fail(error, TC_ERR_IO, "interrupted");
     return tc_fail(error, TC_ERR_UNSUPPORTED,
                    "%s: what the view needs could not be loaded, at %" PRId64 " samples a frame", v->options.terrain,
@@ -238,6 +209,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
     tc_stats_summarise(v->stats, &summary);
     tc_stats_context context = {.renderer = (const char *)v->gl->GetString(GL_RENDERER),
                                 .backend = v->context ? tc_context_backend(v->context) : "window",
+                                .bytes_decoded = tc_terrain_bytes_decoded(v->pyramid),
                                 .left_out = tc_renderer_left_out(v->renderer)};
     tc_renderer_memory(v->renderer, &context.memory);
     if (v->options.explain && !v->options.json) /* which says it, too */
@@ -250,6 +222,15 @@ static tc_status report(tc_viewer *v, tc_error *error)
                summary.frames, summary.frame_median, summary.frame_p95, summary.frame_max, summary.triangles,
                summary.draws, summary.levels_active);
     return v->options.stats ? tc_stats_write(v->options.stats, &summary, &context, error) : TC_OK;
+}
+
+/* What could not be shown as it should be. */
+static void report_damage(const tc_viewer *v)
+{
+    int64_t tiles = tc_terrain_damaged(v->pyramid);
+    if (tiles > 0 && !v->options.quiet)
+        fprintf(stderr, "%s: warning: %s: damaged: %" PRId64 " tiles were shown from the next coarser level\n",
+                v->program->name, v->options.terrain, tiles);
 }
 
 /* Fails now where a file could not be written later, after all the work. */
@@ -286,7 +267,7 @@ static tc_status run(tc_viewer *v, tc_error *error)
     if (status != TC_OK)
         return status;
 
-    tc_viewer_watch_signals();
+    tc_watch_interrupts();
     if (interactive(&v->options))
         status = tc_viewer_window(v, error);
     else if (v->options.path)
@@ -296,6 +277,7 @@ static tc_status run(tc_viewer *v, tc_error *error)
     /* A flight that was cut short still tells what it measured. */
     tc_error unused;
     tc_status reported = report(v, status == TC_OK ? error : &unused);
+    report_damage(v);
     return status == TC_OK ? reported : status;
 }
 
@@ -329,7 +311,7 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     if (viewer.surface)
         viewer.surface->destroy(viewer.surface);
     tc_clipmap_destroy(viewer.clipmap);
-    tc_pyramid_destroy(viewer.pyramid);
+    tc_terrain_close(&viewer.terrain);
     tc_flight_path_free(&viewer.path);
     tc_stats_destroy(viewer.stats);
     return tc_exit_code(status);

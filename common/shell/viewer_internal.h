@@ -11,6 +11,7 @@
 #include "options.h"
 #include "renderer.h"
 #include "stats.h"
+#include "terrain.h"
 #include "viewer.h"
 #include "window.h"
 
@@ -18,7 +19,8 @@ typedef struct tc_viewer {
     const tc_viewer_program *program;
     tc_options options;
 
-    tc_pyramid *pyramid;
+    tc_terrain terrain;
+    tc_pyramid *pyramid; /* the terrain's */
     tc_clipmap *clipmap;
     tc_surface *surface;
     double spacing; /* metres; the smaller of the finest level's two */
@@ -35,11 +37,6 @@ typedef struct tc_viewer {
     tc_flight_path path; /* no keys: none */
     tc_stats *stats;
 } tc_viewer;
-
-/* Whether the user has asked to end (Ctrl-C, SIGTERM), once tc_viewer_watch_signals has been called. A second Ctrl-C
- * ends the program at once. */
-void tc_viewer_watch_signals(void);
-bool tc_viewer_interrupted(void);
 
 /* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
 tc_status tc_viewer_measured_frame(tc_viewer *viewer, tc_frame_stats *frame_ret, tc_error *error);

@@ -1,6 +1,7 @@
 /* viewer_offscreen.c - pictures and flights without a window. */
 #include "viewer_internal.h"
 #include "common/core/base/status.h"
+#include "interrupt.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -40,7 +41,7 @@ static void show_progress(const tc_viewer *v, int done)
 static tc_status warm_up(tc_viewer *v, tc_error *error)
 {
     tc_frame_stats frame = {0};
-    for (int idle = 0; idle < 3 && !frame.resident && !tc_viewer_interrupted();) {
+    for (int idle = 0; idle < 3 && !frame.resident && !tc_interrupted();) {
         tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, &frame, error);
         if (status != TC_OK)
             return status;
@@ -56,7 +57,7 @@ tc_status tc_viewer_flight(tc_viewer *v, tc_error *error)
     uint8_t *rgb = NULL;
     tc_status status = pattern ? allocate_frame(v, &rgb, error) : warm_up(v, error);
     for (int i = 0; status == TC_OK && i < v->options.frames; i++) {
-        if (tc_viewer_interrupted()) {
+        if (tc_interrupted()) {
             status = tc_fail(error, TC_ERR_IO, "interrupted after %d of %d frames", i, v->options.frames);
             break;
         }

@@ -3,6 +3,7 @@
  * What a key does is one line of the table; the help text comes from it. */
 #include "viewer_internal.h"
 #include "common/core/base/status.h"
+#include "interrupt.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -236,10 +237,10 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
 
     tc_status status = TC_OK;
     double last = now;
-    for (int frames = 0; status == TC_OK && !s.quit && !tc_viewer_interrupted();) {
+    for (int frames = 0; status == TC_OK && !s.quit && !tc_interrupted();) {
         tc_window_input input;
         v->window_plugin->poll(v->window, 0, &input);
-        while ((input.width <= 0 || input.height <= 0) && !input.close && !tc_viewer_interrupted()) {
+        while ((input.width <= 0 || input.height <= 0) && !input.close && !tc_interrupted()) {
             v->window_plugin->poll(v->window, 0.2, &input); /* iconified */
             last = tc_clock_ms();
         }

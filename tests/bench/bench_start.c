@@ -122,10 +122,11 @@ static void compare(const char *program, const char *path, const char *name)
     fflush(stdout);
 }
 
-static tc_status give_row(void *context, int64_t y, float *z)
+static tc_status give_row(void *context, int64_t y, double *values)
 {
     const tc_grid *grid = context;
-    memcpy(z, grid->z + y * grid->width, (size_t)grid->width * sizeof *z);
+    for (int64_t i = 0; i < grid->width; i++)
+        values[i] = grid->z[y * grid->width + i];
     return TC_OK;
 }
 
@@ -154,8 +155,8 @@ int main(int argc, char **argv)
         return 99;
     tc_error error;
     const char *tiff = made_path("start.tif"), *pgm = made_path("start.pgm");
-    must(tc_write_tiff(tiff, &(tc_tiff_options){.width = SIZE, .height = SIZE, .spacing = 30, .int16 = true}, give_row,
-                       &grid, &error),
+    must(tc_write_tiff(tiff, &(tc_tiff_options){.width = SIZE, .height = SIZE, .spacing = 30, .type = TC_SAMPLE_INT16},
+                       give_row, &grid, &error),
          &error);
     make_pgm(pgm, SIZE, SIZE, stored);
     free(stored);

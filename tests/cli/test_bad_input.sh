@@ -227,8 +227,8 @@ refuses 2 "expected one of 'terraclip --help'" $terraclip
 refuses 2 'paint: expected a command' $terraclip paint
 refuses 2 'synth: expected -o FILE.tif' $terraclip synth
 refuses 2 'expected options only' $terraclip synth -o out/a.tif b.tif
-refuses 2 '--nonsense: expected an option' $terraclip synth --nonsense -o out/a.tif
-refuses 2 '--size: expected a value' $terraclip synth -o out/a.tif --size
+refuses 2 '--nonsense: no such option' $terraclip synth --nonsense -o out/a.tif
+refuses 2 '--size: expected .*, found nothing' $terraclip synth -o out/a.tif --size
 while read -r option values; do
     for value in $values; do
         [ "$value" != '""' ] || value=

@@ -18,14 +18,14 @@ typedef struct asked {
     float factor;
 } asked;
 
-static tc_status give_row(void *context, int64_t y, float *z)
+static tc_status give_row(void *context, int64_t y, double *z)
 {
     asked *a = context;
     assert_int_equal(y, a->next--);
     if (y == a->fail_at)
         return TC_ERR_MEMORY;
     for (int64_t x = 0; x < a->width; x++)
-        z[x] = a->factor * (float)(x - 2 * y) + 0.25f;
+        z[x] = a->factor * (float)(x - 2 * y) + 0.25;
     return TC_OK;
 }
 
@@ -41,7 +41,8 @@ static void tiffs_come_back(void **state)
             int before = made_folder_count();
             const char *path = made_path("written.tif");
             unlink(path);
-            tc_tiff_options options = {.width = w, .height = h, .spacing = 12.5, .int16 = int16};
+            tc_tiff_options options = {
+                .width = w, .height = h, .type = int16 ? TC_SAMPLE_INT16 : TC_SAMPLE_FLOAT32, .spacing = 12.5};
             if (tc_write_tiff(path, &options, give_row, &a, &error) != TC_OK)
                 fail_msg("%s", error.text);
             assert_true(made_folder_count() <= before + 1);
@@ -66,10 +67,10 @@ static void failed_writing_leaves_no_trace(void **state)
     int before = made_folder_count();
     tc_error error = {0};
     asked a = {300, 299, 10, 1};
-    tc_tiff_options options = {.width = 300, .height = 300, .spacing = 1};
+    tc_tiff_options options = {.width = 300, .height = 300, .type = TC_SAMPLE_FLOAT32, .spacing = 1};
     assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_MEMORY);
     a = (asked){300, 299, -1, 1000};
-    options.int16 = true;
+    options.type = TC_SAMPLE_INT16;
     assert_int_equal(tc_write_tiff(path, &options, give_row, &a, &error), TC_ERR_USAGE);
     assert_non_null(strstr(error.text, "int16"));
     options.spacing = 0;

@@ -1,0 +1,27 @@
+/* interrupt.c - the flag that Ctrl-C sets. */
+#include "interrupt.h"
+
+#include <signal.h>
+#include <stddef.h>
+
+/* A handler can only reach a global. */
+static volatile sig_atomic_t interrupted;
+
+static void on_signal(int number)
+{
+    (void)number;
+    interrupted = 1;
+}
+
+void tc_watch_interrupts(void)
+{
+    struct sigaction action = {.sa_handler = on_signal, .sa_flags = (int)(SA_RESETHAND | SA_RESTART)};
+    sigemptyset(&action.sa_mask);
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+bool tc_interrupted(void)
+{
+    return interrupted;
+}

@@ -1,0 +1,351 @@
+/* extract.c - `terraclip extract`: a level of a packed terrain, or a part of one, as a GeoTIFF.
+ *
+ * Rows are asked for from the north, one by one; they are read from the pyramid in strips that begin at multiples of
+ * their height, so that tiles are decoded once. */
+#include "extract.h"
+
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
+#include "common/shell/arguments.h"
+#include "common/shell/interrupt.h"
+#include "common/shell/numbers.h"
+#include "common/core/base/outfile.h"
+#include "common/shell/terrain.h"
+#include "progress.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+struct arguments {
+    const char *file, *output;
+    int level; /* 0: the finest */
+    bool has_rect;
+    int64_t rect[4]; /* X, Y from the north-west, W, H */
+    bool quiet, verbose;
+};
+
+/* ---- Command line ----------------------------------------------------------------------------------------------- */
+
+static bool set_output(void *arguments, const char *value)
+{
+    ((struct arguments *)arguments)->output = value;
+    return *value != '\0';
+}
+
+static bool set_level(void *arguments, const char *value)
+{
+    return tc_read_int(value, 1, 48, &((struct arguments *)arguments)->level);
+}
+
+static bool set_rect(void *arguments, const char *value)
+{
+    struct arguments *a = arguments;
+    for (int i = 0; i < 4; i++) {
+        double number;
+        if (!tc_take_number(&value, &number) || *value != (i < 3 ? ',' : '\0') || number != floor(number) ||
+            !(number >= (i < 2 ? 0 : 1) && number <= INT32_MAX))
+            return false;
+        a->rect[i] = (int64_t)number;
+        value++;
+    }
+    return a->has_rect = true;
+}
+
+static const tc_option table[] = {
+    {0, "level", "L", "1..48", "of detail; 1 is the coarsest (the finest)", set_level, 0},
+    {0, "rect", "X,Y,W,H", "whole numbers X,Y,W,H, W and H 1 or more",
+     "a part, in samples of that level: column X and row Y of its north-west sample, counted from the level's "
+     "north-west; width and height (all)",
+     set_rect, 0},
+    {'o', "output", "FILE.tif", "the name of a file", "where it goes", set_output, 0},
+    TC_SWITCH(struct arguments, quiet, 'q', "quiet", "neither warnings nor progress"),
+    TC_SWITCH(struct arguments, verbose, 'v', "verbose", "what was written"),
+    TC_HELP_AND_VERSION,
+};
+
+static tc_status set_file(void *arguments, const char *operand, tc_error *error)
+{
+    struct arguments *a = arguments;
+    if (a->file)
+        return tc_fail(error, TC_ERR_USAGE, "FILE: expected one file, found also '%s'", operand);
+    a->file = operand;
+    return TC_OK;
+}
+
+static const tc_command_line line = {
+    .options = table, .count = sizeof table / sizeof *table, .help = "'terraclip extract --help'", .operand = set_file};
+
+void tc_extract_help(FILE *file)
+{
+    fprintf(file,
+            "Usage: terraclip extract [OPTION]... FILE.tclip -o OUT.tif\n"
+            "Writes a level as a GeoTIFF, north up and in its place: heights in metres as float32; of the finest\n"
+            "level of a terrain packed without loss the source's own values in its own type. Voids get the source's\n"
+            "nodata value; where it has none or it lies among the heights, NaN or an extreme of the integer type.\n"
+            "Where tiles are damaged the next coarser level stands in, and the exit code is 1.\n\n");
+    tc_arguments_print(&line, file);
+}
+
+static tc_status check_together(const struct arguments *a, tc_error *error)
+{
+    struct stat in, out;
+    if (!a->file)
+        return tc_fail(error, TC_ERR_USAGE, "FILE: expected a packed terrain, found none");
+    if (!a->output)
+        return tc_fail(error, TC_ERR_USAGE, "extract: expected -o OUT.tif, found none");
+    if (stat(a->file, &in) == 0 && stat(a->output, &out) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected another file than the input, found the same", a->output);
+    return TC_OK;
+}
+
+/* ---- What is written -------------------------------------------------------------------------------------------- */
+
+enum { STRIP_ROWS = 256, STRIP_BYTES = 48 << 20 };
+
+typedef struct job {
+    const tc_pyramid *pyramid;
+    tc_progress *progress;
+    int level;
+    tc_rect rect; /* rows from the south */
+    tc_tiff_options tiff;
+    tc_georef georef;
+    bool stored;       /* stored values, else metres */
+    double base, unit; /* of tc_stored_value */
+    double z_base;
+
+    float *z;
+    uint8_t *voids;
+    int64_t strip_rows;     /* a power of two */
+    int64_t from, to;       /* rows in the strip */
+    int64_t voids_mistaken; /* heights that look like nodata */
+    tc_status status;       /* of reading */
+} job;
+
+/* Finest samples between those of the level. */
+static double stride_of(const tc_pack_terrain *terrain, tc_level level)
+{
+    return rint(level.spacing_x / terrain->spacing_x);
+}
+
+/* The place of the rectangle: sample (i, j) of the level lies on finest sample (i s, j s), counted from the south-west.
+ */
+static void place(job *j, const tc_pack_terrain *terrain, tc_level level, double west, double north)
+{
+    double s = stride_of(terrain, level), h = (double)terrain->height;
+    double local[6] = {-0.5 * terrain->spacing_x, terrain->spacing_x, 0, (h - 0.5) * terrain->spacing_y, 0,
+                       -terrain->spacing_y};
+    const double *t = terrain->georef.known ? terrain->georef.transform : local;
+    j->georef = terrain->georef;
+    if (!terrain->georef.known)
+        j->georef.crs_wkt = (char *)TC_LOCAL_CRS;
+    j->georef.known = true;
+    /* Its corner in columns and rows of the finest level; pixels are as large as the spacing, around their samples. */
+    double column = 0.5 + (west - 0.5) * s, row = h - 0.5 - ((double)level.height - 0.5 - north) * s;
+    double *u = j->georef.transform;
+    u[0] = t[0] + column * t[1] + row * t[2];
+    u[3] = t[3] + column * t[4] + row * t[5];
+    u[1] = t[1] * s;
+    u[2] = t[2] * s;
+    u[4] = t[4] * s;
+    u[5] = t[5] * s;
+}
+
+/* Whether a value is none that heights could come to: outside of their range and as much again. */
+static bool is_apart(double value, double low, double high)
+{
+    double margin = high - low + 1;
+    return isnan(value) || value < low - margin || value > high + margin;
+}
+
+static bool is_integer(tc_sample_type type)
+{
+    return type != TC_SAMPLE_FLOAT32 && type != TC_SAMPLE_FLOAT64;
+}
+
+/* The value for voids of an integer type whose source has none: an extreme that no height has; NaN: there is none. */
+static double spare_value(tc_sample_type type, double low, double high)
+{
+    static const double limits[][2] = {{255, 0},        {-128, 127},      {65535, 0},
+                                       {-32768, 32767}, {4294967295., 0}, {-2147483648., 2147483647.}};
+    for (int i = 0; i < 2; i++)
+        if (limits[type][i] < floor(low) || limits[type][i] > ceil(high))
+            return limits[type][i];
+    return NAN;
+}
+
+/* Settles type, meaning and nodata of what is written. */
+static void choose_storage(job *j, const tc_packed_info *packed, bool finest)
+{
+    const tc_pack_terrain *t = &packed->terrain;
+    const tc_terrain_info *info = tc_pyramid_info(j->pyramid);
+    tc_tiff_options *o = &j->tiff;
+    j->stored = finest && packed->mode == TC_PACK_LOSSLESS;
+    j->z_base = t->z_base;
+    j->base = t->offset - t->z_base;
+    j->unit = t->unit;
+    o->type = j->stored ? t->sample_type : TC_SAMPLE_FLOAT32;
+    o->area_registered = t->area_registered;
+    double low = info->z_base + info->z_min, high = info->z_base + info->z_max;
+    if (j->stored) {
+        double a = tc_stored_value(info->z_min, j->base, j->unit), b = tc_stored_value(info->z_max, j->base, j->unit);
+        low = fmin(a, b);
+        high = fmax(a, b);
+    }
+
+    o->has_nodata = t->has_nodata || info->void_count > 0;
+    o->nodata = t->has_nodata ? t->nodata : NAN;
+    if (is_integer(o->type) && !t->has_nodata && info->void_count > 0) {
+        o->nodata = spare_value(o->type, low, high);
+        if (isnan(o->nodata)) { /* every value means a height */
+            j->stored = false;
+            o->type = TC_SAMPLE_FLOAT32;
+        }
+    } else if (!j->stored && t->has_nodata && (!is_apart(t->nodata, low, high) || fabs(t->nodata) > 3e38)) {
+        o->nodata = NAN;
+    }
+    if (j->stored) {
+        o->unit = t->unit;
+        o->offset = t->offset;
+    }
+    if (o->type == TC_SAMPLE_FLOAT32)
+        o->nodata = (float)o->nodata; /* as the samples have it */
+}
+
+/* ---- Rows ------------------------------------------------------------------------------------------------------- */
+
+static tc_status read_strip(job *j, int64_t y)
+{
+    tc_rect strip = j->rect;
+    strip.y0 = tc_max64(j->rect.y0, y / j->strip_rows * j->strip_rows);
+    strip.y1 = tc_min64(j->rect.y1, strip.y0 / j->strip_rows * j->strip_rows + j->strip_rows);
+    tc_status status = tc_pyramid_read(j->pyramid, j->level, strip, j->z, j->voids, strip.x1 - strip.x0);
+    j->from = strip.y0;
+    j->to = status == TC_OK ? strip.y1 : strip.y0;
+    return status;
+}
+
+static tc_status give_row(void *context, int64_t row, double *values)
+{
+    job *j = context;
+    int64_t y = j->rect.y0 + row, width = j->rect.x1 - j->rect.x0;
+    if (y < j->from || y >= j->to) {
+        if (tc_interrupted())
+            return TC_ERR_IO;
+        tc_status status = read_strip(j, y);
+        if (status != TC_OK)
+            return status;
+        tc_progress_show(j->progress, (double)(j->rect.y1 - y) / (double)(j->rect.y1 - j->rect.y0));
+    }
+    const float *z = j->z + (y - j->from) * width;
+    const uint8_t *voids = j->voids + (y - j->from) * width;
+    bool rounded = is_integer(j->tiff.type);
+    for (int64_t i = 0; i < width; i++) {
+        double value = j->stored ? tc_stored_value(z[i], j->base, j->unit) : (double)z[i] + j->z_base;
+        value = rounded ? rint(value) : value;
+        values[i] = voids[i] ? NAN : value;
+        j->voids_mistaken += !voids[i] && j->tiff.has_nodata && value == j->tiff.nodata;
+    }
+    return TC_OK;
+}
+
+/* ---- Running ---------------------------------------------------------------------------------------------------- */
+
+static tc_status settle_rect(const struct arguments *a, tc_level level, job *j, tc_error *error)
+{
+    const int64_t all[4] = {0, 0, level.width, level.height}, *r = a->has_rect ? a->rect : all;
+    if (r[2] > level.width - r[0] || r[3] > level.height - r[1])
+        return tc_fail(error, TC_ERR_USAGE,
+                       "--rect: expected a part of level %d, %" PRId64 " x %" PRId64 " samples, found %" PRId64
+                       ",%" PRId64 ",%" PRId64 ",%" PRId64,
+                       j->level, level.width, level.height, r[0], r[1], r[2], r[3]);
+    j->rect = (tc_rect){r[0], level.height - r[1] - r[3], r[0] + r[2], level.height - r[1]};
+    return TC_OK;
+}
+
+static tc_status make_room(job *j, tc_error *error)
+{
+    int64_t width = j->rect.x1 - j->rect.x0;
+    for (j->strip_rows = STRIP_ROWS; j->strip_rows > 1 && j->strip_rows * width * 5 > STRIP_BYTES;)
+        j->strip_rows /= 2;
+    size_t samples = (size_t)(j->strip_rows * width);
+    j->z = malloc(samples * sizeof *j->z);
+    j->voids = malloc(samples);
+    return j->z && j->voids
+               ? TC_OK
+               : tc_fail(error, TC_ERR_MEMORY, "extract: not enough memory for %" PRId64 " rows", j->strip_rows);
+}
+
+static tc_status write(const struct arguments *a, job *j, tc_error *error)
+{
+    tc_status status = make_room(j, error);
+    if (status == TC_OK)
+        status = tc_write_tiff(a->output, &j->tiff, give_row, j, error);
+    free(j->z);
+    free(j->voids);
+    tc_progress_end(j->progress);
+    if (status != TC_OK)
+        return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted") : status;
+    char text[256];
+    if (j->voids_mistaken > 0) {
+        snprintf(text, sizeof text, "%" PRId64 " heights have the value %.10g, which means void in the file written",
+                 j->voids_mistaken, j->tiff.nodata);
+        tc_progress_say(j->progress, true, text);
+    }
+    snprintf(text, sizeof text, "level %d, %" PRId64 " x %" PRId64 " samples, %s", j->level, j->tiff.width,
+             j->tiff.height, j->stored ? "stored values of the source" : "metres as float32");
+    tc_progress_say(j->progress, false, text);
+    int64_t damaged = tc_terrain_damaged(j->pyramid);
+    if (damaged > 0)
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: damaged: %" PRId64 " tiles could not be read; %s was written with the next coarser level "
+                       "in their place",
+                       a->file, damaged, a->output);
+    return TC_OK;
+}
+
+static tc_status extract(const struct arguments *a, const tc_terrain *terrain, tc_progress *progress, tc_error *error)
+{
+    const tc_pyramid *pyramid = terrain->pyramid;
+    const tc_packed_info *packed = tc_pyramid_packed_info(pyramid);
+    int levels = tc_pyramid_info(pyramid)->levels;
+    if (a->level > levels)
+        return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
+    job j = {.pyramid = pyramid, .progress = progress, .level = a->level ? a->level : levels};
+    const tc_level level = tc_pyramid_level(pyramid, j.level);
+    tc_status status = settle_rect(a, level, &j, error);
+    if (status != TC_OK)
+        return status;
+    place(&j, &packed->terrain, level, (double)j.rect.x0, (double)(level.height - j.rect.y1));
+    j.tiff.width = j.rect.x1 - j.rect.x0;
+    j.tiff.height = j.rect.y1 - j.rect.y0;
+    j.tiff.georef = &j.georef;
+    choose_storage(&j, packed, stride_of(&packed->terrain, level) == 1);
+    progress->samples = (double)j.tiff.width * (double)j.tiff.height;
+    return write(a, &j, error);
+}
+
+tc_status tc_extract_main(int argc, char **argv, tc_error *error)
+{
+    struct arguments a = {0};
+    tc_action action;
+    tc_status status = tc_arguments_read(&line, argc, argv, &a, &action, error);
+    if (status == TC_OK)
+        status = check_together(&a, error);
+    if (status != TC_OK)
+        return status;
+    tc_progress progress = tc_progress_begin("extract", a.quiet, a.verbose);
+    const tc_source_options options = {.say = tc_progress_say, .say_context = &progress};
+    tc_terrain terrain = {0};
+    status = tc_terrain_open_packed(a.file, &options, &terrain, error);
+    if (status == TC_OK)
+        status = tc_outfile_probe(a.output, error);
+    if (status == TC_OK) {
+        tc_watch_interrupts();
+        status = extract(&a, &terrain, &progress, error);
+    }
+    tc_terrain_close(&terrain);
+    return status;
+}

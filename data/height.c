@@ -1,0 +1,299 @@
+/* height.c - `terraclip height`: heights at points, of a packed terrain or of any DEM.
+ *
+ * A point is taken to columns and rows by the file's transform, and from there to samples of a level. Heights are those
+ * of the level's mesh of triangles: what the viewers draw. */
+#include "height.h"
+
+#include "common/core/base/mesh.h"
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
+#include "common/shell/arguments.h"
+#include "common/shell/numbers.h"
+#include "common/shell/terrain.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct arguments {
+    const char *file;
+    const char *texts[2]; /* of the point */
+    int count;            /* of them */
+    int level;            /* 0: the finest */
+    bool quiet, verbose;
+    tc_source_options source;
+};
+
+/* ---- Command line ----------------------------------------------------------------------------------------------- */
+
+static bool set_level(void *arguments, const char *value)
+{
+    return tc_read_int(value, 1, 48, &((struct arguments *)arguments)->level);
+}
+
+static bool set_spacing(void *arguments, const char *value)
+{
+    return tc_read_spacing(value, &((struct arguments *)arguments)->source);
+}
+
+static bool set_unit(void *arguments, const char *value)
+{
+    return tc_read_unit(value, &((struct arguments *)arguments)->source);
+}
+
+static bool set_nodata(void *arguments, const char *value)
+{
+    return tc_read_nodata(value, &((struct arguments *)arguments)->source);
+}
+
+static bool set_voids(void *arguments, const char *value)
+{
+    return tc_read_voids(value, &((struct arguments *)arguments)->source);
+}
+
+static const tc_option table[] = {
+    {0, "level", "L", "1..48", "of detail; 1 is the coarsest (the finest)", set_level, 0},
+    {0, "voids", "POLICY", TC_EXPECTED_VOIDS,
+     "where there is no height: fill, constant=V, or hole, which is told as nan (fill; as packed)", set_voids, 0},
+    {.help = "How a DEM is read; a packed terrain knows"},
+    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", set_spacing, 0},
+    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", set_unit, 0},
+    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height, beside the file's own", set_nodata, 0},
+    {.help = "What is told"},
+    TC_SWITCH(struct arguments, quiet, 'q', "quiet", "no warnings"),
+    TC_SWITCH(struct arguments, verbose, 'v', "verbose", "how the file was understood"),
+    TC_HELP_AND_VERSION,
+};
+
+static tc_status take_operand(void *arguments, const char *operand, tc_error *error)
+{
+    struct arguments *a = arguments;
+    if (!a->file)
+        a->file = operand;
+    else if (a->count < 2)
+        a->texts[a->count++] = operand;
+    else
+        return tc_fail(error, TC_ERR_USAGE, "point: expected two numbers, found also '%s'", operand);
+    return TC_OK;
+}
+
+static const tc_command_line line = {.options = table,
+                                     .count = sizeof table / sizeof *table,
+                                     .help = "'terraclip height --help'",
+                                     .numbers = true,
+                                     .operand = take_operand};
+
+void tc_height_help(FILE *file)
+{
+    fprintf(file,
+            "Usage: terraclip height [OPTION]... FILE [X Y | LON LAT]\n"
+            "Tells the height at a point in metres; without a point, at those of the standard input, one a line.\n"
+            "FILE is a packed terrain, a DEM or a picture of heights. Where it has geographic coordinates a point is\n"
+            "LON LAT in degrees; where it has projected ones X Y of its coordinate system; without a georeference\n"
+            "metres east and north of its south-west sample. Heights are those of the mesh between samples.\n"
+            "A point outside is an error; one of the standard input is told as nan, and the exit code is 1.\n\n");
+    tc_arguments_print(&line, file);
+}
+
+/* ---- Points ----------------------------------------------------------------------------------------------------- */
+
+typedef struct place {
+    const tc_terrain *terrain;
+    int level;
+    double stride_x, stride_y; /* finest samples between those of the level */
+} place;
+
+/* Points may be off the border by so much of a sample: their decimals were rounded. */
+static const double tolerance = 1e-6;
+
+/* Finest samples east and north of the south-west one, by the transform. */
+static void to_samples(const place *p, double x, double y, double *u, double *v)
+{
+    const tc_terrain *t = p->terrain;
+    const double *g = t->georef.transform;
+    double determinant = g[1] * g[5] - g[2] * g[4];
+    x -= g[0];
+    y -= g[3];
+    *u = (x * g[5] - y * g[2]) / determinant - 0.5;
+    *v = (double)t->height - 0.5 - (y * g[1] - x * g[4]) / determinant;
+}
+
+static bool inside(const place *p, double u, double v)
+{
+    return u >= -tolerance && u <= (double)(p->terrain->width - 1) + tolerance && v >= -tolerance &&
+           v <= (double)(p->terrain->height - 1) + tolerance;
+}
+
+/* The point in finest samples; false: outside. */
+static bool locate(const place *p, double x, double y, double *u, double *v)
+{
+    const tc_terrain *t = p->terrain;
+    if (!t->georef.known) {
+        const tc_level level = tc_pyramid_level(t->pyramid, p->level);
+        *u = x / level.spacing_x * p->stride_x;
+        *v = y / level.spacing_y * p->stride_y;
+        return inside(p, *u, *v);
+    }
+    /* Longitudes repeat. */
+    for (int turn = 0; turn < (t->georef.geographic ? 3 : 1); turn++) {
+        to_samples(p, x + (turn == 1 ? 360 : turn == 2 ? -360 : 0), y, u, v);
+        if (inside(p, *u, *v))
+            return true;
+    }
+    return false;
+}
+
+/* Height of the level's mesh at a point in finest samples; beyond its last samples that of the nearest point. NaN
+ * where a void is left out. */
+static tc_status read_height(const place *p, double u, double v, double *z_ret)
+{
+    const tc_pyramid *pyramid = p->terrain->pyramid;
+    const tc_level l = tc_pyramid_level(pyramid, p->level);
+    u = fmin(fmax(u / p->stride_x, 0), (double)(l.width - 1));
+    v = fmin(fmax(v / p->stride_y, 0), (double)(l.height - 1));
+    int64_t i = tc_clamp64((int64_t)u, 0, tc_max64(0, l.width - 2)),
+            j = tc_clamp64((int64_t)v, 0, tc_max64(0, l.height - 2));
+    double tx = u - (double)i, ty = v - (double)j;
+    tc_rect cell = {i, j, tc_min64(i + 2, l.width), tc_min64(j + 2, l.height)};
+    float z[4] = {0};
+    uint8_t voids[4] = {0};
+    tc_status status = tc_pyramid_read(pyramid, p->level, cell, z, voids, 2);
+    if (status != TC_OK)
+        return status;
+    *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], tx, ty) + tc_pyramid_info(pyramid)->z_base;
+    /* Of the triangle's corners, those that have a share. */
+    bool lower = tx + ty <= 1;
+    const double shares[4] = {lower ? 1 - tx - ty : 0, lower ? tx : 1 - ty, lower ? ty : 1 - tx,
+                              lower ? 0 : tx + ty - 1};
+    for (int k = 0; k < 4 && p->terrain->voids == TC_VOIDS_HOLE; k++)
+        if (voids[k] && shares[k] > 0)
+            *z_ret = NAN;
+    return TC_OK;
+}
+
+static void print_height(double z)
+{
+    if (isnan(z))
+        printf("nan\n");
+    else
+        printf("%.10g\n", z == 0 ? 0 : z); /* no -0 */
+}
+
+/* ---- Running ---------------------------------------------------------------------------------------------------- */
+
+static tc_status tell_one(const struct arguments *a, const place *p, double x, double y, tc_error *error)
+{
+    double u, v, z;
+    if (!locate(p, x, y, &u, &v))
+        return tc_fail(error, TC_ERR_IO,
+                       "%s %s: expected a point of %s, found one outside, at column %.2f of %" PRId64
+                       " and row %.2f of %" PRId64 " from the south-west",
+                       a->texts[0], a->texts[1], a->file, u, p->terrain->width, v, p->terrain->height);
+    tc_status status = read_height(p, u, v, &z);
+    if (status != TC_OK)
+        return tc_fail(error, status, "%s: cannot be read: %s", a->file, tc_status_text(status));
+    print_height(z);
+    return TC_OK;
+}
+
+/* Two numbers with blanks or a comma between. */
+static bool parse_point(const char *text, double *x, double *y)
+{
+    text += strspn(text, " \t");
+    if (!tc_take_number(&text, x))
+        return false;
+    size_t gap = strspn(text, " \t,;");
+    text += gap;
+    if (gap == 0 || !tc_take_number(&text, y))
+        return false;
+    return text[strspn(text, " \t\r\n")] == '\0';
+}
+
+static tc_status tell_all(const struct arguments *a, const place *p, tc_error *error)
+{
+    char *text = NULL;
+    size_t room = 0;
+    int64_t number = 0, outside = 0;
+    tc_status status = TC_OK;
+    while (status == TC_OK && getline(&text, &room, stdin) > 0) {
+        double x, y, u, v, z = NAN;
+        number++;
+        if (text[strspn(text, " \t\r\n")] == '\0')
+            continue;
+        if (!parse_point(text, &x, &y)) {
+            status =
+                tc_fail(error, TC_ERR_FORMAT, "standard input: line %" PRId64 ": expected two numbers, found '%.80s'",
+                        number, strtok(text, "\r\n"));
+        } else if (!locate(p, x, y, &u, &v)) {
+            outside++;
+            print_height(NAN);
+        } else {
+            status = read_height(p, u, v, &z);
+            if (status != TC_OK)
+                tc_fail(error, status, "%s: cannot be read: %s", a->file, tc_status_text(status));
+            else
+                print_height(z);
+        }
+        if (isatty(STDIN_FILENO))
+            fflush(stdout);
+    }
+    free(text);
+    if (status == TC_OK && ferror(stdin))
+        status = tc_fail(error, TC_ERR_IO, "standard input: cannot be read");
+    if (status == TC_OK && outside > 0)
+        status = tc_fail(error, TC_ERR_IO, "standard input: expected points of %s, found %" PRId64 " outside", a->file,
+                         outside);
+    return status;
+}
+
+static void say(void *context, bool warning, const char *text)
+{
+    const struct arguments *a = context;
+    if (warning ? !a->quiet : a->verbose)
+        fprintf(stderr, "terraclip: %s%s\n", warning ? "warning: " : "", text);
+}
+
+static tc_status tell(const struct arguments *a, const tc_terrain *terrain, double x, double y, tc_error *error)
+{
+    int levels = tc_pyramid_info(terrain->pyramid)->levels;
+    if (a->level > levels)
+        return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
+    place p = {.terrain = terrain, .level = a->level ? a->level : levels};
+    const tc_level level = tc_pyramid_level(terrain->pyramid, p.level);
+    p.stride_x = rint(level.spacing_x / terrain->spacing_x);
+    p.stride_y = rint(level.spacing_y / terrain->spacing_y);
+    tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
+    int64_t damaged = tc_terrain_damaged(terrain->pyramid);
+    if (status == TC_OK && damaged > 0)
+        status = tc_fail(error, TC_ERR_FORMAT,
+                         "%s: damaged: %" PRId64 " tiles could not be read; the next coarser level stood in", a->file,
+                         damaged);
+    return status;
+}
+
+tc_status tc_height_main(int argc, char **argv, tc_error *error)
+{
+    struct arguments a = {0};
+    tc_action action;
+    tc_status status = tc_arguments_read(&line, argc, argv, &a, &action, error);
+    if (status != TC_OK)
+        return status;
+    if (!a.file)
+        return tc_fail(error, TC_ERR_USAGE, "FILE: expected a terrain, found none");
+    if (a.count == 1)
+        return tc_fail(error, TC_ERR_USAGE, "point: expected two numbers, found one");
+    double point[2] = {0};
+    for (int i = 0; i < a.count; i++)
+        if (!tc_read_number(a.texts[i], -1e12, 1e12, &point[i]))
+            return tc_fail(error, TC_ERR_USAGE, "point: expected two numbers, found '%s'", a.texts[i]);
+    a.source.say = say;
+    a.source.say_context = &a;
+    tc_terrain terrain = {0};
+    status = tc_terrain_open(a.file, &a.source, 0, &terrain, error);
+    if (status == TC_OK)
+        status = tell(&a, &terrain, point[0], point[1], error);
+    tc_terrain_close(&terrain);
+    return status;
+}

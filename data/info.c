@@ -1,0 +1,227 @@
+/* info.c - `terraclip info`: what a packed terrain holds, from its header alone. */
+#include "info.h"
+
+#include "common/core/base/status.h"
+#include "common/shell/arguments.h"
+#include "common/shell/json.h"
+#include "common/shell/terrain.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+struct arguments {
+    const char *file;
+    bool json, quiet, verbose;
+};
+
+/* ---- Command line ----------------------------------------------------------------------------------------------- */
+
+static const tc_option table[] = {
+    TC_SWITCH(struct arguments, json, 0, "json", "print the same as JSON"),
+    TC_SWITCH(struct arguments, quiet, 'q', "quiet", "no warnings"),
+    TC_SWITCH(struct arguments, verbose, 'v', "verbose", "also the coordinate system in full"),
+    TC_HELP_AND_VERSION,
+};
+
+static tc_status set_file(void *arguments, const char *operand, tc_error *error)
+{
+    struct arguments *a = arguments;
+    if (a->file)
+        return tc_fail(error, TC_ERR_USAGE, "FILE: expected one file, found also '%s'", operand);
+    a->file = operand;
+    return TC_OK;
+}
+
+static const tc_command_line line = {
+    .options = table, .count = sizeof table / sizeof *table, .help = "'terraclip info --help'", .operand = set_file};
+
+void tc_info_help(FILE *file)
+{
+    fprintf(file, "Usage: terraclip info [OPTION]... FILE.tclip\n"
+                  "Shows what a packed terrain holds. Of a file that was cut short it shows what is left, with a\n"
+                  "warning.\n\n");
+    tc_arguments_print(&line, file);
+}
+
+/* ---- Telling ---------------------------------------------------------------------------------------------------- */
+
+static const char *const mode_names[] = {"rms", "max-error", "lossless"};       /* as tc_pack_mode */
+static const char *const codec_names[] = {"lifting", "lh04"};                   /* as tc_pack_codec */
+static const char *const policy_names[] = {"fill", "hole", "constant"};         /* as tc_void_policy */
+static const char *const type_names[] = {"uint8",  "int8",  "uint16",  "int16", /* as tc_sample_type */
+                                         "uint32", "int32", "float32", "float64"};
+
+/* All that is told. */
+typedef struct facts {
+    const tc_pyramid *pyramid;
+    const tc_packed_info *packed;
+    const tc_terrain_info *info;
+    tc_packed_level finest;
+    double bits;   /* a sample */
+    char crs[128]; /* name of the coordinate system; empty none */
+} facts;
+
+/* The name is the first string of the text. */
+static void name_crs(const char *wkt, char *name, size_t capacity)
+{
+    const char *start = wkt ? strchr(wkt, '"') : NULL;
+    int length = start ? (int)strcspn(start + 1, "\"") : 0;
+    snprintf(name, capacity, "%.*s", length, start ? start + 1 : "");
+}
+
+static facts gather(const tc_pyramid *pyramid)
+{
+    facts f = {.pyramid = pyramid, .packed = tc_pyramid_packed_info(pyramid), .info = tc_pyramid_info(pyramid)};
+    const tc_pack_terrain *t = &f.packed->terrain;
+    f.finest = tc_pyramid_packed_level(pyramid, f.info->levels);
+    f.bits = 8 * (double)f.packed->bytes / ((double)t->width * (double)t->height);
+    name_crs(t->georef.crs_wkt, f.crs, sizeof f.crs);
+    return f;
+}
+
+static void print_key(const char *name, double value)
+{
+    printf("  \"%s\": ", name);
+    tc_json_number(value, stdout);
+    printf(",\n");
+}
+
+static void print_json(const facts *f)
+{
+    const tc_pack_terrain *t = &f->packed->terrain;
+    printf("{\n  \"version\": %d,\n  \"atlas\": \"flat\",\n  \"levels\": [\n", f->packed->version);
+    for (int l = 1; l <= f->info->levels; l++) {
+        const tc_level level = tc_pyramid_level(f->pyramid, l);
+        const tc_packed_level packed = tc_pyramid_packed_level(f->pyramid, l);
+        printf("    {\"level\": %d, \"width\": %" PRId64 ", \"height\": %" PRId64 ", \"spacing_m\": ", l, level.width,
+               level.height);
+        tc_json_number(0.5 * (level.spacing_x + level.spacing_y), stdout);
+        printf(", \"bytes\": %" PRId64 ", \"rms_m\": ", packed.bytes);
+        tc_json_number(packed.rms, stdout);
+        printf(", \"max_error_m\": ");
+        tc_json_number(packed.max_error, stdout);
+        printf("}%s\n", l < f->info->levels ? "," : "");
+    }
+    printf("  ],\n  \"bytes\": %" PRId64 ",\n", f->packed->bytes);
+    print_key("bits_per_sample", f->bits);
+    print_key("rms_m", f->finest.rms);
+    print_key("max_error_m", f->finest.max_error);
+    print_key("z_min_m", f->info->z_base + f->info->z_min);
+    print_key("z_max_m", f->info->z_base + f->info->z_max);
+    printf("  \"voids\": %" PRId64 ",\n", f->info->void_count);
+    printf("  \"levels_missing\": %d,\n", f->packed->levels_missing);
+    printf("  \"width\": %" PRId64 ",\n  \"height\": %" PRId64 ",\n", t->width, t->height);
+    print_key("spacing_x_m", t->spacing_x);
+    print_key("spacing_y_m", t->spacing_y);
+    print_key("z_mean_m", f->packed->mean);
+    print_key("z_deviation_m", f->packed->deviation);
+    printf("  \"mode\": \"%s\",\n  \"codec\": \"%s\",\n", mode_names[f->packed->mode], codec_names[f->packed->codec]);
+    print_key("error_asked_m", f->packed->error);
+    printf("  \"void_policy\": \"%s\",\n  \"sample_type\": \"%s\",\n", policy_names[t->voids],
+           type_names[t->sample_type]);
+    print_key("unit_m", t->unit);
+    printf("  \"nodata\": ");
+    tc_json_number(t->has_nodata ? t->nodata : NAN, stdout);
+    printf(",\n  \"transform\": ");
+    for (int i = 0; i < 6 && t->georef.known; i++)
+        printf("%s%.17g%s", i ? ", " : "[", t->georef.transform[i], i == 5 ? "]" : "");
+    printf("%s,\n  \"geographic\": %s,\n  \"registration\": \"%s\",\n  \"crs\": ", t->georef.known ? "" : "null",
+           t->georef.geographic ? "true" : "false", t->area_registered ? "area" : "point");
+    if (*f->crs)
+        tc_json_string(f->crs, stdout);
+    else
+        printf("null");
+    printf("\n}\n");
+}
+
+/* A size for people. */
+static void print_bytes(int64_t bytes)
+{
+    static const char *const units[] = {"bytes", "KiB", "MiB", "GiB", "TiB"};
+    int unit = 0;
+    double size = (double)bytes;
+    for (; size >= 1024 && unit < 4; unit++)
+        size /= 1024;
+    printf(unit ? "%.1f %s" : "%.0f %s", size, units[unit]);
+}
+
+static void print_place(const facts *f)
+{
+    const tc_pack_terrain *t = &f->packed->terrain;
+    const double *g = t->georef.transform;
+    if (!t->georef.known) {
+        printf("  place          no georeference\n");
+        return;
+    }
+    double w = (double)t->width, h = (double)t->height;
+    printf("  place          %s %.10g to %.10g, %s %.10g to %.10g, %s-registered\n",
+           t->georef.geographic ? "longitude" : "x", g[0], g[0] + w * g[1] + h * g[2],
+           t->georef.geographic ? "latitude" : "y", g[3] + w * g[4] + h * g[5], g[3],
+           t->area_registered ? "area" : "point");
+    printf("  coordinates    %s\n", *f->crs ? f->crs : "not named");
+}
+
+static void print_table(const facts *f, const char *path)
+{
+    const tc_pack_terrain *t = &f->packed->terrain;
+    printf("%s: packed terrain, format version %d, ", path, f->packed->version);
+    print_bytes(f->packed->bytes);
+    printf(", %.3f bits a sample\n", f->bits);
+    printf("  size           %" PRId64 " x %" PRId64 " samples every %.6g x %.6g m\n", t->width, t->height,
+           t->spacing_x, t->spacing_y);
+    print_place(f);
+    printf("  heights        %.2f to %.2f m, mean %.2f m, deviation %.2f m\n", f->info->z_base + f->info->z_min,
+           f->info->z_base + f->info->z_max, f->packed->mean, f->packed->deviation);
+    printf("  voids          %" PRId64 ", shown as %s", f->info->void_count, policy_names[t->voids]);
+    if (t->voids == TC_VOIDS_CONSTANT)
+        printf(" %.6g m", t->void_constant);
+    printf("\n  packed         %s by %s", mode_names[f->packed->mode], codec_names[f->packed->codec]);
+    if (f->packed->mode != TC_PACK_LOSSLESS)
+        printf(", %.4g m asked for", f->packed->error);
+    printf("; rms %.4g m, at most %.4g m off\n  source         %s, %.6g m a unit", f->finest.rms, f->finest.max_error,
+           type_names[t->sample_type], t->unit);
+    if (t->has_nodata)
+        printf(", nodata %.10g", t->nodata);
+    printf("\n\n  level      width x height       spacing m          bytes     rms m   max m\n");
+    for (int l = f->info->levels; l >= 1; l--) {
+        const tc_level level = tc_pyramid_level(f->pyramid, l);
+        const tc_packed_level packed = tc_pyramid_packed_level(f->pyramid, l);
+        if (packed.bytes == 0 && l < f->info->levels) {
+            printf("  %5d and coarser: made from level %d\n", l, l + 1);
+            break;
+        }
+        printf("  %5d %10" PRId64 " x %-10" PRId64 " %12.6g %14" PRId64 " %9.3g %7.3g\n", l, level.width, level.height,
+               0.5 * (level.spacing_x + level.spacing_y), packed.bytes, packed.rms, packed.max_error);
+    }
+}
+
+static void say(void *context, bool warning, const char *text)
+{
+    const struct arguments *a = context;
+    if (warning && !a->quiet)
+        fprintf(stderr, "terraclip: warning: %s\n", text);
+}
+
+tc_status tc_info_main(int argc, char **argv, tc_error *error)
+{
+    struct arguments a = {0};
+    tc_action action;
+    tc_status status = tc_arguments_read(&line, argc, argv, &a, &action, error);
+    if (status == TC_OK && !a.file)
+        status = tc_fail(error, TC_ERR_USAGE, "FILE: expected a packed terrain, found none");
+    tc_terrain terrain = {0};
+    if (status == TC_OK)
+        status = tc_terrain_open_packed(a.file, &(tc_source_options){.say = say, .say_context = &a}, &terrain, error);
+    if (status != TC_OK)
+        return status;
+    const facts f = gather(terrain.pyramid);
+    if (a.json)
+        print_json(&f);
+    else
+        print_table(&f, a.file);
+    if (!a.json && a.verbose && f.packed->terrain.georef.crs_wkt)
+        printf("\n%s\n", f.packed->terrain.georef.crs_wkt);
+    tc_terrain_close(&terrain);
+    return TC_OK;
+}

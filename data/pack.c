@@ -1,0 +1,353 @@
+/* pack.c - `terraclip pack`: one or several DEMs become a packed terrain.
+ *
+ * All that can be wrong with the command line, the inputs' agreement and the output is found before the first height is
+ * read. The inputs stream through in bands of rows; what is packed lies beside the output until it is whole. */
+#include "pack.h"
+
+#include "common/core/base/status.h"
+#include "common/shell/arguments.h"
+#include "common/shell/interrupt.h"
+#include "common/shell/json.h"
+#include "common/shell/mosaic.h"
+#include "common/shell/numbers.h"
+#include "common/core/base/outfile.h"
+#include "progress.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+/* The default error: LH04 packs samples 10 m apart with an rms of 1 m, those 30 m apart with 1.8 m. From the distance
+ * at which a level is drawn, this share of its spacing is less than a fifth of a pixel; no more than the elevation
+ * models themselves are off by. */
+static const double default_share = 0.06, default_most = 10;
+
+struct arguments {
+    const char **inputs;
+    int count;
+    const char *output, *atlas;
+    double rms, max_error, radius; /* 0: not given */
+    bool lossless, planet, json, quiet, verbose;
+    tc_pack_codec codec;
+    int threads;
+    tc_source_options source;
+};
+
+/* ---- Command line ----------------------------------------------------------------------------------------------- */
+
+static bool set_output(void *arguments, const char *value)
+{
+    ((struct arguments *)arguments)->output = value;
+    return *value != '\0';
+}
+
+static bool set_rms(void *arguments, const char *value)
+{
+    return tc_read_number(value, 1e-9, 1e6, &((struct arguments *)arguments)->rms);
+}
+
+static bool set_max_error(void *arguments, const char *value)
+{
+    return tc_read_number(value, 1e-9, 1e6, &((struct arguments *)arguments)->max_error);
+}
+
+static bool set_codec(void *arguments, const char *value)
+{
+    bool lifting = strcmp(value, "lifting") == 0;
+    ((struct arguments *)arguments)->codec = lifting ? TC_CODEC_LIFTING : TC_CODEC_LH04;
+    return lifting || strcmp(value, "lh04") == 0;
+}
+
+static bool set_atlas(void *arguments, const char *value)
+{
+    ((struct arguments *)arguments)->atlas = value;
+    return strcmp(value, "lonlat") == 0 || strcmp(value, "hex") == 0 || strcmp(value, "cube") == 0;
+}
+
+static bool set_radius(void *arguments, const char *value)
+{
+    return tc_read_number(value, 1, 1e12, &((struct arguments *)arguments)->radius);
+}
+
+static bool set_spacing(void *arguments, const char *value)
+{
+    return tc_read_spacing(value, &((struct arguments *)arguments)->source);
+}
+
+static bool set_unit(void *arguments, const char *value)
+{
+    return tc_read_unit(value, &((struct arguments *)arguments)->source);
+}
+
+static bool set_nodata(void *arguments, const char *value)
+{
+    return tc_read_nodata(value, &((struct arguments *)arguments)->source);
+}
+
+static bool set_voids(void *arguments, const char *value)
+{
+    return tc_read_voids(value, &((struct arguments *)arguments)->source);
+}
+
+static bool set_threads(void *arguments, const char *value)
+{
+    return tc_read_threads(value, &((struct arguments *)arguments)->threads);
+}
+
+#define EXPECTED_ERROR "metres above 0, up to 1e6"
+
+static const tc_option table[] = {
+    {'o', "output", "FILE.tclip", "the name of a file", "where it goes", set_output, 0},
+
+    {.help = "What may be lost"},
+    {0, "rms", "M", EXPECTED_ERROR,
+     "root mean square of the error, metres (the default: 6 % of the samples' spacing, 10 m at most)", set_rms, 0},
+    {0, "max-error", "M", EXPECTED_ERROR, "no height is off by more than M metres", set_max_error, 0},
+    TC_SWITCH(struct arguments, lossless, 0, "lossless", "nothing: the stored values come back"),
+    {0, "codec", "NAME", "lifting or lh04", "lifting, or lh04, the paper's, to compare; with --rms only (lifting)",
+     set_codec, 0},
+
+    {.help = "How the inputs are read"},
+    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the files say", set_spacing, 0},
+    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the files say", set_unit, 0},
+    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height, beside the files' own", set_nodata, 0},
+    {0, "voids", "POLICY", TC_EXPECTED_VOIDS,
+     "what is to show where there is no height: fill, hole or constant=V (fill)", set_voids, 0},
+
+    {.help = "Planets"},
+    TC_SWITCH(struct arguments, planet, 0, "planet", "not in this version"),
+    {0, "radius", "M", "metres, 1 or more", "not in this version", set_radius, 0},
+    {0, "atlas", "NAME", "lonlat, hex or cube", "lonlat: as the inputs are; hex, cube: not in this version (lonlat)",
+     set_atlas, 0},
+
+    {.help = "Work"},
+    {0, "threads", "N", TC_EXPECTED_THREADS, "that pack (all processors); the file does not depend on it", set_threads,
+     0},
+    TC_SWITCH(struct arguments, json, 0, "json", "print the figures as JSON"),
+    TC_SWITCH(struct arguments, quiet, 'q', "quiet", "neither warnings nor progress nor figures"),
+    TC_SWITCH(struct arguments, verbose, 'v', "verbose", "how the files were understood"),
+    TC_HELP_AND_VERSION,
+};
+
+static tc_status add_input(void *arguments, const char *operand, tc_error *error)
+{
+    struct arguments *a = arguments;
+    if (!*operand)
+        return tc_fail(error, TC_ERR_USAGE, "INPUT: expected the name of a file, found ''");
+    a->inputs[a->count++] = operand;
+    return TC_OK;
+}
+
+static const tc_command_line line = {
+    .options = table, .count = sizeof table / sizeof *table, .help = "'terraclip pack --help'", .operand = add_input};
+
+void tc_pack_help(FILE *file)
+{
+    fprintf(file, "Usage: terraclip pack [OPTION]... INPUT... -o FILE.tclip\n"
+                  "Packs elevation models and pictures of heights. Several inputs are placed by their georeferences,\n"
+                  "whose samples must lie on one lattice; where they overlap the first one holds.\n\n");
+    tc_arguments_print(&line, file);
+}
+
+/* Whether both paths lead to one file. */
+static bool same_file(const char *a, const char *b)
+{
+    struct stat about_a, about_b;
+    return stat(a, &about_a) == 0 && stat(b, &about_b) == 0 && about_a.st_dev == about_b.st_dev &&
+           about_a.st_ino == about_b.st_ino;
+}
+
+static tc_status check_together(const struct arguments *a, tc_error *error)
+{
+    if (a->count == 0)
+        return tc_fail(error, TC_ERR_USAGE, "INPUT: expected at least one file, found none");
+    if (!a->output)
+        return tc_fail(error, TC_ERR_USAGE, "pack: expected -o FILE.tclip, found none");
+    if ((a->rms > 0) + (a->max_error > 0) + a->lossless > 1)
+        return tc_fail(error, TC_ERR_USAGE, "pack: expected one of --rms, --max-error and --lossless, found %s",
+                       !a->lossless    ? "--rms and --max-error"
+                       : !a->max_error ? "--rms and --lossless"
+                       : !(a->rms > 0) ? "--max-error and --lossless"
+                                       : "all of them");
+    if (a->codec == TC_CODEC_LH04 && (a->max_error > 0 || a->lossless))
+        return tc_fail(error, TC_ERR_USAGE, "--codec: expected lifting with %s, found lh04, which keeps --rms only",
+                       a->lossless ? "--lossless" : "--max-error");
+    if (a->radius > 0 && !a->planet)
+        return tc_fail(error, TC_ERR_USAGE, "--radius: expected --planet with it, found none");
+    if (a->planet)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "--planet: expected flat terrains, planets are not in this version");
+    if (a->atlas && strcmp(a->atlas, "lonlat") != 0)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "--atlas: expected lonlat, found %s, which is not in this version",
+                       a->atlas);
+    for (int i = 0; i < a->count; i++)
+        if (same_file(a->inputs[i], a->output))
+            return tc_fail(error, TC_ERR_USAGE, "%s: expected another file than the input %s, found the same",
+                           a->output, a->inputs[i]);
+    return TC_OK;
+}
+
+/* ---- Telling ---------------------------------------------------------------------------------------------------- */
+
+static const char *const mode_names[] = {"rms", "max-error", "lossless"}; /* as tc_pack_mode */
+
+static double bits_per_sample(const tc_pack_result *result)
+{
+    return 8 * (double)result->bytes / (double)result->samples;
+}
+
+static void print_json(const struct arguments *a, const tc_pack_terrain *terrain, tc_pack_mode mode,
+                       const tc_pack_result *result, double seconds)
+{
+    struct rusage used = {0};
+    getrusage(RUSAGE_SELF, &used);
+    printf("{\n  \"input\": [");
+    for (int i = 0; i < a->count; i++) {
+        fputs(i ? ", " : "", stdout);
+        tc_json_string(a->inputs[i], stdout);
+    }
+    printf("],\n  \"width\": %" PRId64 ",\n  \"height\": %" PRId64 ",\n  \"samples\": %" PRId64
+           ",\n  \"bytes\": %" PRId64 ",\n  \"bits_per_sample\": ",
+           terrain->width, terrain->height, result->samples, result->bytes);
+    tc_json_number(bits_per_sample(result), stdout);
+    printf(",\n  \"mode\": \"%s\",\n  \"rms_m\": ", mode_names[mode]);
+    tc_json_number(result->rms, stdout);
+    printf(",\n  \"max_error_m\": ");
+    tc_json_number(result->max_error, stdout);
+    printf(",\n  \"voids\": %" PRId64 ",\n  \"seconds\": %.3f,\n  \"msamples_per_s\": ", result->voids, seconds);
+    tc_json_number((double)result->samples / seconds * 1e-6, stdout);
+    printf(",\n  \"peak_rss_bytes\": %" PRId64 "\n}\n", (int64_t)used.ru_maxrss * 1024);
+}
+
+static void print_line(const struct arguments *a, const tc_pack_terrain *terrain, tc_pack_mode mode,
+                       const tc_pack_result *result, double seconds)
+{
+    printf("%s: %" PRId64 " x %" PRId64 " samples, %" PRId64 " bytes, %.3f bits a sample, ", a->output, terrain->width,
+           terrain->height, result->bytes, bits_per_sample(result));
+    if (mode == TC_PACK_LOSSLESS && result->max_error == 0)
+        printf("lossless");
+    else
+        printf("rms %.3g m, at most %.3g m off", result->rms, result->max_error);
+    if (result->voids > 0)
+        printf(", %" PRId64 " voids", result->voids);
+    printf("; %.2f s, %.2f Msamples/s\n", seconds, (double)result->samples / seconds * 1e-6);
+}
+
+static void warn_of_disagreement(const tc_mosaic *mosaic, const tc_pack_result *result, tc_progress *progress)
+{
+    char text[160];
+    if (result->disagreeing == 0)
+        return;
+    snprintf(text, sizeof text,
+             "%" PRId64 " of %" PRId64 " shared edge samples differ by up to %.4g m; the first input's hold",
+             result->disagreeing, tc_mosaic_shared(mosaic), result->largest_disagreement);
+    tc_progress_say(progress, true, text);
+}
+
+/* ---- Running ---------------------------------------------------------------------------------------------------- */
+
+static bool on_progress(void *context, double done)
+{
+    tc_progress_show(context, done);
+    return !tc_interrupted();
+}
+
+static tc_status put_band(void *context, tc_rect rect, const float *z, const uint8_t *voids, tc_error *error)
+{
+    if (tc_interrupted())
+        return tc_fail(error, TC_ERR_IO, "interrupted");
+    return tc_packer_put(context, rect, z, voids, rect.x1 - rect.x0, error);
+}
+
+/* What heights are multiples of, where the inputs' integers tell; else 0. */
+static double known_lattice(const tc_pack_terrain *terrain)
+{
+    double base = terrain->offset - terrain->z_base;
+    bool integer = terrain->sample_type != TC_SAMPLE_FLOAT32 && terrain->sample_type != TC_SAMPLE_FLOAT64;
+    return integer && rint(base / terrain->unit) * terrain->unit == base ? terrain->unit : 0;
+}
+
+static tc_pack_options choose_options(const struct arguments *a, const tc_pack_terrain *terrain, tc_progress *progress)
+{
+    tc_pack_options o = {
+        .codec = a->codec, .threads = a->threads, .progress = on_progress, .progress_context = progress};
+    if (a->lossless) {
+        o.mode = TC_PACK_LOSSLESS;
+        o.lattice = known_lattice(terrain);
+    } else if (a->max_error > 0) {
+        o.mode = TC_PACK_MAX_ERROR;
+        o.error = a->max_error;
+    } else {
+        double spacing = 0.5 * (terrain->spacing_x + terrain->spacing_y);
+        o.mode = TC_PACK_RMS;
+        o.error = a->rms > 0 ? a->rms : fmin(default_share * spacing, default_most);
+    }
+    return o;
+}
+
+static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress *progress, tc_error *error)
+{
+    const tc_pack_terrain *terrain = tc_mosaic_terrain(mosaic);
+    const tc_pack_options options = choose_options(a, terrain, progress);
+    char text[256];
+    snprintf(text, sizeof text, "%" PRId64 " x %" PRId64 " samples every %.6g x %.6g m from %d input%s, mode %s %.4g",
+             terrain->width, terrain->height, terrain->spacing_x, terrain->spacing_y, a->count,
+             a->count == 1 ? "" : "s", mode_names[options.mode], options.error);
+    tc_progress_say(progress, false, text);
+    progress->samples = (double)terrain->width * (double)terrain->height;
+
+    tc_packer *packer = NULL;
+    tc_pack_result result;
+    tc_status status = tc_packer_create(a->output, terrain, &options, &packer, error);
+    if (status == TC_OK)
+        status = tc_mosaic_read(mosaic, put_band, packer, error);
+    if (status == TC_OK)
+        status = tc_packer_finish(packer, &result, error);
+    tc_packer_destroy(packer);
+    tc_progress_end(progress);
+    if (status != TC_OK)
+        return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted") : status;
+
+    warn_of_disagreement(mosaic, &result, progress);
+    double seconds = tc_progress_seconds(progress);
+    if (a->json)
+        print_json(a, terrain, options.mode, &result, seconds);
+    else if (!a->quiet)
+        print_line(a, terrain, options.mode, &result, seconds);
+    return TC_OK;
+}
+
+static tc_status run(struct arguments *a, tc_error *error)
+{
+    tc_status status = check_together(a, error);
+    if (status == TC_OK)
+        status = tc_outfile_probe(a->output, error);
+    if (status != TC_OK)
+        return status;
+    tc_watch_interrupts();
+    tc_progress progress = tc_progress_begin("pack", a->quiet, a->verbose);
+    tc_mosaic *mosaic = NULL;
+    a->source.exact = a->lossless;
+    a->source.say = tc_progress_say;
+    a->source.say_context = &progress;
+    status = tc_mosaic_open(a->inputs, a->count, &a->source, &mosaic, error);
+    if (status == TC_OK)
+        status = pack(a, mosaic, &progress, error);
+    tc_mosaic_close(mosaic);
+    return status;
+}
+
+tc_status tc_pack_main(int argc, char **argv, tc_error *error)
+{
+    struct arguments arguments = {.inputs = malloc((size_t)argc * sizeof *arguments.inputs)};
+    if (!arguments.inputs)
+        return tc_fail(error, TC_ERR_MEMORY, "pack: not enough memory for %d arguments", argc);
+    tc_action action;
+    tc_status status = tc_arguments_read(&line, argc, argv, &arguments, &action, error);
+    if (status == TC_OK)
+        status = run(&arguments, error);
+    free(arguments.inputs);
+    return status;
+}
