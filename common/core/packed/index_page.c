@@ -8,7 +8,7 @@
 
 typedef struct page_models {
     tc_bit_model coded[2]; /* by whether the tile before was */
-    tc_bit_model mask_class[TC_MASK_CLASSES][2];
+    tc_bit_model mask_class[TC_MASK_CODED + 1][2];
     tc_number_model size[TC_STREAMS], low, span;
     tc_tile_entry before;
     int64_t low_before; /* in steps */
@@ -57,10 +57,10 @@ size_t tc_page_write(tc_page_form form, const tc_tile_entry *entries, int count,
         if (form.corrections)
             tc_number_encode(&e, &m.size[1], t->size[1]);
         if (form.mask) {
-            tc_bit_encode(&e, &class[0], t -> mask_class == TC_MASK_CLASS_VALID);
-            if (t->mask_class != TC_MASK_CLASS_VALID)
-                tc_bit_encode(&e, &class[1], t -> mask_class == TC_MASK_CLASS_VOID);
-            if (t->mask_class == TC_MASK_CLASS_CODED)
+            tc_bit_encode(&e, &class[0], t -> mask_class == TC_MASK_VALID);
+            if (t->mask_class != TC_MASK_VALID)
+                tc_bit_encode(&e, &class[1], t -> mask_class == TC_MASK_VOID);
+            if (t->mask_class == TC_MASK_CODED)
                 tc_number_encode(&e, &m.size[2], t->size[2]);
         }
         if (tc_tile_bytes(t) > 0)
@@ -95,15 +95,15 @@ tc_status tc_page_read(tc_page_form form, const uint8_t *bytes, size_t size, tc_
         return TC_ERR_FORMAT;
     int64_t step = step_size(lowest, highest);
     for (int i = 0; i < count && !bad; i++) {
-        tc_tile_entry t = {{0}, 0, TC_MASK_CLASS_VALID, 0, 0, 0};
+        tc_tile_entry t = {{0}, 0, TC_MASK_VALID, 0, 0, 0};
         tc_bit_model *class = m.mask_class[m.before.mask_class];
         if (tc_bit_decode(&d, &m.coded[m.before.size[0] > 0]))
             t.size[0] = read_size(&d, &m.size[0], &bad);
         if (form.corrections)
             t.size[1] = read_size(&d, &m.size[1], &bad);
         if (form.mask && !tc_bit_decode(&d, &class[0]))
-            t.mask_class = tc_bit_decode(&d, &class[1]) ? TC_MASK_CLASS_VOID : TC_MASK_CLASS_CODED;
-        if (t.mask_class == TC_MASK_CLASS_CODED)
+            t.mask_class = tc_bit_decode(&d, &class[1]) ? TC_MASK_VOID : TC_MASK_CODED;
+        if (t.mask_class == TC_MASK_CODED)
             t.size[2] = read_size(&d, &m.size[2], &bad);
         if (tc_tile_bytes(&t) > 0)
             t.crc = tc_bit_decode_raw(&d, 32);

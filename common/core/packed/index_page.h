@@ -3,7 +3,7 @@
 #ifndef TC_INDEX_PAGE_H
 #define TC_INDEX_PAGE_H
 
-#include "common/terraclip.h"
+#include "common/core/codec/void_mask.h"
 
 enum {
     TC_PAGE_COLUMNS = 32,
@@ -12,18 +12,15 @@ enum {
     TC_BOUND_STEPS = 256 /* from a page's lowest to its highest height, in which tiles' bounds are told */
 };
 
-/* What a tile's mask of voids is. */
-enum { TC_MASK_CLASS_VALID, TC_MASK_CLASS_VOID, TC_MASK_CLASS_CODED, TC_MASK_CLASSES };
-
 /* The streams of a tile, one behind the other. */
 enum { TC_STREAM_HEIGHTS, TC_STREAM_CORRECTIONS, TC_STREAM_MASK, TC_STREAMS };
 
 typedef struct tc_tile_entry {
     uint32_t size[TC_STREAMS]; /* bytes */
     uint32_t crc;              /* of all of them; 0 where there are none */
-    uint8_t mask_class;
-    int32_t low, high; /* heights, in height units; reading gives what is as low and as high or a little more */
-    uint64_t offset;   /* in the file; not stored: tiles follow their page in order */
+    uint8_t mask_class;        /* tc_mask_class */
+    int32_t low, high;         /* heights, in height units; reading gives what is as low and as high or a little more */
+    uint64_t offset;           /* in the file; not stored: tiles follow their page in order */
 } tc_tile_entry;
 
 static inline uint32_t tc_tile_bytes(const tc_tile_entry *entry)

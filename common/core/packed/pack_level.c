@@ -93,7 +93,7 @@ typedef struct level_state {
     int64_t ready, ready_before; /* fine rows reconstructed */
     coded_tile *tile;            /* of rows `finished` .. t1 - 1 */
     float *source;               /* finest level: heights as given, of the rows being finished */
-    uint8_t *voids;              /* of the same rows; where the level has voids */
+    tc_mask_plane voids;         /* of the same rows and some around them; v NULL where the level has none */
     int64_t finish_to;
     /* Pages. */
     coded_tile *band_tile; /* finished tiles of the row of pages being gathered */
@@ -163,7 +163,7 @@ static bool reserve(level_state *s)
     if (s->coding->l == s->p->container.levels)
         good &= (s->source = malloc((size_t)plane_room((g + 1) * FINE, w, h) * sizeof(float))) != NULL;
     if (s->record->mask)
-        good &= (s->voids = malloc((size_t)plane_room((g + 1) * FINE, w, h))) != NULL;
+        good &= (s->voids.v = malloc((size_t)plane_room((g + 1) * FINE + 4 * TC_MASK_MARGIN, w, h))) != NULL;
     return good;
 }
 
@@ -176,7 +176,7 @@ static void release(level_state *s)
         free(s->tile[i].bytes);
     for (int64_t i = 0; s->band_tile && i < TC_PAGE_ROWS * s->pages.tiles_x; i++)
         free(s->band_tile[i].bytes);
-    free(s->tile), free(s->band_tile), free(s->directory), free(s->source), free(s->voids), free(s->out.bytes);
+    free(s->tile), free(s->band_tile), free(s->directory), free(s->source), free(s->voids.v), free(s->out.bytes);
     while (s->idle) {
         tile_memory *m = s->idle;
         s->idle = m->next;
@@ -277,6 +277,26 @@ static tc_rect fine_rect(const level_state *s, int64_t tx, int64_t ty)
                      tc_min64((ty + 1) * FINE, s->level.height)};
 }
 
+/* Adds a tile's mask to its bytes. False: no memory. */
+static bool add_mask(const level_state *s, tc_rect rect, coded_tile *tile)
+{
+    tile->entry.mask_class = (uint8_t)tc_mask_classify(rect, &s->voids);
+    if (tile->entry.mask_class != TC_MASK_CODED)
+        return true;
+    uint8_t coarse_v[(TC_TILE + 2 * TC_MASK_MARGIN) * (TC_TILE + 2 * TC_MASK_MARGIN)], bytes[TC_MASK_BOUND];
+    tc_rect need = tc_mask_tile_needs(&s->level, rect);
+    tc_mask_plane coarse = {coarse_v, need.x1 - need.x0, need};
+    tc_mask_downsample(&s->voids, &coarse);
+    size_t size = tc_mask_encode(&s->level, rect, &coarse, &s->voids, bytes), before = tc_tile_bytes(&tile->entry);
+    uint8_t *all = realloc(tile->bytes, before + size + 1);
+    if (!all)
+        return false;
+    memcpy(all + before, bytes, size);
+    tile->bytes = all;
+    tile->entry.size[TC_STREAM_MASK] = (uint32_t)size;
+    return true;
+}
+
 /* Errors and bounds of a tile whose heights are all there. */
 static void measure_tile(void *context, int64_t n)
 {
@@ -290,10 +310,11 @@ static void measure_tile(void *context, int64_t n)
     for (int64_t y = r.y0; y < r.y1; y++) {
         const int32_t *z = tc_plane_at(&s->fine, r.x0, y), *truth = tc_plane_at(&s->truth, r.x0, y);
         int64_t at = (y - s->finished * FINE) * w + r.x0;
+        const uint8_t *void_row = s->voids.v ? s->voids.v + (y - s->voids.rect.y0) * w + r.x0 : NULL;
         double row_sum = 0;
         for (int64_t i = 0; i < r.x1 - r.x0; i++) {
             low = z[i] < low ? z[i] : low, high = z[i] > high ? z[i] : high;
-            if (s->voids && s->voids[at + i])
+            if (void_row && void_row[i])
                 continue;
             double e = s->source ? fabs((double)tc_pack_metres(c, z[i]) - s->source[at + i])
                                  : fabs((double)z[i] - truth[i]) * c->z_unit;
@@ -303,6 +324,8 @@ static void measure_tile(void *context, int64_t n)
     }
     tile->entry.low = low, tile->entry.high = high;
     tile->square_error = sum, tile->max_error = most;
+    if (s->voids.v && !add_mask(s, r, tile))
+        fail_once(s, TC_ERR_MEMORY);
     uint32_t size = tc_tile_bytes(&tile->entry);
     tile->entry.crc = size ? tc_crc32c(0, tile->bytes, size) : 0;
 }
@@ -368,8 +391,11 @@ static tc_status finish_rows(level_state *s, tc_error *error)
     tc_status status = TC_OK;
     if (s->source)
         status = tc_pack_source_rows(s->p, y0, y1, s->source, error);
-    if (!status && s->voids)
-        status = tc_pack_mask_rows(s->p, s->coding->l, y0, y1, s->voids, error);
+    if (!status && s->voids.v) {
+        s->voids.stride = w;
+        s->voids.rect = (tc_rect){0, tc_max64(y0 - 2 * TC_MASK_MARGIN, 0), w, tc_min64(y1 + 2 * TC_MASK_MARGIN, h)};
+        status = tc_pack_mask_rows(s->p, s->coding->l, s->voids.rect.y0, s->voids.rect.y1, s->voids.v, error);
+    }
     if (status)
         return status;
     tc_parallel_for(s->p->options.threads, (s->finish_to - s->finished) * across, measure_tile, s);

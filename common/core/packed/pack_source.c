@@ -1,10 +1,9 @@
 /* pack_source.c - the heights as they are given, in any order, and their voids. */
 #include <math.h>
 
-#include "common/core/base/parallel.h"
 #include "common/core/base/rect.h"
 #include "common/core/base/status.h"
-#include "common/core/pyramid/fill.h"
+#include "common/core/pyramid/fill_rows.h"
 #include "pack_internal.h"
 
 /* The spool starts as zeros, which must mean void, since nothing else can be had for free; a height of zero is written
@@ -196,29 +195,114 @@ static void note_levels(tc_packer *p, const uint8_t *row, int64_t y)
     }
 }
 
-tc_status tc_pack_fill(tc_packer *p, tc_error *error)
+/* Rows of the source, or of a coarser level, for the filling. */
+typedef struct fill_context {
+    const tc_packer *p;
+    tc_spool *spool;
+    tc_error *error;
+} fill_context;
+
+static tc_status read_source(void *context, int64_t y0, int64_t rows, float *z)
+{
+    const fill_context *f = context;
+    return tc_pack_source_rows(f->p, y0, y0 + rows, z, f->error);
+}
+
+static tc_status write_source(void *context, int64_t y0, int64_t rows, const float *z)
+{
+    const fill_context *f = context;
+    uint32_t bits[1024];
+    for (int64_t y = y0; y < y0 + rows; y++)
+        for (int64_t x = 0; x < f->spool->width; x += 1024) {
+            int64_t count = tc_min64(1024, f->spool->width - x);
+            for (int64_t i = 0; i < count; i++)
+                bits[i] = to_bits(z[(y - y0) * f->spool->width + x + i]);
+            tc_status status = tc_spool_write(f->spool, (tc_rect){x, y, x + count, y + 1}, bits, count, f->error);
+            if (status)
+                return status;
+        }
+    return TC_OK;
+}
+
+static tc_status read_level(void *context, int64_t y0, int64_t rows, float *z)
+{
+    const fill_context *f = context;
+    return tc_spool_read(f->spool, (tc_rect){0, y0, f->spool->width, y0 + rows}, z, f->spool->width, f->error);
+}
+
+static tc_status write_level(void *context, int64_t y0, int64_t rows, const float *z)
+{
+    const fill_context *f = context;
+    return tc_spool_write(f->spool, (tc_rect){0, y0, f->spool->width, y0 + rows}, z, f->spool->width, f->error);
+}
+
+/* Spools for the coarser levels. */
+typedef struct fill_levels {
+    fill_context context[TC_MAX_PYRAMID_LEVELS];
+    tc_spool spool[TC_MAX_PYRAMID_LEVELS];
+    int count;
+} fill_levels;
+
+static tc_status make_level(void *context, int64_t width, int64_t height, tc_fill_rows *rows_ret)
+{
+    fill_levels *f = context;
+    if (f->count == TC_MAX_PYRAMID_LEVELS)
+        return TC_ERR_MEMORY;
+    fill_context *c = &f->context[f->count];
+    *c = (fill_context){f->context[0].p, &f->spool[f->count], f->context[0].error};
+    tc_status status = tc_spool_create(c->p->path, width, height, sizeof(float), c->spool, c->error);
+    if (!status) {
+        f->count++;
+        *rows_ret = (tc_fill_rows){c, width, height, read_level, write_level};
+    }
+    return status;
+}
+
+static tc_status make_mask(tc_packer *p, tc_error *error)
 {
     const tc_pack_terrain *t = &p->container.info.terrain;
-    int64_t w = t->width, h = t->height;
+    int64_t w = t->width, h = t->height, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, h);
     tc_status status = tc_spool_create(p->path, w, h, 1, &p->mask, error);
-    float *z = malloc((size_t)(w * h) * sizeof *z);
-    uint8_t *voids = malloc((size_t)(w * h));
-    if (!status && (!z || !voids))
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory to fill its voids", p->path);
-    if (!status)
-        status = tc_pack_source_rows(p, 0, h, z, error);
-    for (int64_t i = 0; i < w * h && !status; i++)
-        voids[i] = isnan(z[i]);
-    for (int64_t y = 0; y < h && !status; y++)
-        note_levels(p, voids + y * w, y);
-    if (!status && (status = tc_fill_voids(z, voids, w, h)))
-        tc_fail(error, status, "%s: its voids cannot be filled: %s", p->path, tc_status_text(status));
-    for (int64_t i = 0; i < w * h && !status; i++) {
-        uint32_t bits = to_bits(z[i]);
-        memcpy(&z[i], &bits, sizeof bits);
+    if (status)
+        return status;
+    float *z = malloc((size_t)(rows * w) * sizeof *z);
+    uint8_t *voids = malloc((size_t)(rows * w));
+    if (!z || !voids)
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    for (int64_t y = 0; y < h && !status; y += rows) {
+        int64_t y1 = tc_min64(y + rows, h);
+        if ((status = tc_pack_source_rows(p, y, y1, z, error)))
+            break;
+        bool some = false;
+        for (int64_t i = 0; i < (y1 - y) * w; i++)
+            some |= voids[i] = isnan(z[i]);
+        for (int64_t j = y; j < y1 && some; j++)
+            note_levels(p, voids + (j - y) * w, j);
+        if (some)
+            status = tc_spool_write(&p->mask, (tc_rect){0, y, w, y1}, voids, w, error);
     }
-    if (!status && !(status = tc_spool_write(&p->mask, (tc_rect){0, 0, w, h}, voids, w, error)))
-        status = tc_spool_write(&p->source, (tc_rect){0, 0, w, h}, z, w, error);
     free(z), free(voids);
+    return status;
+}
+
+tc_status tc_pack_fill(tc_packer *p, tc_error *error)
+{
+    tc_status status = make_mask(p, error);
+    fill_levels *levels = calloc(1, sizeof *levels);
+    if (!status && !levels)
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    if (!status) {
+        tc_error why = {TC_OK, ""};
+        levels->context[0] = (fill_context){p, &p->source, &why};
+        levels->spool[0] = p->source;
+        levels->count = 1;
+        tc_fill_rows rows = {&levels->context[0], p->source.width, p->source.height, read_source, write_source};
+        if ((status = tc_fill_void_rows(&rows, make_level, levels, NULL)))
+            tc_fail(error, status, "%s: its voids cannot be filled: %s", p->path,
+                    why.status ? why.text : tc_status_text(status));
+        for (int i = 1; i < levels->count; i++)
+            tc_spool_close(&levels->spool[i]);
+    }
+    free(levels);
     return status;
 }

@@ -15,6 +15,8 @@
 enum {
     WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
     CACHE_BYTES = 32 << 20,
+    MASK_SIDE = 2 * TC_TILE,
+    MASK_BYTES = 8 << 20,
     BLOCK = 1024, /* samples along a side that are read at once */
     CHUNK_BYTES = 1 << 20
 };
@@ -100,7 +102,7 @@ typedef struct level_state {
 typedef struct packed_pyramid {
     tc_pyramid head;
     tc_packed_file file;
-    tc_block_cache tiles;
+    tc_block_cache tiles, masks; /* masks: as bytes, [j][i] over 128 x 128 samples */
     level_state level[TC_MAX_PYRAMID_LEVELS];
     pthread_mutex_t mutex;
     scratch *idle;
@@ -267,9 +269,71 @@ static tc_status read_units(packed_pyramid *p, int l, const tc_plane *to, scratc
     return TC_OK;
 }
 
+/* ---- Masks of voids ---------------------------------------------------------------------------------------------- */
+
+static tc_status read_mask(packed_pyramid *p, int l, const tc_mask_plane *to, scratch *s);
+
+/* The level's tile of the mask. Where it is damaged, each sample is as the coarser one beside it; that the tile is
+ * damaged is counted where its heights are read. */
+static tc_status make_mask(packed_pyramid *p, int l, int64_t tx, int64_t ty, uint8_t *v, scratch *s)
+{
+    const tc_lifting_level *level = &p->level[l - 1].coder.level;
+    tc_rect rect = tc_mask_tile_rect(level, tx, ty, 0), need = tc_mask_tile_needs(level, rect);
+    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
+    mark m = scratch_mark(s);
+    tc_mask_plane coarse = {scratch_take(s, (size_t)tc_rect_area(need)), need.x1 - need.x0, need};
+    tc_mask_plane fine = {v, MASK_SIDE, rect};
+    tc_status below = coarse.v ? read_mask(p, l - 1, &coarse, s) : TC_ERR_MEMORY;
+    tc_status status = tc_packed_file_entry(&p->file, l, tx, ty, &entry);
+    if (!below && !status && entry.mask_class == TC_MASK_CODED)
+        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_codec_tile_bound());
+    if (!below && !status)
+        status = tc_mask_decode(level, rect, (tc_mask_class)entry.mask_class, &coarse,
+                                s->stream + entry.size[TC_STREAM_HEIGHTS] + entry.size[TC_STREAM_CORRECTIONS],
+                                entry.size[TC_STREAM_MASK], &fine);
+    for (int64_t y = rect.y0; y < rect.y1 && status && !below; y++)
+        for (int64_t x = rect.x0; x < rect.x1; x++)
+            v[(y - rect.y0) * MASK_SIDE + x - rect.x0] = coarse.v[(y / 2 - need.y0) * coarse.stride + x / 2 - need.x0];
+    scratch_return(s, m);
+    return below;
+}
+
+static tc_status read_mask(packed_pyramid *p, int l, const tc_mask_plane *to, scratch *s)
+{
+    const tc_container *c = &p->file.container;
+    tc_rect r = to->rect;
+    tc_status status = TC_OK;
+    if (l <= c->base || !c->record[l - 1].mask) {
+        int k = c->base - l; /* coarser masks are finer ones on the same spots */
+        for (int64_t y = r.y0; y < r.y1; y++)
+            for (int64_t x = r.x0; x < r.x1; x++)
+                to->v[(y - r.y0) * to->stride + x - r.x0] =
+                    l <= c->base ? c->base_void[(y << k) * c->level[c->base - 1].width + (x << k)] : 0;
+        return TC_OK;
+    }
+    int64_t across = tc_level_pages(&c->level[l - 1]).tiles_x;
+    for (int64_t ty = r.y0 / MASK_SIDE; ty * MASK_SIDE < r.y1 && !status; ty++)
+        for (int64_t tx = r.x0 / MASK_SIDE; tx * MASK_SIDE < r.x1 && !status; tx++) {
+            tc_block *block = tc_block_pin(&p->masks, (uint64_t)l << 56 | (uint64_t)(ty * across + tx));
+            if (!block)
+                return TC_ERR_MEMORY;
+            if (!block->made) {
+                status = make_mask(p, l, tx, ty, block->bytes, s);
+                tc_block_made(&p->masks, block);
+            }
+            tc_rect tile = tc_mask_tile_rect(&p->level[l - 1].coder.level, tx, ty, 0), cut = tc_rect_intersect(tile, r);
+            for (int64_t y = cut.y0; y < cut.y1 && !status; y++)
+                memcpy(to->v + (y - r.y0) * to->stride + cut.x0 - r.x0,
+                       block->bytes + (y - tile.y0) * MASK_SIDE + cut.x0 - tile.x0, (size_t)(cut.x1 - cut.x0));
+            tc_block_release(&p->masks, block);
+        }
+    return status;
+}
+
 /* ---- Interface --------------------------------------------------------------------------------------------------- */
 
-static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, ptrdiff_t stride, scratch *s)
+static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
+                            scratch *s)
 {
     const tc_container *c = &p->file.container;
     tc_plane units;
@@ -280,6 +344,17 @@ static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, pt
     for (int64_t j = 0; j < rect.y1 - rect.y0 && !status; j++)
         for (int64_t i = 0; i < rect.x1 - rect.x0; i++)
             z[j * stride + i] = (float)(c->z_origin + c->z_unit * units.z[j * units.stride + i]);
+    bool flat = p->voids == TC_VOIDS_CONSTANT;
+    if (!status && c->voids > 0 && (voids || flat)) {
+        tc_mask_plane mask = {voids, stride, rect};
+        if (!voids)
+            mask = (tc_mask_plane){scratch_take(s, (size_t)tc_rect_area(rect)), rect.x1 - rect.x0, rect};
+        status = mask.v ? read_mask(p, l, &mask, s) : TC_ERR_MEMORY;
+        for (int64_t j = 0; j < rect.y1 - rect.y0 && flat && !status; j++)
+            for (int64_t i = 0; i < rect.x1 - rect.x0; i++)
+                if (mask.v[j * mask.stride + i])
+                    z[j * stride + i] = p->void_height;
+    }
     scratch_return(s, m);
     return status;
 }
@@ -296,8 +371,8 @@ static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, flo
             tc_rect part = {x, y, tc_min64(rect.x1, (x / BLOCK + 1) * BLOCK),
                             tc_min64(rect.y1, (y / BLOCK + 1) * BLOCK)};
             ptrdiff_t at = (ptrdiff_t)(y - rect.y0) * stride + (x - rect.x0);
-            status = read_block(p, l, part, z + at, stride, s);
-            for (int64_t j = 0; j < part.y1 - part.y0 && voids && !status; j++)
+            status = read_block(p, l, part, z + at, voids ? voids + at : NULL, stride, s);
+            for (int64_t j = 0; j < part.y1 - part.y0 && voids && p->file.container.voids == 0; j++)
                 memset(voids + at + j * stride, 0, (size_t)(part.x1 - part.x0));
         }
     give_back(p, s);
@@ -345,7 +420,8 @@ static void packed_bounds(const tc_pyramid *pyramid, int l, tc_rect rect, float 
 static size_t packed_bytes(const tc_pyramid *pyramid)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
-    size_t bytes = sizeof *p + tc_block_cache_bytes(&p->tiles) + tc_block_cache_bytes(&p->file.pages);
+    size_t bytes = sizeof *p + tc_block_cache_bytes(&p->tiles) + tc_block_cache_bytes(&p->masks) +
+                   tc_block_cache_bytes(&p->file.pages);
     for (int l = 0; l < pyramid->info.levels; l++) {
         const level_state *level = &p->level[l];
         if (!level->ready)
@@ -371,7 +447,7 @@ static void packed_destroy(tc_pyramid *pyramid)
         scratch_free(s);
     }
     pthread_mutex_destroy(&p->mutex);
-    tc_block_cache_free(&p->tiles);
+    tc_block_cache_free(&p->tiles), tc_block_cache_free(&p->masks);
     tc_packed_file_close(&p->file);
     free(p);
 }
@@ -449,6 +525,8 @@ tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_p
         pthread_mutex_init(&p->level[l].mutex, NULL);
     status = tc_block_cache_init(&p->tiles, sizeof(tc_decoded_tile),
                                  options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
+    tc_status masks = tc_block_cache_init(&p->masks, MASK_SIDE * MASK_SIDE, MASK_BYTES);
+    status = status ? status : masks;
     set_info(p, options);
     if (!status)
         status = make_base(p);
