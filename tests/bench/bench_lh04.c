@@ -3,7 +3,8 @@
  * Terrains and byte counts as in bench_codec.c. Both codecs are driven to the same rms of the finest level, to 0.2 %
  * of it; columns: the lifting codec, LH04 with one step for all levels (the paper), LH04 with steps that
  * fall by 0.65 from each level to the next coarser one (better than the paper). Arguments: none for the table, or a
- * terrain's name and an rms for one row; a third one is the second LH04's factor. */
+ * terrain's name and an rms for one row; a third one is the second LH04's factor,
+ * 0 for none. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -109,9 +110,10 @@ static result drive(const float *z, int64_t w, int64_t h, double rms, double fin
 
 static void row(const char *name, const char *codec, const result *r, double samples, double against)
 {
-    printf("lh04: %-9s %-13s rms %7.3f max %7.2f m  %7.4f bits  %+6.1f %%  encode %5.1f decode %6.1f Ms/s  q/rms %.2f\n",
-           name, codec, r->rms, r->max, r->bits, 100 * (against / r->bits - 1), 1e-6 * samples / r->encode_s,
-           1e-6 * samples / r->decode_s, r->q / r->rms);
+    printf(
+        "lh04: %-9s %-13s rms %7.3f max %7.2f m  %7.4f bits  %+6.1f %%  encode %5.1f decode %6.1f Ms/s  q/rms %.2f\n",
+        name, codec, r->rms, r->max, r->bits, 100 * (against / r->bits - 1), 1e-6 * samples / r->encode_s,
+        1e-6 * samples / r->decode_s, r->q / r->rms);
     fflush(stdout);
 }
 
@@ -131,8 +133,10 @@ int main(int argc, char **argv)
             result lifting = drive(z, w, h, c->rms[n], 0), paper = drive(z, w, h, c->rms[n], 1);
             row(c->name, "lifting", &lifting, (double)(w * h), lifting.bits);
             row(c->name, "LH04", &paper, (double)(w * h), lifting.bits);
-            result better = drive(z, w, h, c->rms[n], finer);
-            row(c->name, "LH04 finer", &better, (double)(w * h), lifting.bits);
+            if (finer > 0) {
+                result better = drive(z, w, h, c->rms[n], finer);
+                row(c->name, "LH04 finer", &better, (double)(w * h), lifting.bits);
+            }
         }
         free(z);
     }

@@ -41,8 +41,8 @@ tc_status lh04_read(const lh04_level *l, const tc_plane *fine, tc_simd simd)
         for (int64_t shift = -2 * c->level.width; shift <= 2 * c->level.width && !status; shift += c->level.width) {
             tc_rect tile = tc_lh04_tile_rect(c, n % c->tiles_x, n / c->tiles_x, shift);
             if (!tc_rect_empty(tc_rect_intersect(tile, r)) && (shift == 0 || c->level.wrap_x))
-                status = tc_lh04_decode_tile(c, n % c->tiles_x, n / c->tiles_x, shift, l->tile[n], l->tile_size[n], fine,
-                                             work, simd);
+                status = tc_lh04_decode_tile(c, n % c->tiles_x, n / c->tiles_x, shift, l->tile[n], l->tile_size[n],
+                                             fine, work, simd);
         }
     tc_lh04_assemble(&c->level, &coarse, fine, fine);
     if (coarse.z != l->coarse.z)
@@ -68,8 +68,8 @@ static void pack_level(lh04_level *l, const tc_plane *coarse, const tc_plane *tr
         sample[k] = (tc_lh04_sample){t % tiles_x, t / tiles_x, source, *truth};
     }
     double step = o->q * pow(o->finer > 0 ? o->finer : 1, n);
-    tc_status status = tc_lh04_train(&level, sample, count, o->lambda,
-                                     (int32_t)fmin(fmax(1, rint(step)), TC_MAX_STEP), &model);
+    tc_status status =
+        tc_lh04_train(&level, sample, count, o->lambda, (int32_t)fmin(fmax(1, rint(step)), TC_MAX_STEP), &model);
     free(sample);
     l->header = get(tc_lh04_model_bound());
     l->header_size = status ? 0 : tc_lh04_model_write(&model, l->header);

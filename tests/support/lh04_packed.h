@@ -22,9 +22,9 @@ typedef struct lh04_packed {
 } lh04_packed;
 
 typedef struct lh04_options {
-    double q;      /* step in units */
-    double finer;  /* factor of the step from a level to the next coarser one; 0: 1, as in the paper */
-    double lambda; /* as tc_lh04_options */
+    double q;           /* step in units */
+    double finer;       /* factor of the step from a level to the next coarser one; 0: 1, as in the paper */
+    double lambda;      /* as tc_lh04_options */
     int training_tiles; /* 0: a default */
     bool wrap_x;
 } lh04_options;

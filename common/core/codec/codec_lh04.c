@@ -158,8 +158,8 @@ TC_LH04_INLINE bool decode_streams(const tc_lh04_codec *c, tc_rect tile, const u
 
 /* ---- Transform ----------------------------------------------------------------------------------------------- */
 
-/* RUN blocks beside each other at once: out[k] = (sum over n of matrix[n][k] in[n] + round) >> shift. `wide` is the type
- * of sums; results are the same wherever the narrow one holds them. */
+/* RUN blocks beside each other at once: out[k] = (sum over n of matrix[n][k] in[n] + round) >> shift. `wide` is the
+ * type of sums; results are the same wherever the narrow one holds them. */
 #define INVERSE(wide)                                                                                                  \
     for (int k = 0; k < RUN; k++) {                                                                                    \
         wide x[SIDE], even[4], odd[4];                                                                                 \
@@ -177,21 +177,20 @@ TC_LH04_INLINE bool decode_streams(const tc_lh04_codec *c, tc_rect tile, const u
         }                                                                                                              \
     }
 
-TC_LH04_INLINE void inverse32(const int32_t *in, ptrdiff_t in_stride, int shift, int32_t *restrict out)
-{
-    INVERSE(int32_t)
-}
+TC_LH04_INLINE void inverse32(const int32_t *in, ptrdiff_t in_stride, int shift,
+                              int32_t *restrict out){INVERSE(int32_t)}
 
 TC_LH04_INLINE void inverse64(const int64_t *in, ptrdiff_t in_stride, int shift, int64_t *restrict out)
 {
     INVERSE(int64_t)
 }
 
-enum { COEFFICIENT_MOST = 1 << 29, SMALL = 1 << 18, FIRST_SHIFT = 7, SECOND_SHIFT = 8 };
+enum { COEFFICIENT_MOST = 1 << 29, SAMPLE_MOST = 1 << 29, SMALL = 1 << 15, FIRST_SHIFT = 7, SECOND_SHIFT = 8 };
 
-/* Residual of RUN blocks: first down the columns, then along the rows. small: no coefficient is above SMALL. */
-TC_LH04_INLINE void inverse_blocks(const tc_lh04_codec *c, const tc_lh04_work *w, const bool column[SIDE], int i, int j,
-                                   bool small, int32_t out[SIDE][RUN * SIDE])
+/* Residual of RUN blocks from column i, row j of blocks on: first down the columns, then along the rows. small: no
+ * coefficient is above SMALL, and 32 bits are enough for all sums to the end of the tile. */
+TC_LH04_INLINE void inverse_blocks(const tc_lh04_codec *c, const bool column[SIDE], int i, int j, bool small,
+                                   tc_lh04_work *w)
 {
     int32_t step = c->model.step;
     if (small) {
@@ -205,10 +204,11 @@ TC_LH04_INLINE void inverse_blocks(const tc_lh04_codec *c, const tc_lh04_work *w
             inverse32(x[0], RUN, FIRST_SHIFT, half[u][0]);
         }
         for (int r = 0; r < SIDE; r++) {
+            int32_t *out = &w->residual[SIDE * j + r][SIDE * i];
             inverse32(half[0][r], SIDE * RUN, SECOND_SHIFT, y[0]);
             for (int k = 0; k < RUN; k++)
                 for (int n = 0; n < SIDE; n++)
-                    out[r][SIDE * k + n] = y[n][k];
+                    out[SIDE * k + n] = y[n][k];
         }
         return;
     }
@@ -216,40 +216,74 @@ TC_LH04_INLINE void inverse_blocks(const tc_lh04_codec *c, const tc_lh04_work *w
     for (int u = 0; u < SIDE; u++) {
         for (int v = 0; v < SIDE; v++)
             for (int k = 0; k < RUN; k++)
-                x[v][k] = tc_clamp64((int64_t)w->value[SIDE * v + u][j][i + k] * step, -COEFFICIENT_MOST,
-                                     COEFFICIENT_MOST);
+                x[v][k] =
+                    tc_clamp64((int64_t)w->value[SIDE * v + u][j][i + k] * step, -COEFFICIENT_MOST, COEFFICIENT_MOST);
         inverse64(x[0], RUN, FIRST_SHIFT, half[u][0]);
     }
     for (int r = 0; r < SIDE; r++) {
+        int32_t *out = &w->residual[SIDE * j + r][SIDE * i];
         inverse64(half[0][r], SIDE * RUN, SECOND_SHIFT, y[0]);
         for (int k = 0; k < RUN; k++)
             for (int n = 0; n < SIDE; n++)
-                out[r][SIDE * k + n] = (int32_t)(uint32_t)(uint64_t)y[n][k];
+                out[SIDE * k + n] = (int32_t)tc_clamp64(y[n][k], -SAMPLE_MOST, SAMPLE_MOST);
     }
 }
 
+/* The filter across an edge: x[0], x[stride] .. x[7 stride]. */
+#define LAP(wide)                                                                                                      \
+    wide d[4], s[4];                                                                                                   \
+    for (int n = 0; n < 4; n++) {                                                                                      \
+        wide a = x[(3 - n) * stride], b = x[(4 + n) * stride];                                                         \
+        s[n] = (a + b) * (1 << LAP_BITS) + (1 << LAP_BITS), d[n] = a - b;                                              \
+    }                                                                                                                  \
+    for (int n = 0; n < 4; n++) {                                                                                      \
+        wide e = 0;                                                                                                    \
+        for (int k = 0; k < 4; k++)                                                                                    \
+            e += tc_lh04_lap[n][k] * d[k];                                                                             \
+        x[(3 - n) * stride] = (int32_t)((s[n] + e) >> (LAP_BITS + 1));                                                 \
+        x[(4 + n) * stride] = (int32_t)((s[n] - e) >> (LAP_BITS + 1));                                                 \
+    }
+
+TC_LH04_INLINE void lap32(int32_t *x, ptrdiff_t stride){LAP(int32_t)}
+
+TC_LH04_INLINE void lap64(int32_t *x, ptrdiff_t stride){LAP(int64_t)}
+
+/* All edges between blocks: of columns, then of rows. */
+TC_LH04_INLINE void lap_tile(int columns, int rows, bool small, tc_lh04_work *w)
+{
+    for (int j = SIDE; j < SIDE * rows; j += SIDE)
+        for (int i = 0; i < SIDE * columns; i++)
+            if (small)
+                lap32(&w->residual[j - SIDE / 2][i], SPAN);
+            else
+                lap64(&w->residual[j - SIDE / 2][i], SPAN);
+    for (int j = 0; j < SIDE * rows; j++)
+        for (int i = SIDE; i < SIDE * columns; i += SIDE)
+            if (small)
+                lap32(&w->residual[j][i - SIDE / 2], 1);
+            else
+                lap64(&w->residual[j][i - SIDE / 2], 1);
+}
+
 TC_LH04_INLINE void inverse_tile(const tc_lh04_codec *c, tc_rect tile, int32_t most, const tc_plane *residual,
-                                 const tc_lh04_work *w)
+                                 tc_lh04_work *w)
 {
     tc_rect part = tc_rect_intersect(tile, residual->rect);
     bool small = (int64_t)most * c->model.step <= SMALL, column[SIDE] = {false};
+    int columns, rows;
+    tc_lh04_extent(tile, &columns, &rows);
     for (int n = 0; n < BANDS; n++)
         column[c->band[n].index % SIDE] |= w->coded[n];
-    for (int64_t y = part.y0; y < part.y1;) {
-        int j = (int)(y - tile.y0) / SIDE;
-        int64_t y1 = tc_min64(part.y1, tile.y0 + (j + 1) * SIDE);
-        for (int i = 0; i < BLOCKS; i += RUN) {
-            int64_t x0 = tc_max64(part.x0, tile.x0 + i * SIDE), x1 = tc_min64(part.x1, tile.x0 + (i + RUN) * SIDE);
-            if (x0 >= x1)
-                continue;
-            int32_t out[SIDE][RUN * SIDE];
-            inverse_blocks(c, w, column, i, j, small, out);
-            for (int64_t row = y; row < y1; row++)
-                memcpy(tc_plane_at(residual, x0, row), &out[row - tile.y0 - j * SIDE][x0 - tile.x0 - i * SIDE],
-                       (size_t)(x1 - x0) * sizeof **out);
-        }
-        y = y1;
-    }
+    for (int j = 0; j < rows; j++)
+        for (int i = 0; i < columns; i += RUN)
+            if (small)
+                inverse_blocks(c, column, i, j, true, w);
+            else
+                inverse_blocks(c, column, i, j, false, w);
+    lap_tile(columns, rows, small, w);
+    for (int64_t y = part.y0; y < part.y1; y++)
+        memcpy(tc_plane_at(residual, part.x0, y), &w->residual[y - tile.y0][part.x0 - tile.x0],
+               (size_t)(part.x1 - part.x0) * sizeof *residual->z);
 }
 
 TC_LH04_INLINE tc_status decode_tile(const tc_lh04_codec *c, int64_t tx, int64_t ty, int64_t shift,

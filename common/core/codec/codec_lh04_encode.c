@@ -15,21 +15,66 @@ enum {
 
 /* ---- Transform ----------------------------------------------------------------------------------------------- */
 
+/* Inverse of the filter's matrix, by Newton's iteration from its transpose. */
+static void invert_lap(double inverse[4][4])
+{
+    double a[4][4];
+    for (int n = 0; n < 4; n++)
+        for (int k = 0; k < 4; k++)
+            a[n][k] = tc_lh04_lap[n][k] / (double)(1 << LAP_BITS), inverse[k][n] = a[n][k];
+    for (int round = 0; round < 3; round++) {
+        double rest[4][4], next[4][4];
+        for (int n = 0; n < 4; n++)
+            for (int k = 0; k < 4; k++) {
+                rest[n][k] = n == k ? 2 : 0;
+                for (int m = 0; m < 4; m++)
+                    rest[n][k] -= a[n][m] * inverse[m][k];
+            }
+        for (int n = 0; n < 4; n++)
+            for (int k = 0; k < 4; k++) {
+                next[n][k] = 0;
+                for (int m = 0; m < 4; m++)
+                    next[n][k] += inverse[n][m] * rest[m][k];
+            }
+        memcpy(inverse, next, sizeof next);
+    }
+}
+
+/* Undoes the filter across an edge. */
+static void unlap(const double inverse[4][4], double *x, ptrdiff_t stride)
+{
+    double s[4], d[4];
+    for (int n = 0; n < 4; n++)
+        s[n] = x[(3 - n) * stride] + x[(4 + n) * stride], d[n] = x[(3 - n) * stride] - x[(4 + n) * stride];
+    for (int n = 0; n < 4; n++) {
+        double e = inverse[n][0] * d[0] + inverse[n][1] * d[1] + inverse[n][2] * d[2] + inverse[n][3] * d[3];
+        x[(3 - n) * stride] = (s[n] + e) / 2, x[(4 + n) * stride] = (s[n] - e) / 2;
+    }
+}
+
 /* Coefficients in steps. Samples that a block at the level's border lacks are those of its last column and row. */
 static void forward(const tc_lh04_codec *c, tc_rect tile, tc_lh04_work *w)
 {
     int columns, rows;
     int64_t width = tile.x1 - tile.x0, height = tile.y1 - tile.y0;
-    double scale = 1.0 / (32768.0 * c->model.step);
+    double scale = 1.0 / (32768.0 * c->model.step), inverse[4][4];
     tc_lh04_extent(tile, &columns, &rows);
+    invert_lap(inverse);
+    for (int y = 0; y < rows * SIDE; y++) {
+        const int32_t *z = w->residual[tc_min64(y, height - 1)];
+        for (int x = 0; x < columns * SIDE; x++)
+            w->smooth[y][x] = z[tc_min64(x, width - 1)];
+        for (int x = SIDE; x < columns * SIDE; x += SIDE)
+            unlap(inverse, &w->smooth[y][x - SIDE / 2], 1);
+    }
+    for (int y = SIDE; y < rows * SIDE; y += SIDE)
+        for (int x = 0; x < columns * SIDE; x++)
+            unlap(inverse, &w->smooth[y - SIDE / 2][x], SPAN);
     for (int j = 0; j < rows; j++)
         for (int i = 0; i < columns; i++) {
             double half[SIDE][SIDE]; /* [y][u] */
             for (int y = 0; y < SIDE; y++) {
-                const int32_t *z = w->residual[tc_min64(j * SIDE + y, height - 1)];
-                double x[SIDE];
-                for (int n = 0; n < SIDE; n++)
-                    x[n] = z[tc_min64(i * SIDE + n, width - 1)];
+                const double *x = &w->smooth[j * SIDE + y][i * SIDE];
                 for (int u = 0; u < SIDE; u++) {
                     double sum = 0;
                     for (int n = 0; n < SIDE; n++)
@@ -219,7 +264,7 @@ tc_status tc_lh04_encode_tile(const tc_lh04_codec *codec, int64_t tx, int64_t ty
     tc_lh04_options none = {0};
     options = options ? options : &none;
     coder e = {.codec = codec, .lambda = options->lambda};
-    e.lambda = e.lambda == 0 ? TC_DEFAULT_LAMBDA : e.lambda < 0 ? 0 : e.lambda;
+    e.lambda = e.lambda == 0 ? TC_LH04_LAMBDA : e.lambda < 0 ? 0 : e.lambda;
     for (int b = 0; b < TC_BINS; b++)
         for (int s = 0; s < TC_RANS_SYMBOLS; s++)
             e.bits[b][s] = (float)(TC_RANS_BITS - log2(codec->model.symbols[b].of[s]));

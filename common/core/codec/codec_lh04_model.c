@@ -1,9 +1,9 @@
 /* codec_lh04_model.c - models of residuals: contexts made from them, the built-in one, and headers.
  *
- * A header is one stream of binary_coder.h: two raw bits (own weights; own symbols); the step, 25 raw bits; the codes of
- * the means in zigzag order, each as the difference from the one before (the first from 32), then 1/256ths of
- * flags as differences from 128 likewise; weights as differences of codes (weight_of()) from the built-in ones; symbols
- * as a bit for each bin, whether it differs from the built-in one, and where it does 16 differences of logarithms. */
+ * A header is one stream of binary_coder.h: two raw bits (own weights; own symbols); the step, 25 raw bits; the codes
+ * of the means in zigzag order, each as the difference from the one before (the first from 32), then 1/256ths of flags
+ * as differences from 128 likewise; weights as differences of codes (weight_of()) from the built-in ones; symbols as a
+ * bit for each bin, whether it differs from the built-in one, and where it does 16 differences of logarithms. */
 #include "codec_lh04_tile.h"
 
 #include "binary_coder.h"
@@ -21,10 +21,10 @@ static int64_t mean_of(int code)
 }
 
 /* The u of number n of the zigzag in bits 0-2, v in bits 3-5. */
-static const uint8_t zigzag[BANDS] = {
-    0,  1,  8,  16, 9,  2,  3,  10, 17, 24, 32, 25, 18, 11, 4,  5,  12, 19, 26, 33, 40, 48,
-    41, 34, 27, 20, 13, 6,  7,  14, 21, 28, 35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23,
-    30, 37, 44, 51, 58, 59, 52, 45, 38, 31, 39, 46, 53, 60, 61, 54, 47, 55, 62, 63};
+static const uint8_t zigzag[BANDS] = {0,  1,  8,  16, 9,  2,  3,  10, 17, 24, 32, 25, 18, 11, 4,  5,
+                                      12, 19, 26, 33, 40, 48, 41, 34, 27, 20, 13, 6,  7,  14, 21, 28,
+                                      35, 42, 49, 56, 57, 50, 43, 36, 29, 22, 15, 23, 30, 37, 44, 51,
+                                      58, 59, 52, 45, 38, 31, 39, 46, 53, 60, 61, 54, 47, 55, 62, 63};
 
 static int class_of(int index)
 {
@@ -35,17 +35,6 @@ static int class_of(int index)
 static int32_t at_most(int64_t value, int64_t limit)
 {
     return (int32_t)(value < limit ? value : limit);
-}
-
-/* Frequencies of large means first: they tell most about the rest. */
-static void sort_bands(const uint8_t mean[BANDS], uint8_t order[BANDS])
-{
-    for (int n = 0; n < BANDS; n++) {
-        int at = n;
-        for (; at > 0 && mean[order[at - 1]] < mean[zigzag[n]]; at--)
-            order[at] = order[at - 1];
-        order[at] = zigzag[n];
-    }
 }
 
 static void init_band(tc_lh04_codec *c, int place, const uint8_t position[BANDS], int64_t before)
@@ -80,23 +69,22 @@ static void init_band(tc_lh04_codec *c, int place, const uint8_t position[BANDS]
     b->ratio[F_ONE] = (int32_t)(mean >> 2);
     for (int p = 0; p < TC_PHASES; p++)
         for (int n = 0; n < TC_LH04_SCALE; n++) /* the sum of all features times these stays below 2^31 */
-            b->weight[p][n] = at_most(((int64_t)m->weight[b->class][p][n] * b->ratio[n]) >> 10,
-                                      n == F_ONE ? 1 << 28 : UINT16_MAX);
+            b->weight[p][n] =
+                at_most(((int64_t)m->weight[b->class][p][n] * b->ratio[n]) >> 10, n == F_ONE ? 1 << 28 : UINT16_MAX);
 }
 
 void tc_lh04_init(tc_lh04_codec *codec, const tc_lifting_level *level, const tc_lh04_model *model)
 {
-    uint8_t order[BANDS], position[BANDS];
+    uint8_t position[BANDS];
     int64_t before = 0;
     codec->level = *level;
     codec->tiles_x = (level->width + SPAN - 1) / SPAN, codec->tiles_y = (level->height + SPAN - 1) / SPAN;
     codec->model = *model;
-    sort_bands(model->mean, order);
     for (int n = 0; n < BANDS; n++)
-        codec->band[n].index = order[n], position[order[n]] = (uint8_t)n;
+        codec->band[n].index = zigzag[n], position[zigzag[n]] = (uint8_t)n;
     for (int n = 0; n < BANDS; n++) {
         init_band(codec, n, position, before);
-        before += mean_of(model->mean[order[n]]);
+        before += mean_of(model->mean[zigzag[n]]);
     }
     for (int b = 0; b < TC_BINS; b++)
         tc_rans_table_build(&model->symbols[b], &codec->table[b]);
@@ -105,8 +93,9 @@ void tc_lh04_init(tc_lh04_codec *codec, const tc_lifting_level *level, const tc_
 /* ---- The built-in model -------------------------------------------------------------------------------------- */
 
 static const uint8_t builtin_mean[BANDS] = {
-    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 
-    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 
+    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32,
+    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32,
+    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32,
 };
 
 /* Codes: weight_of(). */

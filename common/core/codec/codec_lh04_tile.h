@@ -38,12 +38,25 @@ struct tc_lh04_work {
     int16_t near[TC_PHASES][RUN], far[TC_PHASES][RUN];      /* of one row */
     uint8_t symbol[BANDS][BLOCKS][TC_PHASES][RUN];
     uint8_t bin[BANDS][BLOCKS][TC_PHASES][RUN];
-    int32_t value[BANDS][BLOCKS][BLOCKS]; /* by frequency, not place: multiples of the step */
-    bool coded[BANDS];                    /* by place */
+    int32_t value[BANDS][BLOCKS][BLOCKS];    /* by frequency, not place: multiples of the step */
+    bool coded[BANDS];                       /* by place */
     uint16_t order[BANDS * BLOCKS * BLOCKS]; /* encoder: bin, symbol, lane, in the order of decoding */
     float exact[BANDS][BLOCKS][BLOCKS];      /* encoder: coefficients in steps, by frequency */
-    int32_t residual[SPAN][SPAN];            /* encoder */
+    double smooth[SPAN][SPAN];               /* encoder: residual before the transform of blocks */
+    int32_t residual[SPAN][SPAN];
 };
+
+/* ---- Transform ------------------------------------------------------------------------------------------------
+ *
+ * A lapped orthogonal transform (Malvar, Staelin 1989) as a filter across the edges of blocks behind the inverse DCT
+ * (Tran, Liang, Tu 2003, "Lapped transform via time-domain pre- and post-filtering"), within the tile. Of the 8 samples
+ * x across an edge, with s[i] = x[i] + x[7 - i] and d[i] = x[3 - i] - x[4 + i], the filter makes
+ *     x[3 - i], x[4 + i] = (s[3 - i] +- sum over k of lap[i][k] d[k]) / 2. */
+
+/* In 1/256; C4^T C2 of 4 points, both mirrored. The encoder takes the inverse of just these numbers. */
+static const int16_t tc_lh04_lap[4][4] = {
+    {207, -146, 31, -21}, {143, 179, -114, -7}, {37, 108, 220, -64}, {31, 21, 56, 247}};
+enum { LAP_BITS = 8 };
 
 /* Rows of the matrix are 2^7.5 times an orthonormal basis, to a thousandth; that of H.265. */
 static const int8_t tc_lh04_dct[SIDE][SIDE] = {

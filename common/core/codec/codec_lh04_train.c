@@ -175,7 +175,7 @@ static tc_status train_symbols(trainer *t)
 /* Bits of all tiles of the level with the codec's model, errors counted as the bits that they are worth. */
 static tc_status price(trainer *t, double *bits_ret)
 {
-    double bits = 0, error = 0, lambda = t->lambda == 0 ? TC_DEFAULT_LAMBDA : t->lambda;
+    double bits = 0, error = 0, lambda = t->lambda == 0 ? TC_LH04_LAMBDA : t->lambda;
     for (int64_t n = 0; n < t->samples; n++) {
         tc_lh04_options options = {.bits = &bits, .error = &error};
         tc_status status = encode(t, n, &options);
