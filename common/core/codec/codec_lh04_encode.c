@@ -15,29 +15,38 @@ enum {
 
 /* ---- Transform ----------------------------------------------------------------------------------------------- */
 
-/* Inverse of the filter's matrix, by Newton's iteration from its transpose. */
-static void invert_lap(double inverse[4][4])
+/* Improves the inverse x of a matrix of n rows, from its transpose on, by Newton's iteration: the integers that the
+ * decoder works with are only nearly orthogonal, which would show where relief is large against the step. */
+static void invert(int n, const double *a, double *x)
 {
-    double a[4][4];
+    for (int round = 0; round < 3; round++) {
+        double rest[SIDE * SIDE], next[SIDE * SIDE];
+        for (int i = 0; i < n * n; i++) {
+            rest[i] = i / n == i % n ? 2 : 0;
+            for (int k = 0; k < n; k++)
+                rest[i] -= a[i / n * n + k] * x[k * n + i % n];
+        }
+        for (int i = 0; i < n * n; i++) {
+            next[i] = 0;
+            for (int k = 0; k < n; k++)
+                next[i] += x[i / n * n + k] * rest[k * n + i % n];
+        }
+        memcpy(x, next, (size_t)(n * n) * sizeof *x);
+    }
+}
+
+/* Inverses of the decoder's filter and of its DCT. */
+static void invert_transforms(double lap[4][4], double dct[SIDE][SIDE])
+{
+    double filter[4][4], blocks[SIDE][SIDE];
     for (int n = 0; n < 4; n++)
         for (int k = 0; k < 4; k++)
-            a[n][k] = tc_lh04_lap[n][k] / (double)(1 << LAP_BITS), inverse[k][n] = a[n][k];
-    for (int round = 0; round < 3; round++) {
-        double rest[4][4], next[4][4];
-        for (int n = 0; n < 4; n++)
-            for (int k = 0; k < 4; k++) {
-                rest[n][k] = n == k ? 2 : 0;
-                for (int m = 0; m < 4; m++)
-                    rest[n][k] -= a[n][m] * inverse[m][k];
-            }
-        for (int n = 0; n < 4; n++)
-            for (int k = 0; k < 4; k++) {
-                next[n][k] = 0;
-                for (int m = 0; m < 4; m++)
-                    next[n][k] += inverse[n][m] * rest[m][k];
-            }
-        memcpy(inverse, next, sizeof next);
-    }
+            lap[k][n] = filter[n][k] = tc_lh04_lap[n][k] / (double)(1 << LAP_BITS);
+    for (int n = 0; n < SIDE; n++)
+        for (int k = 0; k < SIDE; k++)
+            dct[n][k] = blocks[k][n] = tc_lh04_dct[n][k] / sqrt(32768);
+    invert(4, filter[0], lap[0]);
+    invert(SIDE, blocks[0], dct[0]);
 }
 
 /* Undoes the filter across an edge. */
@@ -57,19 +66,19 @@ static void forward(const tc_lh04_codec *c, tc_rect tile, tc_lh04_work *w)
 {
     int columns, rows;
     int64_t width = tile.x1 - tile.x0, height = tile.y1 - tile.y0;
-    double scale = 1.0 / (32768.0 * c->model.step), inverse[4][4];
+    double scale = 1.0 / c->model.step, lap[4][4], dct[SIDE][SIDE];
     tc_lh04_extent(tile, &columns, &rows);
-    invert_lap(inverse);
+    invert_transforms(lap, dct);
     for (int y = 0; y < rows * SIDE; y++) {
         const int32_t *z = w->residual[tc_min64(y, height - 1)];
         for (int x = 0; x < columns * SIDE; x++)
             w->smooth[y][x] = z[tc_min64(x, width - 1)];
         for (int x = SIDE; x < columns * SIDE; x += SIDE)
-            unlap(inverse, &w->smooth[y][x - SIDE / 2], 1);
+            unlap(lap, &w->smooth[y][x - SIDE / 2], 1);
     }
     for (int y = SIDE; y < rows * SIDE; y += SIDE)
         for (int x = 0; x < columns * SIDE; x++)
-            unlap(inverse, &w->smooth[y - SIDE / 2][x], SPAN);
+            unlap(lap, &w->smooth[y - SIDE / 2][x], SPAN);
     for (int j = 0; j < rows; j++)
         for (int i = 0; i < columns; i++) {
             double half[SIDE][SIDE]; /* [y][u] */
@@ -78,7 +87,7 @@ static void forward(const tc_lh04_codec *c, tc_rect tile, tc_lh04_work *w)
                 for (int u = 0; u < SIDE; u++) {
                     double sum = 0;
                     for (int n = 0; n < SIDE; n++)
-                        sum += tc_lh04_dct[u][n] * x[n];
+                        sum += dct[u][n] * x[n];
                     half[y][u] = sum;
                 }
             }
@@ -86,8 +95,8 @@ static void forward(const tc_lh04_codec *c, tc_rect tile, tc_lh04_work *w)
                 for (int u = 0; u < SIDE; u++) {
                     double sum = 0;
                     for (int n = 0; n < SIDE; n++)
-                        sum += tc_lh04_dct[v][n] * half[n][u];
-                    w->exact[SIDE * v + u][j][i] = (float)(sum * scale);
+                        sum += dct[v][n] * half[n][u];
+                    w->exact[SIDE * v + u][j][i] = sum * scale;
                 }
         }
 }

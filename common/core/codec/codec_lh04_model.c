@@ -1,7 +1,7 @@
 /* codec_lh04_model.c - models of residuals: contexts made from them, the built-in one, and headers.
  *
  * A header is one stream of binary_coder.h: two raw bits (own weights; own symbols); the step, 25 raw bits; the codes
- * of the means in zigzag order, each as the difference from the one before (the first from 32), then 1/256ths of flags
+ * of the means in zigzag order, each as the difference from the one before (the first from 24), then 1/256ths of flags
  * as differences from 128 likewise; weights as differences of codes (weight_of()) from the built-in ones; symbols as a
  * bit for each bin, whether it differs from the built-in one, and where it does 16 differences of logarithms. */
 #include "codec_lh04_tile.h"
@@ -92,21 +92,44 @@ void tc_lh04_init(tc_lh04_codec *codec, const tc_lifting_level *level, const tc_
 
 /* ---- The built-in model -------------------------------------------------------------------------------------- */
 
-static const uint8_t builtin_mean[BANDS] = {
-    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32,
-    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32,
-    32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32, 32,
-};
-
-/* Codes: weight_of(). */
+/* Trained by tc_lh04_train() on SRTM 3" of the Tatra: weights, as codes (weight_of()), and flags on its finest level at
+ * 1.5 m rms, symbols on the next coarser one; symbols of large scales, which it hardly has, are those of a geometric
+ * distribution. */
 static const uint8_t builtin_weight[TC_LH04_CLASSES][TC_PHASES][TC_LH04_SCALE] = {
-    {{108, 90, 90, 90, 108, 108, 108, 80, 108}, {108, 90, 90, 108, 108, 108, 108, 80, 108}},
-    {{108, 90, 90, 90, 108, 108, 108, 80, 108}, {108, 90, 90, 108, 108, 108, 108, 80, 108}},
-    {{108, 90, 90, 90, 108, 108, 108, 80, 108}, {108, 90, 90, 108, 108, 108, 108, 80, 108}},
-    {{108, 90, 90, 90, 108, 108, 108, 80, 108}, {108, 90, 90, 108, 108, 108, 108, 80, 108}},
+    {{76, 78, 74, 75, 65, 71, 68, 65, 157}, {73, 85, 74, 78, 63, 48, 62, 66, 157}},
+    {{102, 89, 91, 90, 119, 97, 108, 97, 115}, {103, 89, 90, 106, 115, 92, 105, 94, 112}},
+    {{101, 84, 88, 84, 135, 125, 116, 84, 11}, {100, 77, 86, 109, 132, 124, 108, 73, 11}},
+    {{98, 75, 88, 84, 137, 142, 97, 48, 0}, {92, 84, 86, 107, 136, 140, 94, 45, 0}},
 };
 
-static const uint8_t builtin_empty[TC_LH04_FLAGS] = {230, 200, 150, 150, 100, 50, 50, 30, 10, 10, 5, 5};
+static const uint8_t builtin_empty[TC_LH04_FLAGS] = {230, 200, 150, 255, 209, 39, 255, 169, 47, 203, 52, 17};
+
+static const uint16_t builtin_symbols[TC_BINS][TC_RANS_SYMBOLS] = {
+    {4077, 4, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {4072, 9, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {4066, 15, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {4057, 24, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {4040, 40, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {4012, 68, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {3908, 173, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {3720, 358, 5, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {3462, 611, 9, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {3125, 929, 26, 4, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {2674, 1337, 64, 8, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {2065, 1736, 236, 38, 8, 3, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1},
+    {1530, 1820, 541, 147, 31, 13, 3, 2, 2, 1, 1, 1, 1, 1, 1, 1},
+    {1038, 1601, 873, 367, 130, 50, 17, 8, 4, 2, 1, 1, 1, 1, 1, 1},
+    {674, 1236, 953, 566, 337, 168, 84, 34, 17, 11, 6, 4, 2, 2, 1, 1},
+    {473, 870, 796, 614, 473, 335, 217, 129, 77, 41, 29, 16, 10, 6, 4, 6},
+    {306, 612, 611, 515, 471, 396, 306, 257, 182, 140, 90, 64, 41, 41, 19, 45},
+    {1047, 779, 580, 432, 321, 239, 178, 133, 99, 73, 55, 41, 30, 23, 17, 49},
+    {749, 611, 500, 408, 334, 273, 223, 182, 149, 122, 100, 81, 67, 54, 44, 199},
+    {980, 745, 567, 431, 328, 250, 190, 145, 110, 84, 64, 48, 37, 28, 21, 68},
+    {689, 573, 477, 397, 330, 274, 228, 190, 158, 131, 109, 91, 76, 63, 52, 258},
+    {898, 701, 547, 427, 334, 261, 203, 159, 124, 97, 76, 59, 46, 36, 28, 100},
+    {628, 530, 449, 381, 322, 273, 231, 196, 166, 141, 119, 101, 86, 72, 61, 340},
+    {814, 653, 523, 419, 336, 269, 215, 172, 138, 111, 89, 71, 57, 46, 36, 147},
+};
 
 /* Weight of a code: 0 is 0, then 2^((code - 1) / 16), at most 2^13. */
 static uint32_t weight_of(int code)
@@ -120,7 +143,7 @@ static uint32_t frequency_of(int code)
     return ((uint32_t)root[code % 8 * 2] << code / 8) >> 12;
 }
 
-enum { WEIGHT_CODES = 13 * 16 + 2, LOG_CODES = 12 * 8 + 1, FIRST_MEAN = 32, FIRST_EMPTY = 128 };
+enum { WEIGHT_CODES = 13 * 16 + 2, LOG_CODES = 12 * 8 + 1, FIRST_MEAN = 24, FIRST_EMPTY = 128 };
 
 /* The code, of `codes`, whose value is nearest; the lowest of equals. */
 static int nearest_code(uint32_t (*value_of)(int code), int codes, uint32_t value)
@@ -138,7 +161,7 @@ static tc_rans_frequencies frequencies_of(const uint8_t code[TC_RANS_SYMBOLS])
 {
     uint64_t w[TC_RANS_SYMBOLS];
     for (int s = 0; s < TC_RANS_SYMBOLS; s++)
-        w[s] = frequency_of(code[s]);
+        w[s] = frequency_of(code[s]) - 1; /* normalising gives everybody one */
     return tc_rans_normalise(w);
 }
 
@@ -150,16 +173,15 @@ static void frequency_codes(const tc_rans_frequencies *f, uint8_t code[TC_RANS_S
 
 void tc_lh04_model_builtin(int32_t step, tc_lh04_model *model)
 {
-    tc_detail_model details;
-    tc_detail_model_builtin(0, &details);
     *model = (tc_lh04_model){.step = step};
-    memcpy(model->mean, builtin_mean, sizeof builtin_mean);
+    memset(model->mean, FIRST_MEAN, sizeof model->mean);
     memcpy(model->empty, builtin_empty, sizeof builtin_empty);
     for (int c = 0; c < TC_LH04_CLASSES; c++)
         for (int p = 0; p < TC_PHASES; p++)
             for (int n = 0; n < TC_LH04_SCALE; n++)
                 model->weight[c][p][n] = (uint16_t)weight_of(builtin_weight[c][p][n]);
-    memcpy(model->symbols, details.symbols, sizeof model->symbols);
+    for (int b = 0; b < TC_BINS; b++)
+        memcpy(model->symbols[b].of, builtin_symbols[b], sizeof builtin_symbols[b]);
 }
 
 /* ---- Header -------------------------------------------------------------------------------------------------- */

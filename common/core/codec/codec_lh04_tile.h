@@ -41,7 +41,7 @@ struct tc_lh04_work {
     int32_t value[BANDS][BLOCKS][BLOCKS];    /* by frequency, not place: multiples of the step */
     bool coded[BANDS];                       /* by place */
     uint16_t order[BANDS * BLOCKS * BLOCKS]; /* encoder: bin, symbol, lane, in the order of decoding */
-    float exact[BANDS][BLOCKS][BLOCKS];      /* encoder: coefficients in steps, by frequency */
+    double exact[BANDS][BLOCKS][BLOCKS];     /* encoder: coefficients in steps, by frequency */
     double smooth[SPAN][SPAN];               /* encoder: residual before the transform of blocks */
     int32_t residual[SPAN][SPAN];
 };

@@ -66,7 +66,7 @@ static tc_status first_means(trainer *t)
         for (int b = 0; b < BANDS; b++)
             for (int j = 0; j < rows; j++)
                 for (int i = 0; i < columns; i++)
-                    t->sum[b] += floor(fabs((double)t->work->exact[b][j][i]) + 0.35);
+                    t->sum[b] += floor(fabs(t->work->exact[b][j][i]) + 0.35);
     }
     take_means(t, &model);
     set_up(t, &model);
