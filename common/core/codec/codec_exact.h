@@ -25,12 +25,13 @@ enum {
     TC_EXACT_FRACTIONS = 6,
     TC_EXACT_NODES = 16,
     TC_EXACT_CONTEXTS1 = TC_EXACT_BINS * TC_EXACT_FRACTIONS,
-    TC_EXACT_CONTEXTS2 = 22 * TC_EXACT_PHASES * TC_EXACT_FRACTIONS,
+    TC_EXACT_CONTEXTS2 = (TC_EXACT_BINS + 2) / 3 * TC_EXACT_PHASES * TC_EXACT_FRACTIONS,
     TC_EXACT_PATTERNS = 75 * 3,
     TC_EXACT_LEVELS3 = 16,
     TC_EXACT_NODES3 = 8,
     TC_EXACT_CONTEXTS3 = TC_EXACT_PATTERNS * TC_EXACT_LEVELS3,
-    TC_EXACT_LENGTHS = 32
+    TC_EXACT_LENGTHS = 32,
+    TC_EXACT_WEIGHTS = (TC_EXACT_BINS + 2) / 3
 };
 
 /* What encoder and decoder know about a level beforehand. */
@@ -38,6 +39,7 @@ typedef struct tc_exact_model {
     int32_t step;                                     /* height units; at most TC_MAX_STEP */
     int16_t predict[TC_EXACT_PHASES][TC_EXACT_TERMS]; /* in 1/4096 */
     uint16_t scale[TC_EXACT_PHASES][TC_EXACT_SCALES]; /* in 1/1024 */
+    int8_t start[TC_EXACT_CONTEXTS1][TC_EXACT_NODES]; /* corrections of logits, in 1/16 */
 } tc_exact_model;
 
 /* What is learnt while a tile is coded. */
@@ -46,7 +48,7 @@ typedef struct tc_exact_state {
     tc_mix_state phase[TC_EXACT_CONTEXTS2][TC_EXACT_NODES];
     tc_mix_state pattern[TC_EXACT_CONTEXTS3][TC_EXACT_NODES3];
     tc_mix_state length[TC_EXACT_LENGTHS];
-    int32_t weight[22][TC_EXACT_NODES][TC_MIX_INPUTS];
+    int32_t weight[TC_EXACT_WEIGHTS][TC_EXACT_NODES][TC_MIX_INPUTS];
 } tc_exact_state;
 
 /* A level's geometry, model, tables, and the state that every tile starts from. */

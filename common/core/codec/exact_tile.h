@@ -23,6 +23,18 @@ enum {
     TC_EXACT_SCALE_MOST = 1 << 28
 };
 
+/* Decisions on a sample's distance r from the prediction: 0 is it not zero, 1 is it away from the side that rounding
+ * left, then, for either side, is it more than n + 1. */
+enum {
+    TC_EXACT_UNARY = 7,
+    TC_EXACT_TOWARDS = 2,
+    TC_EXACT_AWAY = TC_EXACT_TOWARDS + TC_EXACT_UNARY,
+    TC_EXACT_SCALE_OCTAVE = 8 /* of the least expected error */
+};
+
+/* The nodes of the pattern contexts share what lies beyond the third decision of a side. */
+extern const uint8_t tc_exact_pattern_node[TC_EXACT_NODES];
+
 struct tc_exact_work {
     int64_t base; /* in steps */
     int32_t coarse[TC_EXACT_COARSE_SIDE][TC_EXACT_COARSE_SIDE];
@@ -39,6 +51,9 @@ struct tc_exact_work {
 /* Neighbours of the prediction, x and y from the sample. */
 extern const int8_t tc_exact_coarse_at[TC_EXACT_COARSE][2];
 extern const int8_t tc_exact_causal_at[TC_EXACT_CAUSAL][2];
+
+/* The states that a context starts from where the header does not correct it. */
+void tc_exact_start_nodes(int bin, int fraction, tc_mix_state node[TC_EXACT_NODES]);
 
 /* Prepares a tile: base, coarse, up and curvature; signal and error empty. */
 void tc_exact_prepare(const tc_exact *codec, int64_t tx, int64_t ty, const tc_plane *coarse, tc_exact_work *work);
@@ -70,6 +85,38 @@ TC_INLINE int32_t tc_exact_predict(const tc_exact_work *w, const int16_t weight[
     TERM(12, -3, 0), TERM(13, 0, -3), TERM(14, -3, -1), TERM(15, 3, -1);
 #undef TERM
     return (int32_t)((w->guess[y][x] + (sum >> 8) + 8) >> 4);
+}
+
+/* The expected error of sample (x, y), in 1/1024 part. */
+TC_INLINE uint32_t tc_exact_scale(const tc_exact_work *w, const uint16_t weight[TC_EXACT_SCALES], int x, int y)
+{
+    uint32_t f[TC_EXACT_SCALES - 1], sum = 16u * weight[TC_EXACT_SCALES - 1] + TC_EXACT_SCALE_LEAST;
+    tc_exact_scale_features(w, x, y, f);
+    for (int k = 0; k < TC_EXACT_SCALES - 1; k++)
+        sum += weight[k] * f[k];
+    return sum < TC_EXACT_SCALE_MOST ? sum : TC_EXACT_SCALE_MOST;
+}
+
+/* How many low bits of r go raw. */
+TC_INLINE int tc_exact_shift(uint32_t scale)
+{
+    /* So that no more than four units are expected. */
+    int above = 31 - __builtin_clz((scale - 1) | 1) - 15;
+    return above > 0 ? above : 0;
+}
+
+/* Expected errors in four bins an octave; those above the last one go where they would be octaves below. */
+TC_INLINE int tc_exact_bin(uint32_t scale)
+{
+    int octave = 31 - __builtin_clz(scale),
+        bin = 4 * (octave - TC_EXACT_SCALE_OCTAVE) + (int)(scale >> (octave - 2) & 3);
+    return bin < TC_EXACT_BINS ? bin : TC_EXACT_BINS - 4 + (bin & 3);
+}
+
+TC_INLINE int tc_exact_fraction(int shift, int parts)
+{
+    static const uint8_t bin[TC_EXACT_PART / 2 + 1] = {0, 0, 1, 2, 3, 3, 4, 5, 5};
+    return shift ? 0 : bin[parts];
 }
 
 #endif

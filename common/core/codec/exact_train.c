@@ -178,15 +178,79 @@ static void fit_scale(trainer *t)
     }
 }
 
+/* ---- Probabilities ------------------------------------------------------------------------------------------- */
+
+typedef struct counts {
+    double of[TC_EXACT_CONTEXTS1][TC_EXACT_NODES][2];
+} counts;
+
+static void count_tile(const trainer *t, int n, counts *seen)
+{
+    const tc_exact_work *w = t->work[n];
+    const tc_exact_model *m = &t->codec->model;
+    tc_rect r = tile_rect(t, n);
+    for (int y = 0; y < (int)(r.y1 - r.y0); y++)
+        for (int x = 0; x < (int)(r.x1 - r.x0); x++) {
+            int phase = (y & 1) * 2 + (x & 1);
+            int32_t p = tc_exact_predict(w, m->predict[phase] + TC_EXACT_COARSE, x, y);
+            int32_t nearest = (p + TC_EXACT_PART / 2) >> 4, fraction = p - nearest * TC_EXACT_PART;
+            int32_t d = w->error[y + TC_EXACT_REACH][x + TC_EXACT_REACH] + fraction;
+            d = (fraction < 0 ? -d : d) / TC_EXACT_PART;
+            uint32_t scale = tc_exact_scale(w, m->scale[phase], x, y);
+            int shift = tc_exact_shift(scale), high = (d + (1 << shift >> 1)) >> shift, first;
+            int context = tc_exact_bin(scale) * TC_EXACT_FRACTIONS + tc_exact_fraction(shift, abs(fraction));
+            seen->of[context][0][high != 0]++;
+            if (high == 0)
+                continue;
+            seen->of[context][1][high < 0]++;
+            first = high < 0 ? TC_EXACT_AWAY : TC_EXACT_TOWARDS;
+            for (int k = 0; k < TC_EXACT_UNARY; k++) {
+                seen->of[context][first + k][abs(high) > k + 1]++;
+                if (abs(high) <= k + 1)
+                    break;
+            }
+        }
+}
+
+static double logit(double p)
+{
+    return log(p / (1 - p));
+}
+
+/* Corrections of the probabilities that tiles start from, where they save bits. tiles: of the level. */
+static void fit_start(trainer *t, counts *seen, int64_t tiles)
+{
+    enum { PRIOR = 6, BITS = 4, MOST = 4 };
+    *seen = (counts){0};
+    for (int n = 0; n < t->count; n++)
+        count_tile(t, n, seen);
+    for (int c = 0; c < TC_EXACT_CONTEXTS1; c++) {
+        tc_mix_state node[TC_EXACT_NODES];
+        tc_exact_start_nodes(c / TC_EXACT_FRACTIONS, c % TC_EXACT_FRACTIONS, node);
+        for (int k = 0; k < TC_EXACT_NODES; k++) {
+            const double *bit = seen->of[c][k];
+            double before = (node[k] >> 16) / 65536.0, total = bit[0] + bit[1];
+            double p = (bit[1] + PRIOR * before) / (total + PRIOR);
+            /* A tile adapts itself: no correction saves more than a few bits of it. */
+            double saved =
+                total > 0 ? (bit[1] * log2(p / before) + bit[0] * log2((1 - p) / (1 - before))) / t->count : 0;
+            double by = rint(16 * (logit(p) - logit(before)));
+            if (fmin(saved, MOST) * (double)tiles > BITS && isfinite(by))
+                t->codec->model.start[c][k] = (int8_t)fmin(fmax(by, INT8_MIN), INT8_MAX);
+        }
+    }
+}
+
 tc_status tc_exact_train(const tc_lifting_level *level, const tc_exact_tile *tiles, int count, int32_t step,
                          tc_exact_model *model)
 {
     trainer t = {.tiles = tiles, .count = count < MOST_TILES ? count : MOST_TILES};
     tc_exact_model plain = {.step = step};
     normal *equations = malloc(TC_EXACT_PHASES * sizeof *equations);
+    counts *seen = malloc(sizeof *seen);
     t.codec = malloc(sizeof *t.codec);
     t.work = calloc((size_t)t.count + 1, sizeof *t.work);
-    tc_status status = equations && t.codec && t.work ? TC_OK : TC_ERR_MEMORY;
+    tc_status status = equations && seen && t.codec && t.work ? TC_OK : TC_ERR_MEMORY;
     for (int n = 0; n < t.count && !status; n++)
         if (!(t.work[n] = malloc(tc_exact_work_bytes())))
             status = TC_ERR_MEMORY;
@@ -198,10 +262,11 @@ tc_status tc_exact_train(const tc_lifting_level *level, const tc_exact_tile *til
             prepare(&t, true);
             fit_scale(&t);
         }
+        fit_start(&t, seen, t.codec->tiles_x * t.codec->tiles_y);
         *model = t.codec->model;
     }
     for (int n = 0; n < t.count && t.work; n++)
         free(t.work[n]);
-    free(t.work), free(t.codec), free(equations);
+    free(t.work), free(t.codec), free(equations), free(seen);
     return status;
 }
