@@ -12,6 +12,7 @@
 #include <time.h>
 
 #include "common/core/base/rect.h"
+#include "common/core/codec/codec_correction.h"
 #include "common/core/codec/codec_exact.h"
 #include "tests/support/datasets.h"
 #include "tests/support/packed.h"
@@ -136,6 +137,70 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
     packed_free(&p);
 }
 
+/* The lossy codec with q = ratio * E, and corrections. */
+static void measure_corrected(const crop *c, const tc_plane *z, int bound, double ratio, int units)
+{
+    int64_t w = z->rect.x1, h = z->rect.y1, n = w * h;
+    tc_plane source = packed_plane(z->rect);
+    for (int64_t i = 0; i < n; i++)
+        source.z[i] = z->z[i] * units;
+    packed p = packed_new(source.z, w, h, &(packed_options){.q = ratio * bound * units, .threads = 2});
+    const packed_level *f = &p.level[0];
+    double plain = 8.0 * (double)packed_bytes(&p) / (double)n, sum = 0;
+    int64_t worst = 0, some = 0;
+    for (int64_t i = 0; i < n; i++) {
+        int64_t got = lrint((double)f->fine.z[i] / units), k = lrint((double)(z->z[i] - got) / (2 * bound + 1));
+        int64_t e = got + k * (2 * bound + 1) - z->z[i];
+        worst = tc_max64(worst, e < 0 ? -e : e), sum += (double)(e * e), some += k != 0;
+        source.z[i] = (int32_t)k;
+    }
+    tc_correction *correction = malloc(sizeof *correction);
+    tc_correction_init(correction);
+    uint8_t *bytes = malloc(tc_correction_bound());
+    tc_tile_work *work = malloc(tc_tile_work_bytes());
+    size_t all = 0;
+    double spent = 0;
+    for (int64_t ty = 0; ty < f->codec->tiles_y; ty++)
+        for (int64_t tx = 0; tx < f->codec->tiles_x; tx++) {
+            tc_rect positions = tc_codec_tile_rect(f->codec, tx, ty, 0);
+            tc_plane band[TC_BANDS], out;
+            for (int b = 0; b < TC_BANDS; b++)
+                band[b] = packed_plane(positions);
+            const uint8_t *stream;
+            size_t size;
+            packed_source((void *)f, tx, ty, &stream, &size);
+            if (tc_codec_decode_tile(f->codec, tx, ty, 0, stream, size, &f->coarse, band, work, TC_SIMD_AUTO))
+                puts("correction: tile"), exit(1);
+            tc_rect r = {2 * positions.x0, 2 * positions.y0, tc_min64(2 * positions.x1, w),
+                         tc_min64(2 * positions.y1, h)};
+            tc_plane k = {tc_plane_at(&source, r.x0, r.y0), source.stride, r};
+            out = packed_plane(r);
+            const int32_t *step = f->codec->model.step;
+            if (tc_correction_encode(correction, band, step, &k, bytes, tc_correction_bound(), &size))
+                puts("correction: not encoded"), exit(1);
+            double start = now();
+            if (tc_correction_decode(correction, band, step, bytes, size, &out))
+                puts("correction: not decoded"), exit(1);
+            spent += now() - start;
+            for (int64_t y = r.y0; y < r.y1; y++)
+                if (memcmp(tc_plane_at(&k, r.x0, y), tc_plane_at(&out, r.x0, y), (size_t)(r.x1 - r.x0) * 4) != 0)
+                    puts("correction: not the same"), exit(1);
+            all += size + (size > 0 ? 8 : 1);
+            for (int b = 0; b < TC_BANDS; b++)
+                free(band[b].z);
+            free(out.z);
+        }
+    double bits = 8.0 * (double)all / (double)n;
+    printf(
+        "corrected: %-9s E %d q/E %4.2f  lossy %6.4f + %6.4f = %6.4f bits  corrected %.2f %%  rms %.3f max %d  decode "
+        "%.1f Ms/s\n",
+        c->name, bound, ratio, plain, bits, plain + bits, 100.0 * (double)some / (double)n, sqrt(sum / (double)n),
+        (int)worst, 1e-6 * (double)n / spent);
+    fflush(stdout);
+    free(bytes), free(work), free(correction), free(source.z);
+    packed_free(&p);
+}
+
 int main(int argc, char **argv)
 {
     for (size_t i = 0; i < sizeof crops / sizeof *crops; i++) {
@@ -145,6 +210,11 @@ int main(int argc, char **argv)
         tc_plane z = load(c);
         if (!z.z)
             continue;
+        if (argc > 3 && strcmp(argv[2], "corrected") == 0) {
+            measure_corrected(c, &z, atoi(argv[3]), argc > 4 ? atof(argv[4]) : 1.5, 16);
+            free(z.z);
+            continue;
+        }
         for (int bound = 0; bound < 3; bound++)
             if (argc > 2 ? atoi(argv[2]) == bound : c->jxl[bound] > 0)
                 measure(c, &z, bound, argc > 3 ? atof(argv[3]) : 8, argc > 4 ? atoi(argv[4]) : 4);
