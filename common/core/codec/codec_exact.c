@@ -165,6 +165,8 @@ tc_status tc_exact_encode_tile(const tc_exact *c, int64_t tx, int64_t ty, const 
 tc_status tc_exact_decode_tile(const tc_exact *c, int64_t tx, int64_t ty, const uint8_t *bytes, size_t size,
                                const tc_plane *coarse, const tc_plane *fine, tc_exact_work *work)
 {
+    if (size > 0 && bytes[size - 1] == 0)
+        return TC_ERR_FORMAT;
     tc_exact_prepare(c, tx, ty, coarse, work);
     work->state = c->start;
     tc_mix_coder coder;
