@@ -231,21 +231,21 @@ static size_t write_tile(const tc_lh04_codec *c, int columns, int rows, uint8_t 
     size_t carried = 2 * (size_t)lanes;
     tc_raw_finish(&raw, carried);
 
-    uint16_t start[TC_BINS][TC_RANS_SYMBOLS];
+    tc_rans_symbol put[TC_BINS][TC_RANS_SYMBOLS];
     for (int b = 0; b < TC_BINS; b++)
-        for (int s = 0, at = 0; s < TC_RANS_SYMBOLS; at += c->model.symbols[b].of[s++])
-            start[b][s] = (uint16_t)at;
+        tc_rans_symbols_build(&c->model.symbols[b], put[b]);
     uint8_t payload[TC_RANS_PAYLOAD];
     memcpy(payload, raw.bytes, carried);
     tc_rans_encoder rans;
     tc_rans_encode_begin(&rans, lanes, bytes + 1, middle, payload);
     while (count-- > 0) {
         int bin = w->order[count] >> 7, symbol = w->order[count] >> 3 & 15, lane = w->order[count] & (lanes - 1);
-        tc_rans_encode(&rans, lane, start[bin][symbol], c->model.symbols[bin].of[symbol]);
+        tc_rans_put(&put[bin][symbol], &rans.state[lane], &rans.at);
     }
     for (int n = BANDS - 1; n >= 0; n--) {
         uint32_t empty = tc_lh04_empty(c, tc_lh04_flag(&c->band[n], w->coded));
-        tc_rans_encode(&rans, n & (lanes - 1), w->coded[n] ? empty : 0, w->coded[n] ? TC_RANS_SLOTS - empty : empty);
+        tc_rans_symbol flag = tc_rans_symbol_of(w->coded[n] ? empty : 0, w->coded[n] ? TC_RANS_SLOTS - empty : empty);
+        tc_rans_put(&flag, &rans.state[n & (lanes - 1)], &rans.at);
     }
     tc_rans_encode_end(&rans);
     size_t words = (size_t)(middle - rans.at), rest = raw.size - carried;

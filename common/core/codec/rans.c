@@ -64,8 +64,7 @@ void tc_rans_symbols_build(const tc_rans_frequencies *frequencies, tc_rans_symbo
 {
     uint32_t at = 0;
     for (int s = 0; s < TC_RANS_SYMBOLS; at += frequencies->of[s++])
-        symbol[s] = (tc_rans_symbol){(((uint64_t)1 << 44) + frequencies->of[s] - 1) / frequencies->of[s], at,
-                                     frequencies->of[s]};
+        symbol[s] = tc_rans_symbol_of(at, frequencies->of[s]);
 }
 
 void tc_rans_encode_begin(tc_rans_encoder *e, int lanes, uint8_t *begin, uint8_t *end, const uint8_t *payload)

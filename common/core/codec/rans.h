@@ -61,6 +61,12 @@ typedef struct tc_rans_symbol {
     uint32_t start, frequency;
 } tc_rans_symbol;
 
+/* The symbol of `frequency` slots from `start` on. */
+static inline tc_rans_symbol tc_rans_symbol_of(uint32_t start, uint32_t frequency)
+{
+    return (tc_rans_symbol){(((uint64_t)1 << 44) + frequency - 1) / frequency, start, frequency};
+}
+
 /* frequencies must be valid. */
 void tc_rans_symbols_build(const tc_rans_frequencies *frequencies, tc_rans_symbol symbol[TC_RANS_SYMBOLS]);
 
