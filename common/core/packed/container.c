@@ -178,7 +178,7 @@ static void write_record(const tc_level_record *l, tc_byte_writer *w)
     tc_put(w, (uint64_t)l->begin, 8), tc_put(w, (uint64_t)l->end, 8);
     tc_put(w, (uint32_t)l->lowest, 4), tc_put(w, (uint32_t)l->highest, 4);
     tc_put_f32(w, l->rms), tc_put_f32(w, l->max_error), tc_put_f32(w, l->residual_variance);
-    tc_put(w, (uint32_t)l->correction_step, 4);
+    tc_put(w, (uint32_t)l->correction_step, 4), tc_put(w, (uint32_t)l->correction_snap, 4);
     tc_put(w, l->model_size, 2);
     tc_put_bytes(w, l->model, l->model_size);
 }
@@ -195,10 +195,11 @@ static bool read_record(tc_level_record *l, tc_byte_reader *r)
     l->begin = (int64_t)tc_get(r, 8), l->end = (int64_t)tc_get(r, 8);
     l->lowest = (int32_t)(uint32_t)tc_get(r, 4), l->highest = (int32_t)(uint32_t)tc_get(r, 4);
     l->rms = tc_get_f32(r), l->max_error = tc_get_f32(r), l->residual_variance = tc_get_f32(r);
-    l->correction_step = (int32_t)(uint32_t)tc_get(r, 4);
+    l->correction_step = (int32_t)(uint32_t)tc_get(r, 4), l->correction_snap = (int32_t)(uint32_t)tc_get(r, 4);
     l->model_size = (size_t)tc_get(r, 2);
     const uint8_t *model = tc_get_bytes(r, l->model_size);
-    bad |= r->failed || l->lowest > l->highest || l->correction_step < 0 || l->correction_step > TC_MAX_STEP;
+    bad |= r->failed || l->lowest > l->highest || l->correction_step < 0 || l->correction_step > TC_MAX_STEP ||
+           l->correction_snap < 0 || l->correction_snap > TC_MAX_STEP;
     bad |= !not_negative(l->rms) || !not_negative(l->max_error) || !not_negative(l->residual_variance);
     bad |= l->lowest < -2 * TC_LIFTING_LIMIT || l->highest > 2 * TC_LIFTING_LIMIT;
     if (bad || !(l->model = malloc(l->model_size + 1)))

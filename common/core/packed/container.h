@@ -36,6 +36,7 @@ typedef struct tc_level_record {
     int64_t begin, end;                      /* bytes of the file */
     int32_t lowest, highest;                 /* reconstructed heights, in height units */
     float rms, max_error, residual_variance; /* metres, square metres */
+    int32_t correction_snap;                 /* height units; heights are rounded to multiples before corrections */
     int32_t correction_step;                 /* height units; TC_CODER_CORRECTIONS */
     uint8_t *model;                          /* header of the level's model; owned */
     size_t model_size;

@@ -1,49 +1,167 @@
 /* level_coder.c - one switch over the coders. */
 #include "level_coder.h"
 
-tc_status tc_level_coder_init(tc_level_coder *c, const tc_level *size, const tc_level_record *record, bool wrap_x)
+#include <stddef.h>
+
+#include "common/core/base/rect.h"
+
+size_t tc_decoded_tile_bytes(tc_coder coder)
 {
-    *c = (tc_level_coder){record->coder, {size->width, size->height, wrap_x}, NULL};
+    return coder == TC_CODER_CORRECTIONS ? sizeof(tc_decoded_tile) : offsetof(tc_decoded_tile, correction);
+}
+
+static tc_status init_lifting(tc_level_coder *c, const tc_level_record *record)
+{
     tc_detail_model model;
     tc_detail_parts parts;
-    if (record->coder != TC_CODER_LIFTING)
-        return TC_ERR_UNSUPPORTED;
     if (tc_detail_model_read(record->model, record->model_size, &model, &parts))
         return TC_ERR_FORMAT;
     if (!(c->codec = malloc(sizeof *c->codec)))
         return TC_ERR_MEMORY;
     tc_codec_init(c->codec, &c->level, &model);
+    if (record->coder == TC_CODER_LIFTING)
+        return TC_OK;
+    if (record->correction_step < 1 || record->correction_snap < 1)
+        return TC_ERR_FORMAT;
+    if (!(c->correction = malloc(sizeof *c->correction)))
+        return TC_ERR_MEMORY;
+    tc_correction_init(c->correction);
     return TC_OK;
+}
+
+static tc_status init_exact(tc_level_coder *c, const tc_level_record *record)
+{
+    tc_exact_model *model = malloc(sizeof *model);
+    c->exact = malloc(sizeof *c->exact);
+    tc_status status =
+        model && c->exact ? tc_exact_model_read(record->model, record->model_size, model) : TC_ERR_MEMORY;
+    if (!status)
+        tc_exact_init(c->exact, &c->level, model);
+    free(model);
+    return status;
+}
+
+static tc_status init_lh04(tc_level_coder *c, const tc_level_record *record)
+{
+    tc_lh04_model model;
+    if (tc_lh04_model_read(record->model, record->model_size, &model))
+        return TC_ERR_FORMAT;
+    if (!(c->lh04 = malloc(sizeof *c->lh04)))
+        return TC_ERR_MEMORY;
+    tc_lh04_init(c->lh04, &c->level, &model);
+    return TC_OK;
+}
+
+tc_status tc_level_coder_init(tc_level_coder *c, const tc_level *size, const tc_level_record *record, bool wrap_x)
+{
+    *c = (tc_level_coder){.coder = record->coder,
+                          .level = {size->width, size->height, wrap_x},
+                          .correction_step = record->correction_step,
+                          .correction_snap = record->correction_snap};
+    switch (record->coder) {
+    case TC_CODER_LIFTING:
+    case TC_CODER_CORRECTIONS: return init_lifting(c, record);
+    case TC_CODER_EXACT: return init_exact(c, record);
+    default: return init_lh04(c, record);
+    }
 }
 
 void tc_level_coder_free(tc_level_coder *c)
 {
-    free(c->codec);
+    free(c->codec), free(c->correction), free(c->exact), free(c->lh04);
     *c = (tc_level_coder){0};
 }
 
 size_t tc_level_coder_bytes(const tc_level_coder *c)
 {
-    return c->codec ? sizeof *c->codec : 0;
+    return (c->codec ? sizeof *c->codec : 0) + (c->correction ? sizeof *c->correction : 0) +
+           (c->exact ? sizeof *c->exact : 0) + (c->lh04 ? sizeof *c->lh04 : 0);
+}
+
+static size_t larger(size_t a, size_t b)
+{
+    return a > b ? a : b;
 }
 
 size_t tc_level_coder_work_bytes(void)
 {
-    return tc_tile_work_bytes();
+    return larger(tc_tile_work_bytes(), larger(tc_exact_work_bytes(), tc_lh04_work_bytes()));
+}
+
+size_t tc_level_coder_bound(void)
+{
+    return larger(tc_codec_tile_bound(), larger(tc_exact_tile_bound(), tc_lh04_tile_bound())) + tc_correction_bound() +
+           TC_MASK_BOUND;
+}
+
+tc_rect tc_level_coder_samples(const tc_level_coder *c, int64_t tx, int64_t ty)
+{
+    return tc_mask_tile_rect(&c->level, tx, ty, 0);
+}
+
+tc_rect tc_level_coder_positions(const tc_level_coder *c, int64_t tx, int64_t ty)
+{
+    tc_rect r = tc_level_coder_samples(c, tx, ty);
+    return (tc_rect){r.x0 / 2, r.y0 / 2, (r.x1 + 1) / 2, (r.y1 + 1) / 2};
 }
 
 tc_rect tc_level_coder_needs(const tc_level_coder *c, int64_t tx, int64_t ty)
 {
-    return tc_codec_tile_needs(c->codec, tc_codec_tile_rect(c->codec, tx, ty, 0));
+    switch (c->coder) {
+    case TC_CODER_LIFTING:
+    case TC_CODER_CORRECTIONS: return tc_codec_tile_needs(c->codec, tc_level_coder_positions(c, tx, ty));
+    case TC_CODER_EXACT: return tc_exact_tile_needs(c->exact, tx, ty);
+    default: return (tc_rect){0, 0, 0, 0};
+    }
+}
+
+static tc_status decode_lifting(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_tile_entry *entry,
+                                const uint8_t *bytes, const tc_plane *coarse, tc_decoded_tile *tile, void *work)
+{
+    tc_rect rect = tc_level_coder_positions(c, tx, ty);
+    tc_plane band[TC_BANDS];
+    for (int b = 0; b < TC_BANDS; b++)
+        band[b] = (tc_plane){tile->band[b][0], TC_TILE, rect};
+    tc_status status = tc_codec_decode_tile(c->codec, tx, ty, 0, bytes, entry->size[TC_STREAM_HEIGHTS], coarse, band,
+                                            work, TC_SIMD_AUTO);
+    if (c->coder == TC_CODER_LIFTING)
+        return status;
+    tc_plane k = {tile->correction[0], TC_TILE_SIDE, tc_level_coder_samples(c, tx, ty)};
+    tc_status corrected =
+        tc_correction_decode(c->correction, band, c->codec->model.step, bytes + entry->size[TC_STREAM_HEIGHTS],
+                             status ? 0 : entry->size[TC_STREAM_CORRECTIONS], &k);
+    return status ? status : corrected;
+}
+
+/* Heights of the coarser level's upsampling, for an exact tile that is lost. */
+static void upsample_tile(const tc_plane *coarse, const tc_plane *fine)
+{
+    /* At every other sample the coarser level's, between them their mean: no more is known. */
+    for (int64_t y = fine->rect.y0; y < fine->rect.y1; y++)
+        for (int64_t x = fine->rect.x0; x < fine->rect.x1; x++) {
+            int64_t x1 = tc_min64((x + 1) / 2, coarse->rect.x1 - 1), y1 = tc_min64((y + 1) / 2, coarse->rect.y1 - 1);
+            int64_t sum = (int64_t)*tc_plane_at(coarse, x / 2, y / 2) + *tc_plane_at(coarse, x1, y / 2) +
+                          *tc_plane_at(coarse, x / 2, y1) + *tc_plane_at(coarse, x1, y1);
+            *tc_plane_at(fine, x, y) = (int32_t)(sum / 4);
+        }
 }
 
 tc_status tc_level_coder_decode(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_tile_entry *entry,
                                 const uint8_t *bytes, const tc_plane *coarse, tc_decoded_tile *tile, void *work)
 {
-    tc_rect rect = tc_codec_tile_rect(c->codec, tx, ty, 0);
-    tc_plane band[TC_BANDS];
-    for (int b = 0; b < TC_BANDS; b++)
-        band[b] = (tc_plane){tile->band[b][0], TC_TILE, rect};
-    return tc_codec_decode_tile(c->codec, tx, ty, 0, bytes, entry->size[TC_STREAM_HEIGHTS], coarse, band, work,
-                                TC_SIMD_AUTO);
+    tc_plane samples = {tile->sample[0], TC_TILE_SIDE, tc_level_coder_samples(c, tx, ty)};
+    tc_status status = TC_ERR_FORMAT;
+    if (!bytes) {
+        memset(tile, 0, tc_decoded_tile_bytes(c->coder));
+    } else if (c->coder == TC_CODER_EXACT) {
+        status = tc_exact_decode_tile(c->exact, tx, ty, bytes, entry->size[TC_STREAM_HEIGHTS], coarse, &samples, work);
+    } else if (c->coder == TC_CODER_LH04) {
+        status = tc_lh04_decode_tile(c->lh04, tx, ty, 0, bytes, entry->size[TC_STREAM_HEIGHTS], &samples, work,
+                                     TC_SIMD_AUTO);
+    } else {
+        status = decode_lifting(c, tx, ty, entry, bytes, coarse, tile, work);
+    }
+    if (status && c->coder == TC_CODER_EXACT)
+        upsample_tile(coarse, &samples);
+    return status;
 }

@@ -90,21 +90,66 @@ void tc_packer_destroy(tc_packer *p)
 
 /* ---- Finishing ------------------------------------------------------------------------------------------------- */
 
-/* Heights become integers: of a unit well below the error, as large as it may be, and centred so that they have room.
- */
-static tc_status set_unit(tc_packer *p, tc_error *error)
+/* Heights become integers. For a target rms: of a unit well below the error, a power of two, or what the range leaves.
+ * For a bound: a part of the lattice that the heights lie on, so that they are kept exactly; else as for an rms.
+ * *bound_ret and *lattice_ret as for tc_pack_to_bound(). */
+static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret, tc_error *error)
 {
-    enum { UNITS_PER_ERROR = 16 };
+    enum { PARTS = 16 };
     tc_container *c = &p->container;
-    double range = (double)p->z_max - p->z_min, least = range / TC_LIFTING_LIMIT;
-    double unit = exp2(floor(log2(p->options.error / UNITS_PER_ERROR)));
+    bool rms = p->options.mode == TC_PACK_RMS, lossless = p->options.mode == TC_PACK_LOSSLESS;
+    double range = (double)p->z_max - p->z_min, least = 1.01 * range / TC_LIFTING_LIMIT, origin = 0;
+    double middle = 0.5 * ((double)p->z_min + p->z_max), lattice = rms ? 0 : tc_pack_lattice(p, &origin);
+    *bound_ret = 0, *lattice_ret = 1;
+    if (lattice > 0 && lattice >= least) {
+        while (*lattice_ret < PARTS && lattice / (2 * *lattice_ret) >= least)
+            *lattice_ret *= 2;
+        c->z_unit = lattice / *lattice_ret;
+        c->z_origin = origin + rint((middle - origin) / lattice) * lattice;
+        if (!lossless)
+            *bound_ret = (int32_t)fmin(floor(p->options.error / lattice * (1 + 1e-12)) * *lattice_ret, TC_MAX_STEP / 8);
+        /* A bound below the lattice leaves nothing to lose. */
+        return TC_OK;
+    }
+    if (lossless)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: lossless: expected heights that are multiples of one unit, found none that fits; "
+                       "--unit or --max-error helps",
+                       p->path);
+    double unit = exp2(floor(log2(p->options.error / PARTS)));
+    if (unit < least && !rms)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an error of %g m is too small for heights %g m apart", p->path,
+                       p->options.error, range);
     while (unit < least)
         unit *= 2;
-    /* A step too fine for the range: still the finest there is. */
     c->z_unit = unit;
-    c->z_origin = rint(0.5 * ((double)p->z_min + p->z_max) / unit) * unit;
-    (void)error;
+    c->z_origin = rint(middle / unit) * unit;
+    /* Rounding to units and to floats has its share of the error. */
+    double slack = 0.5 + ldexp(fmax(fabs((double)p->z_min), fabs((double)p->z_max)), -23) / unit;
+    *bound_ret = rms ? 0 : (int32_t)fmax(0, floor(p->options.error / unit - slack));
+    if (!rms && *bound_ret < 1)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: an error of %g m is too small for heights held as floats up to %g m", p->path,
+                       p->options.error, fmax(fabs((double)p->z_min), fabs((double)p->z_max)));
     return TC_OK;
+}
+
+/* Codes all levels. */
+static tc_status code_levels(tc_packer *p, int32_t bound, int32_t lattice, tc_error *error)
+{
+    const tc_container *c = &p->container;
+    if (c->levels == c->base) { /* all in the head, but for the rounding to units */
+        p->result.rms = 0.29 * c->z_unit / lattice, p->result.max_error = 0.5 * c->z_unit;
+        if (p->options.mode == TC_PACK_LOSSLESS)
+            p->result.rms = p->result.max_error = 0;
+        return TC_OK;
+    }
+    tc_status status = p->options.mode != TC_PACK_RMS      ? tc_pack_to_bound(p, bound, lattice, error)
+                       : p->options.codec == TC_CODEC_LH04 ? tc_pack_lh04(p, error)
+                                                           : tc_pack_to_rms(p, error);
+    p->result.rms = c->record[c->levels - 1].rms;
+    p->result.max_error = c->record[c->levels - 1].max_error;
+    return status;
 }
 
 static tc_status write_all(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error)
@@ -181,12 +226,13 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
     c->info.deviation = sqrt(fmax(p->square_sum / (double)valid - mean * mean, 0));
     c->z_min = p->z_min, c->z_max = p->z_max;
     tc_status status = c->voids ? tc_pack_fill(p, error) : TC_OK;
+    int32_t bound = 0, lattice = 1;
     if (!status)
-        status = set_unit(p, error);
+        status = set_unit(p, &bound, &lattice, error);
     if (!status)
         status = tc_pack_cascade(p, error);
-    if (!status && c->levels > c->base)
-        status = tc_pack_to_rms(p, error);
+    if (!status)
+        status = code_levels(p, bound, lattice, error);
     if (!status)
         status = put_in_place(p, error);
     if (!status)

@@ -10,7 +10,7 @@
 #ifndef TC_PACK_INTERNAL_H
 #define TC_PACK_INTERNAL_H
 
-#include "container.h"
+#include "level_coder.h"
 #include "spool.h"
 
 /* Logarithmic histogram of the magnitudes of a band's details, in height units. */
@@ -84,8 +84,9 @@ static inline float tc_pack_metres(const tc_container *c, int32_t k)
 /* How a level is to be coded. */
 typedef struct tc_level_coding {
     int l;
-    const tc_codec *codec;
+    const tc_level_coder *coder;
     double lambda;
+    int32_t bound;          /* height units: of the error, where the coder corrects it */
     const tc_spool *coarse; /* reconstructed level l - 1 */
     const tc_spool *fine;   /* reconstructed level l is written here; NULL: it is not */
     double share;           /* of the whole work, for progress */
@@ -101,10 +102,64 @@ void tc_pack_details(const tc_lifting_level *level, tc_rect tile, const tc_plane
 /* Samples of the fine level that it looks at. */
 tc_rect tc_pack_details_need(const tc_lifting_level *level, tc_rect tile);
 
+/* ---- pack_sample.c --------------------------------------------------------------------------------------------- */
+
+/* Tiles to learn from, spread over a level: true heights and details, and the coarser level around them. */
+enum { TC_SAMPLE_TILES = 48 };
+typedef struct tc_sample {
+    tc_lifting_level level;
+    int count;
+    tc_training_tile tile[TC_SAMPLE_TILES];
+    tc_plane fine[TC_SAMPLE_TILES];
+} tc_sample;
+
+/* Takes at most `wanted` tiles of level l. The sample is the caller's to free, also where this fails. */
+tc_status tc_pack_sample(const tc_packer *p, int l, const tc_spool *coarse, int wanted, tc_sample **sample_ret,
+                         tc_error *error);
+void tc_sample_free(tc_sample *sample);
+
 /* ---- pack_rate.c ---------------------------------------------------------------------------------------------- */
 
-/* Codes all levels so that the target is met. */
+/* Codes all levels by the lifting so that the target is met. */
 tc_status tc_pack_to_rms(tc_packer *p, tc_error *error);
+
+/* The same by LH04's pyramid of residuals. */
+tc_status tc_pack_lh04(tc_packer *p, tc_error *error);
+
+/* ---- pack_bound.c ---------------------------------------------------------------------------------------------- */
+
+/* Codes all levels so that no height of the finest one is off by more than `bound` height units; 0: lossless, the
+ * heights being multiples of `lattice` height units (1: of none). */
+tc_status tc_pack_to_bound(tc_packer *p, int32_t bound, int32_t lattice, tc_error *error);
+
+/* ---- pack_code.c ----------------------------------------------------------------------------------------------- */
+
+/* What codes levels one after the other: the reconstructed ones at hand, and the last model. */
+typedef struct tc_coding {
+    tc_packer *p;
+    tc_spool coarse;       /* reconstructed level below the one to be coded */
+    tc_detail_model model; /* of the last level coded by the lifting */
+    bool has_model;
+    tc_level_outcome outcome; /* of the last level */
+} tc_coding;
+
+tc_status tc_coding_begin(tc_packer *p, tc_coding *coding, tc_error *error);
+void tc_coding_end(tc_coding *coding);
+
+/* Steps of level l for the step q of a band of norm 1. */
+void tc_coding_steps(const tc_packer *p, int l, double q, int32_t step[TC_BANDS]);
+
+/* Chooses a lifting model for level l and puts it into the level's record. */
+tc_status tc_coding_choose(tc_coding *coding, int l, double q, const tc_sample *sample, tc_error *error);
+
+/* Codes level l as its record says. keep: what is reconstructed becomes `coarse`. */
+tc_status tc_coding_level(tc_coding *coding, int l, int32_t bound, bool keep, double share, tc_error *error);
+
+/* Codes levels base + 1 .. last by the lifting with step q, and keeps them. */
+tc_status tc_coding_below(tc_coding *coding, int last, double q, tc_error *error);
+
+/* Mean square error of the last level's samples, in squared height units. */
+double tc_coding_error(const tc_coding *coding);
 
 /* ---- pack.c --------------------------------------------------------------------------------------------------- */
 

@@ -75,7 +75,7 @@ typedef struct coded_tile {
 /* What a thread needs while it works on a tile. */
 typedef struct tile_memory {
     struct tile_memory *next;
-    tc_tile_work *work;
+    void *work;
     int32_t *details, *scratch;
     uint8_t *bytes;
 } tile_memory;
@@ -123,10 +123,10 @@ static tile_memory *borrow(level_state *s)
     pthread_mutex_unlock(&s->mutex);
     if (m || !(m = calloc(1, sizeof *m)))
         return m;
-    m->work = malloc(tc_tile_work_bytes());
-    m->details = malloc((size_t)TC_BANDS * TC_TILE * TC_TILE * sizeof(int32_t));
+    m->work = malloc(tc_level_coder_work_bytes());
+    m->details = malloc((size_t)TC_TILE_SIDE * TC_TILE_SIDE * sizeof(int32_t));
     m->scratch = malloc(tc_pack_details_scratch() * sizeof(int32_t));
-    m->bytes = malloc(tc_codec_tile_bound());
+    m->bytes = malloc(tc_level_coder_bound());
     return m;
 }
 
@@ -217,14 +217,67 @@ static tc_status load_group(level_state *s, tc_error *error)
     }
     slide(&s->fine, s->finished * FINE, w);
     s->ready_before = s->ready;
-    s->ready = j1 == s->ch ? h : tc_max64(s->ready, 2 * (j1 - TC_LIFTING_REACH));
+    bool at_once = !s->coding->coder->codec; /* tiles give heights by themselves */
+    s->ready = j1 == s->ch ? h : tc_max64(s->ready, 2 * (at_once ? j1 : j1 - TC_LIFTING_REACH));
     s->fine.rect.y1 = s->ready;
+    return status;
+}
+
+/* The tile's heights as multiples of the exact coder's step: what it will give. */
+static void round_samples(const level_state *s, tc_rect rect, int32_t *to)
+{
+    int64_t step = s->coding->coder->exact->model.step;
+    for (int64_t y = rect.y0; y < rect.y1; y++) {
+        const int32_t *z = tc_plane_at(&s->truth, rect.x0, y);
+        for (int64_t i = 0; i < rect.x1 - rect.x0; i++) {
+            int64_t up = z[i] + step / 2, k = up >= 0 ? up / step : -((-up + step - 1) / step);
+            to[(y - rect.y0) * TC_TILE_SIDE + i] = (int32_t)(k * step);
+        }
+    }
+}
+
+/* Encodes, and decodes what was written, so that an encoder that goes astray shows in the error. */
+static tc_status code_lifting(level_state *s, int64_t tx, int64_t ty, size_t *size, tile_memory *m)
+{
+    const tc_codec *codec = s->coding->coder->codec;
+    tc_rect rect = tc_codec_tile_rect(codec, tx, ty, 0);
+    tc_plane detail[TC_BANDS];
+    for (int b = 0; b < TC_BANDS; b++)
+        detail[b] = (tc_plane){m->details + b * TC_TILE * TC_TILE, TC_TILE, rect};
+    tc_pack_details(&s->level, rect, &s->truth, detail, m->scratch);
+    tc_encode_options options = {.lambda = s->coding->lambda};
+    tc_status status = tc_codec_encode_tile(codec, tx, ty, &s->coarse, detail, &options, m->bytes, size, m->work);
+    return status ? status
+                  : tc_codec_decode_tile(codec, tx, ty, 0, m->bytes, *size, &s->coarse, s->band, m->work, TC_SIMD_AUTO);
+}
+
+static tc_status code_exact(level_state *s, int64_t tx, int64_t ty, size_t *size, tile_memory *m)
+{
+    const tc_exact *codec = s->coding->coder->exact;
+    tc_plane fine = {m->details, TC_TILE_SIDE, tc_exact_tile_rect(codec, tx, ty)};
+    round_samples(s, fine.rect, m->details);
+    tc_status status = tc_exact_encode_tile(codec, tx, ty, &s->coarse, &fine, m->bytes, size, m->work);
+    return status ? status : tc_exact_decode_tile(codec, tx, ty, m->bytes, *size, &s->coarse, &s->fine, m->work);
+}
+
+static tc_status code_lh04(level_state *s, int64_t tx, int64_t ty, size_t *size, tile_memory *m)
+{
+    const tc_lh04_codec *codec = s->coding->coder->lh04;
+    tc_lh04_options options = {.lambda = s->coding->lambda};
+    tc_status status = tc_lh04_encode_tile(codec, tx, ty, &s->coarse, &s->truth, &options, m->bytes, size, m->work);
+    if (!status)
+        status = tc_lh04_decode_tile(codec, tx, ty, 0, m->bytes, *size, &s->fine, m->work, TC_SIMD_AUTO);
+    tc_rect rect = tc_lh04_tile_rect(codec, tx, ty, 0);
+    tc_plane part = {tc_plane_at(&s->fine, rect.x0, rect.y0), s->fine.stride, rect};
+    if (!status)
+        tc_lh04_assemble(&s->level, &s->coarse, &part, &part);
     return status;
 }
 
 static void code_tile(void *context, int64_t n)
 {
     level_state *s = context;
+    const tc_level_coder *coder = s->coding->coder;
     int64_t tx = n % s->pages.tiles_x, ty = s->t0 + n / s->pages.tiles_x;
     coded_tile *tile = &s->tile[(ty - s->finished) * s->pages.tiles_x + tx];
     tile_memory *m = borrow(s);
@@ -234,18 +287,10 @@ static void code_tile(void *context, int64_t n)
         fail_once(s, TC_ERR_MEMORY);
         return;
     }
-    const tc_codec *codec = s->coding->codec;
-    tc_rect rect = tc_codec_tile_rect(codec, tx, ty, 0);
-    tc_plane detail[TC_BANDS];
-    for (int b = 0; b < TC_BANDS; b++)
-        detail[b] = (tc_plane){m->details + b * TC_TILE * TC_TILE, TC_TILE, rect};
-    tc_pack_details(&s->level, rect, &s->truth, detail, m->scratch);
-    tc_encode_options options = {.lambda = s->coding->lambda};
     size_t size = 0;
-    tc_status status = tc_codec_encode_tile(codec, tx, ty, &s->coarse, detail, &options, m->bytes, &size, m->work);
-    /* What is decoded is what was written: an encoder that goes astray shows in the error. */
-    if (!status)
-        status = tc_codec_decode_tile(codec, tx, ty, 0, m->bytes, size, &s->coarse, s->band, m->work, TC_SIMD_AUTO);
+    tc_status status = coder->exact  ? code_exact(s, tx, ty, &size, m)
+                       : coder->lh04 ? code_lh04(s, tx, ty, &size, m)
+                                     : code_lifting(s, tx, ty, &size, m);
     *tile = (coded_tile){.entry.size[TC_STREAM_HEIGHTS] = (uint32_t)size};
     if (!status && size > 0 && !(tile->bytes = malloc(size)))
         status = TC_ERR_MEMORY;
@@ -297,6 +342,36 @@ static bool add_mask(const level_state *s, tc_rect rect, coded_tile *tile)
     return true;
 }
 
+/* Corrects what is off by more than the bound, and adds the corrections to the tile's bytes. */
+static tc_status correct_tile(const level_state *s, int64_t tx, int64_t ty, coded_tile *tile, tile_memory *m)
+{
+    const tc_level_coder *c = s->coding->coder;
+    tc_rect r = tc_level_coder_samples(c, tx, ty);
+    tc_plane k = {m->details, TC_TILE_SIDE, r};
+    for (int64_t y = r.y0; y < r.y1; y++) {
+        int32_t *z = tc_plane_at(&s->fine, r.x0, y), *n = tc_plane_at(&k, r.x0, y);
+        const int32_t *truth = tc_plane_at(&s->truth, r.x0, y);
+        const uint8_t *voids = s->voids.v ? s->voids.v + (y - s->voids.rect.y0) * s->voids.stride + r.x0 : NULL;
+        for (int64_t i = 0; i < r.x1 - r.x0; i++) {
+            int64_t off = (int64_t)truth[i] - tc_corrected(c, z[i], 0), step = c->correction_step;
+            int64_t up = llabs(off) > s->coding->bound && !(voids && voids[i]) ? off + (off > 0 ? step : -step) / 2 : 0;
+            n[i] = (int32_t)(up / step);
+            z[i] = tc_corrected(c, z[i], n[i]);
+        }
+    }
+    size_t size = 0, before = tc_tile_bytes(&tile->entry);
+    tc_status status =
+        tc_correction_encode(c->correction, s->band, c->codec->model.step, &k, m->bytes, tc_level_coder_bound(), &size);
+    uint8_t *all = status || !size ? tile->bytes : realloc(tile->bytes, before + size);
+    if (!status && size && !all)
+        return TC_ERR_MEMORY;
+    tile->bytes = all;
+    if (!status && size)
+        memcpy(all + before, m->bytes, size);
+    tile->entry.size[TC_STREAM_CORRECTIONS] = (uint32_t)size;
+    return status;
+}
+
 /* Errors and bounds of a tile whose heights are all there. */
 static void measure_tile(void *context, int64_t n)
 {
@@ -305,6 +380,14 @@ static void measure_tile(void *context, int64_t n)
     int64_t tx = n % s->pages.tiles_x, ty = s->finished + n / s->pages.tiles_x, w = s->level.width;
     coded_tile *tile = &s->tile[n];
     tc_rect r = fine_rect(s, tx, ty);
+    if (s->coding->coder->correction) {
+        tile_memory *m = borrow(s);
+        tc_status status = m ? correct_tile(s, tx, ty, tile, m) : TC_ERR_MEMORY;
+        if (m)
+            give_back(s, m);
+        if (status)
+            fail_once(s, status);
+    }
     int32_t low = INT32_MAX, high = INT32_MIN;
     double sum = 0, most = 0;
     for (int64_t y = r.y0; y < r.y1; y++) {
@@ -430,7 +513,7 @@ static tc_status run_group(level_state *s, tc_error *error)
     if (status)
         return status;
     tc_parallel_for(s->p->options.threads, (s->t1 - s->t0) * s->pages.tiles_x, code_tile, s);
-    if (!s->status)
+    if (!s->status && s->coding->coder->codec)
         tc_parallel_for(s->p->options.threads, (s->ready - s->ready_before + CHUNK - 1) / CHUNK, synthesise_rows, s);
     if (s->status == TC_ERR_UNSUPPORTED)
         return tc_fail(error, s->status, "%s: the step is too fine for heights so far apart", s->p->path);
@@ -462,7 +545,7 @@ tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_ou
 {
     const tc_level *size = &p->container.level[coding->l - 1];
     level_state s = {.p = p, .coding = coding, .record = &p->container.record[coding->l - 1]};
-    s.level = coding->codec->level;
+    s.level = coding->coder->level;
     s.cw = tc_coarse_size(size->width), s.ch = tc_coarse_size(size->height);
     s.pages = tc_level_pages(size);
     s.rows_at_once = group_rows(&s);

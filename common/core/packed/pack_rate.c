@@ -12,7 +12,7 @@
 #include "pack_internal.h"
 
 static const double AIM = 0.988, LEAST = 0.97; /* of the target */
-enum { SAMPLE_TILES = 48, MOST_TRIES = 12 };
+enum { MOST_TRIES = 12 };
 static const double LARGEST_STEP = 64.0 * TC_MAX_STEP;
 
 /* Square error that quantising a detail leaves: small ones vanish, others are off by an even share of the step. */
@@ -31,19 +31,16 @@ static double histogram_error(const tc_detail_histogram *h, double step)
     return sum;
 }
 
-static double band_step(const tc_packer *p, int band, int l, double q)
-{
-    return fmin(fmax(1, rint(q / tc_lifting_norm(band, p->container.levels - l))), TC_MAX_STEP);
-}
-
 /* Square error that level l's own details leave in each sample of the level. */
 static double level_error(const tc_packer *p, int l, double q)
 {
     const tc_level *level = &p->container.level[l - 1];
+    int32_t step[TC_BANDS];
     double sum = 0;
+    tc_coding_steps(p, l, q, step);
     for (int b = 0; b < TC_BANDS; b++) {
         double norm = tc_lifting_norm(b, 0);
-        sum += norm * norm * histogram_error(&p->histogram[l - 1][b], band_step(p, b, l, q));
+        sum += norm * norm * histogram_error(&p->histogram[l - 1][b], step[b]);
     }
     return sum / ((double)level->width * (double)level->height);
 }
@@ -72,118 +69,24 @@ static double solve(const tc_packer *p, double target)
     return low;
 }
 
-/* ---- Sample tiles ---------------------------------------------------------------------------------------------- */
-
-typedef struct sample {
-    tc_lifting_level level;
-    int count;
-    tc_training_tile tile[SAMPLE_TILES];
-} sample;
-
-static void sample_free(sample *s)
-{
-    for (int i = 0; i < s->count; i++) {
-        free(s->tile[i].coarse.z);
-        for (int b = 0; b < TC_BANDS; b++)
-            free(s->tile[i].band[b].z);
-    }
-}
-
-static int32_t *plane_memory(tc_plane *plane)
-{
-    plane->stride = plane->rect.x1 - plane->rect.x0;
-    return plane->z = malloc((size_t)tc_rect_area(plane->rect) * sizeof *plane->z);
-}
-
-static tc_status sample_tiles(const tc_packer *p, int l, const tc_spool *coarse, int wanted, sample *s, tc_error *error)
-{
-    const tc_level *size = &p->container.level[l - 1];
-    s->level = (tc_lifting_level){size->width, size->height, p->container.wrap_x};
-    s->count = tc_codec_sample(&s->level, wanted, s->tile);
-    int32_t *scratch = malloc(tc_pack_details_scratch() * sizeof *scratch);
-    tc_status status = scratch ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    for (int i = 0; i < s->count && !status; i++) {
-        tc_training_tile *t = &s->tile[i];
-        tc_plane fine = {.rect = tc_pack_details_need(&s->level, t->band[0].rect)};
-        bool good = plane_memory(&fine) && plane_memory(&t->coarse);
-        for (int b = 0; b < TC_BANDS; b++)
-            good &= plane_memory(&t->band[b]) != NULL;
-        if (!good)
-            status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-        if (!status)
-            status = tc_pack_truth(p, l, fine.rect, fine.z, fine.stride, error);
-        if (!status)
-            status = tc_spool_read(coarse, t->coarse.rect, t->coarse.z, t->coarse.stride, error);
-        if (!status)
-            tc_pack_details(&s->level, t->band[0].rect, &fine, t->band, scratch);
-        free(fine.z);
-    }
-    free(scratch);
-    return status;
-}
-
-/* ---- Levels ---------------------------------------------------------------------------------------------------- */
+/* ---- Search ---------------------------------------------------------------------------------------------------- */
 
 typedef struct search {
-    tc_packer *p;
-    tc_spool coarse, fine; /* reconstructed levels */
-    tc_codec *codec;
-    tc_detail_model model; /* of the last level coded */
-    bool has_model;
-    double q;      /* of the levels below the finest */
+    tc_coding coding;
+    double q;      /* step of the levels below the finest */
     double target; /* squared error in squared height units */
-    tc_level_outcome outcome;
 } search;
-
-/* Gives the level a model for step q. */
-static tc_status choose_model(search *s, const sample *tiles, int l, double q, tc_error *error)
-{
-    tc_packer *p = s->p;
-    tc_level_record *record = &p->container.record[l - 1];
-    int32_t step[TC_BANDS];
-    for (int b = 0; b < TC_BANDS; b++)
-        step[b] = (int32_t)band_step(p, b, l, q);
-    free(record->model);
-    record->model = malloc(tc_detail_model_bound());
-    tc_detail_model model;
-    tc_status status =
-        record->model
-            ? tc_codec_choose(&tiles->level, tiles->tile, (int)tc_min64(tiles->count, TC_TRAINING_TILES), 0, step,
-                              s->has_model ? &s->model : NULL, record->model, &record->model_size, &model)
-            : TC_ERR_MEMORY;
-    if (status)
-        return tc_fail(error, status, "%s: level %d cannot be coded: %s", p->path, l, tc_status_text(status));
-    s->model = model, s->has_model = true;
-    tc_codec_init(s->codec, &tiles->level, &model);
-    return TC_OK;
-}
-
-static tc_status code_level(search *s, int l, double share, tc_error *error)
-{
-    tc_packer *p = s->p;
-    bool last = l == p->container.levels;
-    tc_level_coding coding = {l, s->codec, 0, &s->coarse, last ? NULL : &s->fine, share};
-    return tc_pack_level(p, &coding, &s->outcome, error);
-}
-
-/* Square error of each sample that is not void, in squared height units. */
-static double mean_error(const search *s)
-{
-    double unit = s->p->container.z_unit;
-    return s->outcome.samples ? s->outcome.square_error / (double)s->outcome.samples / (unit * unit) : 0;
-}
 
 /* Square error that coding a sample of the finest level's tiles leaves in each sample of the level, by the model's
  * steps scaled to q. The sample is corrected by what the quantiser's model says of all details and of those of the
  * sample. */
-static tc_status estimate(const search *s, const sample *tiles, double q, double *error_ret, tc_error *error)
+static tc_status estimate(const search *s, const tc_sample *tiles, double q, double *error_ret, tc_error *error)
 {
-    const tc_packer *p = s->p;
+    const tc_packer *p = s->coding.p;
     int l = p->container.levels;
-    tc_detail_model model = s->model;
+    tc_detail_model model = s->coding.model;
     double bits[TC_BANDS], errors[TC_BANDS], seen = 0, modelled = 0;
-    for (int b = 0; b < TC_BANDS; b++)
-        model.step[b] = (int32_t)band_step(p, b, l, q);
+    tc_coding_steps(p, l, q, model.step);
     tc_status status = tc_codec_price(&tiles->level, tiles->tile, tiles->count, 0, &model, bits, errors);
     if (status)
         return tc_fail(error, status, "%s: level %d cannot be coded: %s", p->path, l, tc_status_text(status));
@@ -193,7 +96,7 @@ static tc_status estimate(const search *s, const sample *tiles, double q, double
             tc_pack_count(&tiles->tile[i].band[b], &h);
         double norm = tc_lifting_norm(b, 0);
         seen += norm * norm * errors[b];
-        modelled += norm * norm * histogram_error(&h, band_step(p, b, l, q));
+        modelled += norm * norm * histogram_error(&h, model.step[b]);
     }
     *error_ret = level_error(p, l, q) * (modelled > 0 ? seen / modelled : 1);
     return TC_OK;
@@ -225,89 +128,69 @@ static bool meets(const search *s, double error)
  * that step is near the others'. *error_ret: what was reached. */
 static tc_status code_finest(search *s, double coarse_error, double *error_ret, tc_error *error)
 {
-    enum { MOST_CODINGS = 3 };
+    enum { MOST_CODINGS = 3, SHARE = 16 };
     const double near = 2.5;
-    tc_packer *p = s->p;
+    tc_packer *p = s->coding.p;
     int l = p->container.levels;
     const tc_level *level = &p->container.level[l - 1];
-    sample *tiles = calloc(1, sizeof *tiles);
-    if (!tiles)
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    double samples = (double)level->width * (double)level->height, tile_samples = 4. * TC_TILE * TC_TILE;
-    int wanted = (int)fmin(fmax(samples / tile_samples / 16, TC_TRAINING_TILES), SAMPLE_TILES);
-    tc_status status = sample_tiles(p, l, &s->coarse, wanted, tiles, error);
+    double tiles = (double)level->width * (double)level->height / (TC_TILE_SIDE * TC_TILE_SIDE);
+    tc_sample *sample = NULL;
+    tc_status status = tc_pack_sample(
+        p, l, &s->coding.coarse, (int)fmin(fmax(tiles / SHARE, TC_TRAINING_TILES), TC_SAMPLE_TILES), &sample, error);
     double own = fmax(AIM * AIM * s->target - coarse_error, 0.01 * s->target), q = s->q;
     if (!status)
-        status = choose_model(s, tiles, l, q, error);
+        status = tc_coding_choose(&s->coding, l, q, sample, error);
     curve guess = {.exponent = 1.6};
     for (int round = 0; round < 2 && !status; round++) {
         double found = 0;
-        if (!(status = estimate(s, tiles, q, &found, error)))
+        if (!(status = estimate(s, sample, q, &found, error)))
             q = fmin(fmax(next_step(&guess, q, found, own), s->q / near), s->q * near);
     }
     int64_t body = p->body_size;
     for (int codings = 0; !status; codings++) {
         p->body_size = body;
-        if ((status = choose_model(s, tiles, l, q, error)) ||
-            (status = code_level(s, l, 0.75 * TC_SHARE_LEVELS, error)))
+        if ((status = tc_coding_choose(&s->coding, l, q, sample, error)) ||
+            (status = tc_coding_level(&s->coding, l, 0, false, 0.75 * TC_SHARE_LEVELS, error)))
             break;
-        *error_ret = mean_error(s);
+        *error_ret = tc_coding_error(&s->coding);
         double next = next_step(&guess, q, *error_ret - coarse_error, own);
         bool off = next < s->q / near || next > s->q * near;
         if (meets(s, *error_ret) || off || codings == MOST_CODINGS)
             break;
         q = next;
     }
-    sample_free(tiles);
-    free(tiles);
+    tc_sample_free(sample);
     return status;
 }
 
 /* Codes all levels with step s->q, but the finest with one that is better if it can be. *error_ret: what was reached.
  */
-static tc_status code_all(search *s, double *error_ret, tc_error *error)
+static tc_status code_all(search *s, tc_packer *p, double *error_ret, tc_error *error)
 {
-    tc_packer *p = s->p;
-    tc_container *c = &p->container;
-    const tc_level *base = &c->level[c->base - 1];
-    tc_status status = tc_spool_create(p->path, base->width, base->height, sizeof(int32_t), &s->coarse, error);
+    tc_status status = tc_coding_begin(p, &s->coding, error);
     if (!status)
-        status = tc_spool_write(&s->coarse, (tc_rect){0, 0, base->width, base->height}, c->base_z, base->width, error);
-    p->body_size = 0;
-    s->has_model = false;
-    double coarse_error = 0;
-    for (int l = c->base + 1; l < c->levels && !status; l++) {
-        sample *tiles = calloc(1, sizeof *tiles);
-        if (!tiles)
-            return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-        const tc_level *level = &c->level[l - 1];
-        status = tc_spool_create(p->path, level->width, level->height, sizeof(int32_t), &s->fine, error);
-        if (!status)
-            status = sample_tiles(p, l, &s->coarse, TC_TRAINING_TILES, tiles, error);
-        if (!status && !(status = choose_model(s, tiles, l, s->q, error)))
-            status = code_level(s, l, 0.75 * TC_SHARE_LEVELS * pow(0.25, c->levels - l), error);
-        sample_free(tiles);
-        free(tiles);
-        tc_spool_close(&s->coarse);
-        s->coarse = s->fine, s->fine = TC_SPOOL_NONE;
-        coarse_error = mean_error(s);
-    }
-    return status ? status : code_finest(s, coarse_error, error_ret, error);
+        status = tc_coding_below(&s->coding, p->container.levels - 1, s->q, error);
+    if (!status)
+        status = code_finest(s, tc_coding_error(&s->coding), error_ret, error);
+    tc_coding_end(&s->coding);
+    return status;
+}
+
+static double squared_target(const tc_packer *p)
+{
+    double target = p->options.error / p->container.z_unit;
+    return target * target;
 }
 
 tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
 {
-    search s = {.p = p, .coarse = TC_SPOOL_NONE, .fine = TC_SPOOL_NONE};
-    double target = p->options.error / p->container.z_unit;
-    s.target = target * target;
+    search s = {.target = squared_target(p)};
     s.q = solve(p, AIM * AIM * s.target);
-    s.codec = malloc(sizeof *s.codec);
-    tc_status status = s.codec ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     curve whole = {.exponent = 1.2};
+    tc_status status = TC_OK;
     for (int tries = 0; tries < MOST_TRIES && !status; tries++) {
         double found = 0;
-        status = code_all(&s, &found, error);
-        tc_spool_close(&s.coarse), tc_spool_close(&s.fine);
+        status = code_all(&s, p, &found, error);
         if (status || meets(&s, found))
             break;
         double next = fmin(next_step(&whole, s.q, found, AIM * AIM * s.target), LARGEST_STEP);
@@ -315,8 +198,69 @@ tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
             break;
         s.q = next;
     }
-    free(s.codec);
-    p->result.rms = p->container.record[p->container.levels - 1].rms;
-    p->result.max_error = p->container.record[p->container.levels - 1].max_error;
+    return status;
+}
+
+/* ---- LH04 -------------------------------------------------------------------------------------------------------- */
+
+static tc_status choose_lh04(tc_coding *coding, int l, double step, tc_error *error)
+{
+    tc_packer *p = coding->p;
+    tc_level_record *record = &p->container.record[l - 1];
+    tc_sample *sample = NULL;
+    tc_lh04_sample *tiles = calloc(TC_SAMPLE_TILES, sizeof *tiles);
+    tc_lh04_model model;
+    free(record->model);
+    record->coder = TC_CODER_LH04;
+    record->model = malloc(tc_lh04_model_bound());
+    tc_status status = tc_pack_sample(p, l, &coding->coarse, TC_SAMPLE_TILES, &sample, error);
+    if (!status && (!tiles || !record->model))
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    if (!status) {
+        for (int i = 0; i < sample->count; i++)
+            tiles[i] =
+                (tc_lh04_sample){sample->tile[i].tx, sample->tile[i].ty, sample->tile[i].coarse, sample->fine[i]};
+        status = tc_lh04_train(&sample->level, tiles, sample->count, 0, (int32_t)fmin(fmax(1, rint(step)), TC_MAX_STEP),
+                               &model);
+        if (status)
+            tc_fail(error, status, "%s: level %d cannot be coded: %s", p->path, l, tc_status_text(status));
+        else
+            record->model_size = tc_lh04_model_write(&model, record->model);
+    }
+    tc_sample_free(sample);
+    free(tiles);
+    return status;
+}
+
+static tc_status code_lh04(tc_packer *p, double step, double *error_ret, tc_error *error)
+{
+    tc_container *c = &p->container;
+    tc_coding coding;
+    tc_status status = tc_coding_begin(p, &coding, error);
+    for (int l = c->base + 1; l <= c->levels && !status; l++)
+        if (!(status = choose_lh04(&coding, l, step, error)))
+            status =
+                tc_coding_level(&coding, l, 0, l < c->levels, 0.75 * TC_SHARE_LEVELS * pow(0.25, c->levels - l), error);
+    *error_ret = tc_coding_error(&coding);
+    tc_coding_end(&coding);
+    return status;
+}
+
+tc_status tc_pack_lh04(tc_packer *p, tc_error *error)
+{
+    search s = {.target = squared_target(p)};
+    curve whole = {.exponent = 1.5};
+    double step = 3 * sqrt(s.target);
+    tc_status status = TC_OK;
+    for (int tries = 0; tries < MOST_TRIES && !status; tries++) {
+        double found = 0;
+        status = code_lh04(p, step, &found, error);
+        if (status || meets(&s, found))
+            break;
+        double next = fmin(next_step(&whole, step, found, AIM * AIM * s.target), TC_MAX_STEP);
+        if (found <= s.target && next <= step * 1.001)
+            break;
+        step = next;
+    }
     return status;
 }

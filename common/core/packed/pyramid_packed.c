@@ -121,7 +121,7 @@ static scratch *borrow(packed_pyramid *p)
     if (s || !(s = calloc(1, sizeof *s)))
         return s;
     s->work = malloc(tc_level_coder_work_bytes());
-    s->stream = malloc(tc_codec_tile_bound());
+    s->stream = malloc(tc_level_coder_bound());
     if (s->work && s->stream)
         return s;
     scratch_free(s);
@@ -164,36 +164,51 @@ static tc_status make_tile(packed_pyramid *p, int l, int64_t tx, int64_t ty, tc_
     if (!below)
         below = read_units(p, l - 1, &coarse, s);
     if (!below && !status)
-        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_codec_tile_bound());
-    if (!below && !status) {
-        status = tc_level_coder_decode(coder, tx, ty, &entry, s->stream, &coarse, tile, s->work);
-        p->decoded += tc_tile_bytes(&entry);
-    }
-    if (status || below)
-        memset(tile, 0, sizeof *tile);
-    if (status)
+        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
+    if (below)
+        memset(tile, 0, tc_decoded_tile_bytes(coder->coder));
+    else if (tc_level_coder_decode(coder, tx, ty, &entry, status ? NULL : s->stream, &coarse, tile, s->work))
         p->damaged++;
+    else
+        p->decoded += tc_tile_bytes(&entry);
     scratch_return(s, m);
     return below;
 }
 
-/* Copies what the bands hold of a tile. */
-static void copy_details(const tc_decoded_tile *tile, tc_rect rect, const tc_plane band[TC_BANDS])
+/* Where a level's tiles go: those of the planes that the coder makes use of. */
+typedef struct tile_planes {
+    tc_plane band[TC_BANDS], sample, correction;
+} tile_planes;
+
+static void copy_rect(const int32_t *from, ptrdiff_t stride, tc_rect rect, const tc_plane *to)
 {
-    tc_rect r = tc_rect_intersect(rect, band[0].rect);
-    for (int b = 0; b < TC_BANDS; b++)
-        for (int64_t y = r.y0; y < r.y1; y++)
-            memcpy(tc_plane_at(&band[b], r.x0, y), &tile->band[b][y - rect.y0][r.x0 - rect.x0],
-                   (size_t)(r.x1 - r.x0) * sizeof(int32_t));
+    tc_rect r = tc_rect_intersect(rect, to->rect);
+    for (int64_t y = r.y0; y < r.y1; y++)
+        memcpy(tc_plane_at(to, r.x0, y), from + (y - rect.y0) * stride + r.x0 - rect.x0,
+               (size_t)(r.x1 - r.x0) * sizeof *from);
 }
 
-static tc_status gather_details(packed_pyramid *p, int l, const tc_plane band[TC_BANDS], scratch *s)
+static void copy_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_decoded_tile *tile,
+                      const tile_planes *to)
 {
-    const tc_codec *codec = p->level[l - 1].coder.codec;
-    tc_rect r = band[0].rect;
-    for (int64_t ty = r.y0 / TC_TILE; ty * TC_TILE < r.y1; ty++)
-        for (int64_t tx = r.x0 / TC_TILE; tx * TC_TILE < r.x1; tx++) {
-            tc_block *block = tc_block_pin(&p->tiles, (uint64_t)l << 56 | (uint64_t)(ty * codec->tiles_x + tx));
+    tc_rect samples = tc_level_coder_samples(c, tx, ty), positions = tc_level_coder_positions(c, tx, ty);
+    if (c->codec)
+        for (int b = 0; b < TC_BANDS; b++)
+            copy_rect(tile->band[b][0], TC_TILE, positions, &to->band[b]);
+    else
+        copy_rect(tile->sample[0], TC_TILE_SIDE, samples, &to->sample);
+    if (c->correction)
+        copy_rect(tile->correction[0], TC_TILE_SIDE, samples, &to->correction);
+}
+
+/* Copies from all tiles that touch the positions. */
+static tc_status gather(packed_pyramid *p, int l, tc_rect positions, const tile_planes *to, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
+    for (int64_t ty = positions.y0 / TC_TILE; ty * TC_TILE < positions.y1; ty++)
+        for (int64_t tx = positions.x0 / TC_TILE; tx * TC_TILE < positions.x1; tx++) {
+            tc_block *block = tc_block_pin(&p->tiles, (uint64_t)l << 56 | (uint64_t)(ty * across + tx));
             if (!block)
                 return TC_ERR_MEMORY;
             tc_decoded_tile *tile = (tc_decoded_tile *)block->bytes;
@@ -202,7 +217,7 @@ static tc_status gather_details(packed_pyramid *p, int l, const tc_plane band[TC
                 status = make_tile(p, l, tx, ty, tile, s);
                 tc_block_made(&p->tiles, block);
             }
-            copy_details(tile, tc_codec_tile_rect(codec, tx, ty, 0), band);
+            copy_tile(coder, tx, ty, tile, to);
             tc_block_release(&p->tiles, block);
             if (status)
                 return status;
@@ -210,24 +225,52 @@ static tc_status gather_details(packed_pyramid *p, int l, const tc_plane band[TC
     return TC_OK;
 }
 
-static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
+/* Details and the coarser level make heights, which may then be corrected. */
+static tc_status synthesise_lifting(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
 {
     const tc_level_coder *coder = &p->level[l - 1].coder;
     tc_rect need = tc_lifting_needs(&coder->level, to->rect);
-    tc_plane coarse, band[TC_BANDS];
-    mark m = scratch_mark(s);
+    tile_planes planes = {0};
+    tc_plane coarse = {0};
     tc_status status = take_plane(s, need, &coarse);
     for (int b = 0; b < TC_BANDS && !status; b++)
-        status = take_plane(s, need, &band[b]);
+        status = take_plane(s, need, &planes.band[b]);
+    if (!status && coder->correction)
+        status = take_plane(s, to->rect, &planes.correction);
     if (!status)
         status = read_units(p, l - 1, &coarse, s);
     if (!status)
-        status = gather_details(p, l, band, s);
+        status = gather(p, l, need, &planes, s);
     int32_t *work = NULL;
     if (!status && !(work = scratch_take(s, tc_lifting_synthesise_scratch(&coder->level, to->rect) * sizeof *work)))
         status = TC_ERR_MEMORY;
-    if (!status)
-        tc_lifting_synthesise(&coder->level, &coarse, band, to, work, TC_SIMD_AUTO);
+    if (status)
+        return status;
+    tc_lifting_synthesise(&coder->level, &coarse, planes.band, to, work, TC_SIMD_AUTO);
+    for (int64_t y = to->rect.y0; y < to->rect.y1 && coder->correction; y++) {
+        int32_t *z = tc_plane_at(to, to->rect.x0, y);
+        const int32_t *k = tc_plane_at(&planes.correction, to->rect.x0, y);
+        for (int64_t i = 0; i < to->rect.x1 - to->rect.x0; i++)
+            z[i] = tc_corrected(coder, z[i], k[i]);
+    }
+    return TC_OK;
+}
+
+static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    mark m = scratch_mark(s);
+    tc_status status = TC_OK;
+    if (coder->codec) {
+        status = synthesise_lifting(p, l, to, s);
+    } else {
+        tc_rect r = to->rect, positions = {r.x0 / 2, r.y0 / 2, (r.x1 + 1) / 2, (r.y1 + 1) / 2};
+        status = gather(p, l, positions, &(tile_planes){.sample = *to}, s);
+        tc_plane coarse = {0};
+        if (!status && coder->lh04 && !(status = take_plane(s, tc_lh04_needs(&coder->level, r), &coarse)) &&
+            !(status = read_units(p, l - 1, &coarse, s)))
+            tc_lh04_assemble(&coder->level, &coarse, to, to);
+    }
     scratch_return(s, m);
     return status;
 }
@@ -259,6 +302,8 @@ static tc_status prepare(packed_pyramid *p, int l, scratch *s)
 
 static tc_status read_units(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
 {
+    if (tc_rect_empty(to->rect))
+        return TC_OK;
     tc_status status = prepare(p, l, s);
     const level_state *level = &p->level[l - 1];
     if (status || !level->whole)
@@ -286,7 +331,7 @@ static tc_status make_mask(packed_pyramid *p, int l, int64_t tx, int64_t ty, uin
     tc_status below = coarse.v ? read_mask(p, l - 1, &coarse, s) : TC_ERR_MEMORY;
     tc_status status = tc_packed_file_entry(&p->file, l, tx, ty, &entry);
     if (!below && !status && entry.mask_class == TC_MASK_CODED)
-        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_codec_tile_bound());
+        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
     if (!below && !status)
         status = tc_mask_decode(level, rect, (tc_mask_class)entry.mask_class, &coarse,
                                 s->stream + entry.size[TC_STREAM_HEIGHTS] + entry.size[TC_STREAM_CORRECTIONS],
@@ -457,6 +502,15 @@ static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed
 /* ---- Opening ------------------------------------------------------------------------------------------------------
  */
 
+/* Bytes that the file's coders need for a decoded tile. */
+static size_t largest_tile(const tc_container *c)
+{
+    size_t most = 0;
+    for (int l = c->base; l < c->levels; l++)
+        most = tc_decoded_tile_bytes(c->record[l].coder) > most ? tc_decoded_tile_bytes(c->record[l].coder) : most;
+    return most ? most : 1;
+}
+
 /* Heights of the base level from the head, of coarser ones by the transform's low band. */
 static tc_status make_base(packed_pyramid *p)
 {
@@ -523,7 +577,7 @@ tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_p
     pthread_mutex_init(&p->mutex, NULL);
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
         pthread_mutex_init(&p->level[l].mutex, NULL);
-    status = tc_block_cache_init(&p->tiles, sizeof(tc_decoded_tile),
+    status = tc_block_cache_init(&p->tiles, largest_tile(&p->file.container),
                                  options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
     tc_status masks = tc_block_cache_init(&p->masks, MASK_SIDE * MASK_SIDE, MASK_BYTES);
     status = status ? status : masks;
