@@ -24,12 +24,12 @@ typedef struct tc_codec {
     int64_t cw, ch;           /* positions */
     int64_t tiles_x, tiles_y; /* tiles */
     tc_detail_model model;
-    int32_t coarse_shift, coarse_scale[TC_BANDS];      /* curvatures to steps */
-    int32_t pair[TC_BANDS][TC_PHASES][7];              /* scale weights, two in each for codec_avx2.h */
-    uint8_t spread[1 << TC_RANS_LANES][TC_RANS_LANES]; /* [lanes that want a word][lane]: how many do before it */
-    int32_t shift[TC_BINS];                            /* tc_bin_shift */
-    float bits[TC_BINS * TC_RANS_SYMBOLS];             /* what symbols cost, [bin * TC_RANS_SYMBOLS + symbol] */
-    tc_rans_symbol put[TC_BINS * TC_RANS_SYMBOLS];     /* to encode them */
+    int32_t coarse_shift, coarse_scale[TC_BANDS];  /* curvatures to steps */
+    int32_t pair[TC_BANDS][TC_PHASES][7];          /* scale weights, two in each for codec_avx2.h */
+    uint8_t spread[256][8];                        /* [which of eight lanes want a word][lane]: how many do before it */
+    int32_t shift[TC_BINS];                        /* tc_bin_shift */
+    float bits[TC_BINS * TC_RANS_SYMBOLS];         /* what symbols cost, [bin * TC_RANS_SYMBOLS + symbol] */
+    tc_rans_symbol put[TC_BINS * TC_RANS_SYMBOLS]; /* to encode them */
     tc_rans_table table[TC_BINS];
 } tc_codec;
 
