@@ -114,6 +114,10 @@ enum { TC_TRAINING_TILES = 16 }; /* enough to learn from */
  * may stick out of it and holds columns of the other side there. */
 int tc_codec_sample(const tc_lifting_level *level, int wanted, tc_training_tile *tiles);
 
+/* Trains all parts of *model, from what it holds on; its steps stay. Allocates. */
+tc_status tc_codec_train(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
+                         tc_detail_model *model);
+
 /* Makes a level's header: trains a model on the tiles, from *start on (NULL: the built-in sets; else best that of the
  * next coarser level), and takes of it what pays over the built-in sets for the whole level. step: the quantiser steps;
  * lambda as in tc_encode_options. header: room for tc_detail_model_bound() bytes. *model_ret is the model that the
