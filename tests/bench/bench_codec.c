@@ -6,7 +6,8 @@
  * streams (tests/support/packed.h). Speeds are of one thread: training and encoding (without the transform), decoding
  * of the finest level and of all levels, without AVX2, of the finest level's tiles alone; then times of 255 x 255
  * samples with the coarser level at hand, and cold, through all levels. Arguments: none for the tables, or a dataset's
- * name ("more" for those without JPEG 2000 figures), an rms, and q / rms where it is known. */
+ * name ("more" for those without JPEG 2000 figures), an rms, and q / rms where it is known; or "models", which trains
+ * the built-in models and prints the tables of detail_builtin.c. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -186,9 +187,122 @@ static void measure(const crop *c, const float *z, int64_t w, int64_t h, double 
     packed_free(&r.p);
 }
 
+/* ---- Built-in models ----------------------------------------------------------------------------------------- */
+
+/* What each set learns from. Terrains of one set have the same size, so that their tiles can stand in one level. */
+static const struct lesson {
+    int set, depth;
+    const char *name;
+    double rms, ratio;
+} lessons[] = {
+    {0, 0, "tatra2k", 1, 3.57},   {0, 0, "tatra2k", 2, 4.2},    {0, 0, "canyon2k", 1, 3.41},
+    {0, 0, "canyon2k", 5.4, 6.2}, {1, 0, "moon2k", 0.5, 3.75},  {1, 0, "moon2k", 0.25, 3.5},
+    {1, 0, "moon2k", 1, 6.87},    {2, 3, "tatra2k", 1, 3.57},   {2, 3, "tatra2k", 5.4, 7.6},
+    {2, 3, "canyon2k", 2, 4},     {2, 3, "canyon2k", 5.4, 6.2}, {2, 3, "moon2k", 0.5, 3.75},
+    {2, 3, "moon2k", 2, 10},      {2, 3, "moon2k", 7, 18.4},
+};
+enum { LESSON_TILES = 32, MOST_TILES = 512 };
+
+static tc_plane copy(const tc_plane *from, tc_rect rect)
+{
+    tc_plane to = packed_plane(rect);
+    for (int64_t y = rect.y0; y < rect.y1; y++)
+        memcpy(tc_plane_at(&to, rect.x0, y), tc_plane_at(from, rect.x0, y), (size_t)to.stride * sizeof *to.z);
+    return to;
+}
+
+/* Appends tiles of a lesson; returns how many there are then. */
+static int learn(const struct lesson *l, tc_lifting_level *level, tc_training_tile *tiles, int count)
+{
+    const crop *c = crops;
+    while (strcmp(c->name, l->name) != 0)
+        c++;
+    int64_t w, h;
+    float *z = load(c, &w, &h);
+    if (!z)
+        exit(1);
+    double q = l->rms * l->ratio;
+    result r = pack(z, w, h, q);
+    tc_plane fine = packed_plane((tc_rect){0, 0, w, h});
+    for (int64_t i = 0; i < w * h; i++)
+        fine.z[i] = (int32_t)lrint(z[i] / (q / STEPS));
+    for (int n = 0; n <= l->depth; n++) {
+        *level = r.p.level[n].codec->level;
+        tc_rect half = {0, 0, tc_coarse_size(level->width), tc_coarse_size(level->height)};
+        tc_plane low = packed_plane(half), band[TC_BANDS];
+        for (int b = 0; b < TC_BANDS; b++)
+            band[b] = packed_plane(half);
+        int32_t *scratch = malloc(tc_lifting_analyse_scratch(level, half.y1) * sizeof *scratch);
+        tc_lifting_analyse(level, &fine, 0, half.y1, &low, band, scratch);
+        int more = n == l->depth ? tc_codec_sample(level, LESSON_TILES, tiles + count) : 0;
+        for (tc_training_tile *t = tiles + count; t < tiles + count + more; t++) {
+            t->coarse = copy(&r.p.level[n].coarse, t->coarse.rect);
+            for (int b = 0; b < TC_BANDS; b++)
+                t->band[b] = copy(&band[b], t->band[b].rect);
+        }
+        count += more;
+        for (int b = 0; b < TC_BANDS; b++)
+            free(band[b].z);
+        free(scratch), free(fine.z);
+        fine = low;
+    }
+    free(fine.z), free(z);
+    packed_free(&r.p);
+    return count;
+}
+
+static void print_models(void)
+{
+    static tc_training_tile tiles[MOST_TILES];
+    static tc_detail_model model[TC_BUILTIN_MODELS];
+    for (int set = 0; set < TC_BUILTIN_MODELS; set++) {
+        int count = 0, depth = 0;
+        tc_lifting_level level = {0};
+        for (size_t i = 0; i < sizeof lessons / sizeof *lessons; i++)
+            if (lessons[i].set == set)
+                count = learn(&lessons[i], &level, tiles, count), depth = lessons[i].depth;
+        tc_detail_model_builtin(set, &model[set]);
+        for (int b = 0; b < TC_BANDS; b++)
+            model[set].step[b] = (int32_t)rint(STEPS / tc_lifting_norm(b, depth));
+        for (int n = 0; n < 4; n++)
+            if (tc_codec_train(&level, tiles, count, 0, &model[set]))
+                exit(1);
+    }
+    printf("static const int16_t predict[TC_BUILTIN_MODELS][2][TC_PREDICT] = {\n");
+    for (int set = 0; set < TC_BUILTIN_MODELS; set++)
+        for (int b = 0; b < 2; b++) {
+            printf("%s{", b ? "" : "{");
+            for (int k = 0; k < TC_PREDICT; k++)
+                printf("%d,", model[set].predict[b][k]);
+            printf("},%s", b ? "},\n" : "\n");
+        }
+    printf("};\nstatic const uint16_t scale[TC_BUILTIN_MODELS][TC_BANDS][TC_PHASES][TC_SCALE] = {\n");
+    for (int set = 0; set < TC_BUILTIN_MODELS; set++)
+        for (int b = 0; b < TC_BANDS; b++)
+            for (int p = 0; p < TC_PHASES; p++) {
+                printf("%s%s{", b || p ? "" : "{", p ? "" : "{");
+                for (int k = 0; k < TC_SCALE; k++)
+                    printf("%d,", model[set].scale[b][p][k]);
+                printf("},%s%s", p ? "}," : "\n", p && b == TC_BANDS - 1 ? "},\n" : "");
+            }
+    printf("};\nstatic const uint16_t symbols[TC_BUILTIN_MODELS][TC_BINS][TC_RANS_SYMBOLS] = {\n");
+    for (int set = 0; set < TC_BUILTIN_MODELS; set++)
+        for (int b = 0; b < TC_BINS; b++) {
+            printf("%s{", b ? "" : "{");
+            for (int s = 0; s < TC_RANS_SYMBOLS; s++)
+                printf("%d,", model[set].symbols[b].of[s]);
+            printf("},%s", b == TC_BINS - 1 ? "},\n" : "\n");
+        }
+    printf("};\n");
+}
+
 int main(int argc, char **argv)
 {
     const char *name = argc > 1 ? argv[1] : "";
+    if (strcmp(name, "models") == 0) {
+        print_models();
+        return 0;
+    }
     for (size_t i = 0; i < sizeof crops / sizeof *crops; i++) {
         const crop *c = &crops[i];
         int64_t w, h;

@@ -101,7 +101,7 @@ static void streams_come_back(void **state)
     tc_rans_table *table = malloc(2 * sizeof *table);
     assert_true(bytes && table);
     for (int k = 0; k < 300; k++) {
-        int count = (int)test_random_int(&r, 0, k % 3 ? 40 : MOST), lanes = k % 2 ? 4 : 8;
+        int count = (int)test_random_int(&r, 0, k % 3 ? 40 : MOST), lanes = 4 << k % 3;
         for (int i = 0; i < TC_RANS_PAYLOAD; i++)
             payload[i] = (uint8_t)test_random_bits(&r);
         tc_rans_frequencies f[2];

@@ -24,12 +24,12 @@ typedef struct tc_codec {
     int64_t cw, ch;           /* positions */
     int64_t tiles_x, tiles_y; /* tiles */
     tc_detail_model model;
-    int32_t coarse_shift, coarse_scale[TC_BANDS];      /* curvatures to steps */
-    int32_t pair[TC_BANDS][TC_PHASES][7];              /* scale weights, two in each for codec_avx2.h */
-    uint8_t spread[1 << TC_RANS_LANES][TC_RANS_LANES]; /* [lanes that want a word][lane]: how many do before it */
-    int32_t shift[TC_BINS];                            /* tc_bin_shift */
-    float bits[TC_BINS * TC_RANS_SYMBOLS];             /* what symbols cost, [bin * TC_RANS_SYMBOLS + symbol] */
-    tc_rans_symbol put[TC_BINS * TC_RANS_SYMBOLS];     /* to encode them */
+    int32_t coarse_shift, coarse_scale[TC_BANDS];  /* curvatures to steps */
+    int32_t pair[TC_BANDS][TC_PHASES][7];          /* scale weights, two in each for codec_avx2.h */
+    uint8_t spread[256][8];                        /* [which of eight lanes want a word][lane]: how many do before it */
+    int32_t shift[TC_BINS];                        /* tc_bin_shift */
+    float bits[TC_BINS * TC_RANS_SYMBOLS];         /* what symbols cost, [bin * TC_RANS_SYMBOLS + symbol] */
+    tc_rans_symbol put[TC_BINS * TC_RANS_SYMBOLS]; /* to encode them */
     tc_rans_table table[TC_BINS];
 } tc_codec;
 
@@ -113,6 +113,10 @@ enum { TC_TRAINING_TILES = 16 }; /* enough to learn from */
  * planes, the least rectangles and strides; the caller gives them memory and heights. Where the level wraps, coarse
  * may stick out of it and holds columns of the other side there. */
 int tc_codec_sample(const tc_lifting_level *level, int wanted, tc_training_tile *tiles);
+
+/* Trains all parts of *model, from what it holds on; its steps stay. Allocates. */
+tc_status tc_codec_train(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
+                         tc_detail_model *model);
 
 /* Makes a level's header: trains a model on the tiles, from *start on (NULL: the built-in sets; else best that of the
  * next coarser level), and takes of it what pays over the built-in sets for the whole level. step: the quantiser steps;

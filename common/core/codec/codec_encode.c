@@ -15,7 +15,9 @@ enum {
     LAST = TC_RANS_SYMBOLS - 1,
     ENTRIES = TC_BINS * TC_RANS_SYMBOLS,
     STRANDS = 8,
-    EIGHT_FROM = 64 /* raw bytes; four more lanes cost about four bytes */
+    /* Raw bytes from which so many lanes pay, each of which costs about one byte. */
+    EIGHT_FROM = 64,
+    SIXTEEN_FROM = 1024
 };
 
 typedef struct coder {
@@ -307,7 +309,7 @@ TC_INLINE size_t write_tile(const coder *e, int coded, tc_rect tile, uint8_t *by
     }
     if (raw.count > 0)
         put(&raw, 0, 8 - raw.count);
-    int lanes = raw.size > EIGHT_FROM ? 8 : 4;
+    int lanes = raw.size > SIXTEEN_FROM ? 16 : raw.size > EIGHT_FROM ? 8 : 4;
     size_t carried = 2 * (size_t)lanes;
     while (raw.size < carried)
         raw.bytes[raw.size++] = 0;
@@ -321,7 +323,9 @@ TC_INLINE size_t write_tile(const coder *e, int coded, tc_rect tile, uint8_t *by
             for (int phase = TC_PHASES - 1; phase >= 0; phase--) {
                 const uint8_t *bin = w->bin[b][j][phase], *symbol = w->symbol[b][j][phase];
                 int n = tc_phase_columns(columns, phase);
-                if (n == HALF && lanes == 8)
+                if (n == HALF && lanes == 16)
+                    put_symbols(c, &rans, bin, symbol, 16);
+                else if (n == HALF && lanes == 8)
                     put_symbols(c, &rans, bin, symbol, 8);
                 else if (n == HALF)
                     put_symbols(c, &rans, bin, symbol, 4);
@@ -332,7 +336,7 @@ TC_INLINE size_t write_tile(const coder *e, int coded, tc_rect tile, uint8_t *by
     }
     tc_rans_encode_end(&rans);
     size_t words = (size_t)(middle - rans.at), rest = raw.size - carried;
-    bytes[0] = (uint8_t)(coded | (lanes == 8 ? TC_TILE_EIGHT : 0));
+    bytes[0] = (uint8_t)(coded | lanes / 8 << TC_TILE_LANES);
     memmove(bytes + 1, rans.at, words);
     memmove(bytes + 1 + words, middle + carried, rest);
     return 1 + words + rest;

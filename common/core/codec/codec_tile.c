@@ -1,12 +1,10 @@
 /* codec_tile.c - decoding a tile.
  *
- * A tile's bytes: one byte of flags (bit b: band b is coded; bit 3: eight lanes instead of four), a rANS stream
- * (rans.h), and raw bits, low ones first. The
- * symbols (magnitudes) come band after band, row after row, even columns before odd ones; a run of a phase starts on
- * lane 0. Raw bits hold what contexts do not need: for every run the low bits of magnitudes and what escapes add, then
- * the signs of all that is not zero. The first 16 raw bits of
- * each lane travel in its state. Nothing is left over at the end,
- * and no raw bit behind the last one is set. */
+ * A tile's bytes: one byte of flags (bit b: band b is coded; bits 3-4: 0 for 4 lanes, 1 for 8, 2 for 16), a rANS
+ * stream (rans.h), and raw bits, low ones first. The symbols (magnitudes) come band after band, row after row, even
+ * columns before odd ones; a run of a phase starts on lane 0. Raw bits hold what contexts do not need: for every run
+ * the low bits of magnitudes and what escapes add, then the signs of all that is not zero. The first 16 raw bits of
+ * each lane travel in its state. Nothing is left over at the end, and no raw bit behind the last one is set. */
 #include "codec_tile.h"
 
 #include <math.h>
@@ -47,8 +45,8 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
                     (int32_t)(weight[first] | (first + 1 < end ? (uint32_t)weight[first + 1] << 16 : 0));
             }
         }
-    for (int mask = 0; mask < 1 << TC_RANS_LANES; mask++)
-        for (int lane = 0; lane < TC_RANS_LANES; lane++)
+    for (int mask = 0; mask < 256; mask++)
+        for (int lane = 0; lane < 8; lane++)
             codec->spread[mask][lane] = (uint8_t)__builtin_popcount((unsigned)mask & ((1u << lane) - 1));
     for (int b = 0; b < TC_BINS; b++) {
         codec->shift[b] = tc_bin_shift[b];
@@ -136,43 +134,73 @@ TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const 
 #if TC_AVX2
 enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
 
-/* A whole run on eight lanes at once: one gather for the table entries, and the words that some lanes want are dealt
- * out by a permutation (Giesen 2014, "SIMD entropy coding"). */
+/* Eight lanes at once: one gather for the table entries, and the words that some lanes want are dealt out by a
+ * permutation (Giesen 2014, "SIMD entropy coding"). */
+TC_TARGET_AVX2 static inline __m256i decode_8_avx2(const tc_codec *c, __m256i *state, const uint8_t **at,
+                                                   const uint8_t *bin)
+{
+    __m256i b = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)bin)), x = *state;
+    __m256i slot = _mm256_and_si256(x, _mm256_set1_epi32(TC_RANS_SLOTS - 1));
+    slot = _mm256_add_epi32(slot, _mm256_slli_epi32(b, TC_RANS_BITS));
+    __m256i entry = _mm256_i32gather_epi32((const int *)c->table, slot, 4);
+    __m256i frequency = _mm256_and_si256(_mm256_srli_epi32(entry, 4), _mm256_set1_epi32(0xfff));
+    x = _mm256_mullo_epi32(frequency, _mm256_srli_epi32(x, TC_RANS_BITS));
+    x = _mm256_add_epi32(x, _mm256_srli_epi32(entry, 16));
+    __m256i low = _mm256_cmpeq_epi32(_mm256_srli_epi32(x, 16), _mm256_setzero_si256());
+    unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(low));
+    __m256i words = _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)*at));
+    __m256i from = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)c->spread[mask]));
+    words = _mm256_permutevar8x32_epi32(words, from);
+    *state = _mm256_blendv_epi8(x, _mm256_or_si256(_mm256_slli_epi32(x, 16), words), low);
+    *at += 2 * __builtin_popcount(mask);
+    return _mm256_and_si256(entry, _mm256_set1_epi32(TC_RANS_SYMBOLS - 1));
+}
+
+/* A whole run on 8 or 16 lanes. Of 16, each half waits for nothing of the other but where its words start, so that the
+ * processor works on both at a time. */
 TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF],
                                                   uint8_t symbol[HALF])
 {
-    __m256i x = _mm256_loadu_si256((const __m256i *)d->state);
+    __m256i x = load_avx2(d->state), y = load_avx2(d->state + 8), s[HALF / 8];
     const uint8_t *at = d->at;
-    for (int k = 0; k < HALF; k += 8) {
-        __m256i b = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)(bin + k)));
-        __m256i slot = _mm256_and_si256(x, _mm256_set1_epi32(TC_RANS_SLOTS - 1));
-        slot = _mm256_add_epi32(slot, _mm256_slli_epi32(b, TC_RANS_BITS));
-        __m256i entry = _mm256_i32gather_epi32((const int *)c->table, slot, 4);
-        __m256i frequency = _mm256_and_si256(_mm256_srli_epi32(entry, 4), _mm256_set1_epi32(0xfff));
-        x = _mm256_mullo_epi32(frequency, _mm256_srli_epi32(x, TC_RANS_BITS));
-        x = _mm256_add_epi32(x, _mm256_srli_epi32(entry, 16));
-        __m256i s = _mm256_and_si256(entry, _mm256_set1_epi32(15));
-        __m128i s16 = _mm_packus_epi32(_mm256_castsi256_si128(s), _mm256_extracti128_si256(s, 1));
-        _mm_storel_epi64((__m128i *)(symbol + k), _mm_packus_epi16(s16, s16));
-        __m256i low = _mm256_cmpeq_epi32(_mm256_srli_epi32(x, 16), _mm256_setzero_si256());
-        unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(low));
-        __m256i words = _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)at));
-        __m256i from = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)c->spread[mask]));
-        words = _mm256_permutevar8x32_epi32(words, from);
-        x = _mm256_blendv_epi8(x, _mm256_or_si256(_mm256_slli_epi32(x, 16), words), low);
-        at += 2 * __builtin_popcount(mask);
+    if (d->lanes == 16) {
+        for (int k = 0; k < HALF / 8; k += 2) {
+            s[k] = decode_8_avx2(c, &x, &at, bin + 8 * k);
+            s[k + 1] = decode_8_avx2(c, &y, &at, bin + 8 * k + 8);
+        }
+        _mm256_storeu_si256((__m256i *)(d->state + 8), y);
+    } else {
+        for (int k = 0; k < HALF / 8; k++)
+            s[k] = decode_8_avx2(c, &x, &at, bin + 8 * k);
     }
     _mm256_storeu_si256((__m256i *)d->state, x);
     d->at = at;
+    s[0] = _mm256_packus_epi16(_mm256_packus_epi32(s[0], s[1]), _mm256_packus_epi32(s[2], s[3]));
+    s[0] = _mm256_permutevar8x32_epi32(s[0], _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
+    _mm256_storeu_si256((__m256i *)symbol, s[0]);
 }
 #endif
+
+/* A whole run without AVX2. lanes: a constant. */
+TC_INLINE void decode_run_lanes(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF], uint8_t symbol[HALF],
+                                int lanes)
+{
+    uint32_t state[TC_RANS_LANES];
+    const uint8_t *at = d->at;
+    memcpy(state, d->state, sizeof state);
+    for (int k = 0; k < HALF; k += lanes)
+        for (int lane = 0; lane < lanes; lane++)
+            symbol[k + lane] = (uint8_t)fast_step(&c->table[bin[k + lane]], &state[lane], &at);
+    memcpy(d->state, state, sizeof state);
+    d->at = at;
+}
 
 /* Symbols of one phase of a row. simd: a constant, whether there is AVX2. */
 TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF], int count,
                           uint8_t symbol[HALF], bool simd)
 {
 #if TC_AVX2
-    if (simd && count == HALF && d->lanes == 8 && d->end - d->at >= 2 * HALF + AHEAD) {
+    if (simd && count == HALF && d->lanes > 4 && d->end - d->at >= 2 * HALF + AHEAD) {
         decode_run_avx2(c, d, bin, symbol);
         return;
     }
@@ -183,33 +211,13 @@ TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t b
             symbol[k] = (uint8_t)tc_rans_decode(d, k % d->lanes, &c->table[bin[k]]);
         for (int k = count; k < HALF; k++)
             symbol[k] = 0;
-        return;
-    }
-    uint32_t s0 = d->state[0], s1 = d->state[1], s2 = d->state[2], s3 = d->state[3];
-    const uint8_t *at = d->at;
-    if (d->lanes == 4) {
-        for (int k = 0; k < HALF; k += 4) {
-            symbol[k] = (uint8_t)fast_step(&c->table[bin[k]], &s0, &at);
-            symbol[k + 1] = (uint8_t)fast_step(&c->table[bin[k + 1]], &s1, &at);
-            symbol[k + 2] = (uint8_t)fast_step(&c->table[bin[k + 2]], &s2, &at);
-            symbol[k + 3] = (uint8_t)fast_step(&c->table[bin[k + 3]], &s3, &at);
-        }
+    } else if (d->lanes == 16) {
+        decode_run_lanes(c, d, bin, symbol, 16);
+    } else if (d->lanes == 8) {
+        decode_run_lanes(c, d, bin, symbol, 8);
     } else {
-        uint32_t s4 = d->state[4], s5 = d->state[5], s6 = d->state[6], s7 = d->state[7];
-        for (int k = 0; k < HALF; k += 8) {
-            symbol[k] = (uint8_t)fast_step(&c->table[bin[k]], &s0, &at);
-            symbol[k + 1] = (uint8_t)fast_step(&c->table[bin[k + 1]], &s1, &at);
-            symbol[k + 2] = (uint8_t)fast_step(&c->table[bin[k + 2]], &s2, &at);
-            symbol[k + 3] = (uint8_t)fast_step(&c->table[bin[k + 3]], &s3, &at);
-            symbol[k + 4] = (uint8_t)fast_step(&c->table[bin[k + 4]], &s4, &at);
-            symbol[k + 5] = (uint8_t)fast_step(&c->table[bin[k + 5]], &s5, &at);
-            symbol[k + 6] = (uint8_t)fast_step(&c->table[bin[k + 6]], &s6, &at);
-            symbol[k + 7] = (uint8_t)fast_step(&c->table[bin[k + 7]], &s7, &at);
-        }
-        d->state[4] = s4, d->state[5] = s5, d->state[6] = s6, d->state[7] = s7;
+        decode_run_lanes(c, d, bin, symbol, 4);
     }
-    d->state[0] = s0, d->state[1] = s1, d->state[2] = s2, d->state[3] = s3;
-    d->at = at;
 }
 
 /* Symbols of one phase of a row, and what the contexts of others see of them. */
@@ -422,9 +430,9 @@ TC_INLINE bool raw_finished(const raw_bits *r)
 TC_INLINE bool decode_streams(const tc_codec *c, tc_rect tile, int64_t shift, const uint8_t *bytes, size_t size,
                               uint8_t payload[TC_RANS_PAYLOAD], raw_bits *raw, tc_tile_work *w, bool simd)
 {
-    int flags = bytes[0], lanes = flags & TC_TILE_EIGHT ? 8 : 4;
+    int flags = bytes[0], lanes = 4 << (flags >> TC_TILE_LANES);
     tc_rans_decoder d;
-    if ((flags & (TC_TILE_EIGHT - 1)) == 0 || flags >= 2 * TC_TILE_EIGHT ||
+    if (flags % (1 << TC_TILE_LANES) == 0 || flags >= 3 << TC_TILE_LANES ||
         !tc_rans_decode_begin(&d, lanes, bytes + 1, size - 1))
         return false;
     memset(w->magnitude, 0, sizeof w->magnitude);

@@ -26,7 +26,7 @@ enum {
     MAGNITUDE_ROWS = TC_TILE + 4, /* rows -2 .. TC_TILE + 1 */
     CURVE_LIMIT = 8191,           /* curvatures are cut off here, so that weighted sums fit */
     SCALE_LIMIT = 32767,
-    TC_TILE_EIGHT = 1 << TC_BANDS /* flag of a tile: eight lanes */
+    TC_TILE_LANES = TC_BANDS /* from this bit on, a tile's flags are log2(lanes / 4) */
 };
 
 /* Curvatures of the coarser level at (i, j): between columns i and i + 1, between rows j and j + 1, both. */

@@ -453,6 +453,23 @@ static tc_status train(trainer *t, int set, tc_detail_model *own, uint8_t *heade
     return status;
 }
 
+tc_status tc_codec_train(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
+                         tc_detail_model *model)
+{
+    trainer t;
+    choice best = {{0}, INFINITY};
+    tc_detail_model own = *model;
+    tc_status status = trainer_init(&t, level, tiles, count, lambda, model);
+    uint8_t *header = malloc(tc_detail_model_bound());
+    if (!status && !header)
+        status = TC_ERR_MEMORY;
+    if (!status && !(status = make_room(&t)) && !(status = train(&t, 0, &own, header, &best)))
+        *model = own;
+    free(header);
+    trainer_free(&t);
+    return status;
+}
+
 /* Offers the best built-in set. Some tiles are enough to see which it is, but the offer counts all, as others do. */
 static tc_status best_set(trainer *t, const tc_detail_model *steps, uint8_t *header, int *set_ret, choice *best)
 {

@@ -28,7 +28,7 @@ enum {
     TC_SCALE_BITS = 10,                                             /* their unit is 1/1024 */
     TC_SCALE_MOST = 1 << 13,                                        /* the largest weight */
     TC_MAX_STEP = 1 << 24,
-    TC_BUILTIN_MODELS = 2
+    TC_BUILTIN_MODELS = 3
 };
 
 /* Columns of a row are coded in two phases, even columns first, so that a phase needs nothing of itself: all its
@@ -48,7 +48,8 @@ typedef struct tc_detail_model {
 extern const int16_t tc_bin_threshold[TC_BINS - 1];
 extern const uint8_t tc_bin_shift[TC_BINS];
 
-/* Built-in models, 0 <= set < TC_BUILTIN_MODELS: 0 radar terrain (noisy), 1 smooth terrain. Steps are left alone. */
+/* Built-in models, 0 <= set < TC_BUILTIN_MODELS: 0 radar terrain (noisy), 1 smooth terrain, 2 coarse
+ * levels of any terrain. Steps are left alone. */
 void tc_detail_model_builtin(int set, tc_detail_model *model);
 
 /* Which parts a header carries itself; else the number of the built-in set. */

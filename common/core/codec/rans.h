@@ -1,8 +1,9 @@
-/* rans.h - range asymmetric numeral systems with static tables of 12 bits and four or eight interleaved states.
+/* rans.h - range asymmetric numeral systems with static tables of 12 bits and 4, 8 or 16 interleaved states.
  *
  * Duda 2013, "Asymmetric numeral systems"; Giesen 2014, "Interleaved entropy coders". States are 32 bits in
  * [2^16, 2^32) and renormalise by 16 bits. A stream decodes forwards: the states, little-endian, then 16-bit words;
- * symbol number k of a run belongs to state k mod `lanes`. Four lanes cost fewer bytes, eight decode faster. The
+ * symbol number k of a run belongs to state k mod `lanes`. Few lanes cost fewer bytes (about one each), many decode
+ * faster. The
  * encoder works backwards from the last symbol. It does not start from empty states: the low 16 bits of each are
  * payload, so that closing a stream wastes no room where the caller has 2 bytes a lane of other data to put there. */
 #ifndef TC_RANS_H
@@ -14,7 +15,7 @@ enum {
     TC_RANS_BITS = 12,
     TC_RANS_SLOTS = 1 << TC_RANS_BITS,
     TC_RANS_SYMBOLS = 16,
-    TC_RANS_LANES = 8,                   /* at most */
+    TC_RANS_LANES = 16,                  /* at most */
     TC_RANS_PAYLOAD = 2 * TC_RANS_LANES, /* bytes carried by the states, at most: two for each */
     TC_RANS_HEAD = 4 * TC_RANS_LANES     /* bytes in front of the words, at most: four for each */
 };
