@@ -141,6 +141,7 @@ typedef struct tc_coding {
     tc_detail_model model; /* of the last level coded by the lifting */
     bool has_model;
     tc_level_outcome outcome; /* of the last level */
+    double carried; /* square error that the levels kept leave in each sample of the next one, about; height units */
 } tc_coding;
 
 tc_status tc_coding_begin(tc_packer *p, tc_coding *coding, tc_error *error);

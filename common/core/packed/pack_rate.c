@@ -11,7 +11,7 @@
 #include "common/core/base/status.h"
 #include "pack_internal.h"
 
-static const double AIM = 0.988, LEAST = 0.97; /* of the target */
+static const double AIM = 0.986, LEAST = 0.97; /* of the target */
 enum { MOST_TRIES = 12 };
 static const double LARGEST_STEP = 64.0 * TC_MAX_STEP;
 
@@ -31,18 +31,18 @@ static double histogram_error(const tc_detail_histogram *h, double step)
     return sum;
 }
 
-/* Square error that level l's own details leave in each sample of the level. */
+/* Square error that level l's details leave in each sample of the finest level, by the quantiser's model. */
 static double level_error(const tc_packer *p, int l, double q)
 {
-    const tc_level *level = &p->container.level[l - 1];
+    const tc_level *finest = &p->container.level[p->container.levels - 1];
     int32_t step[TC_BANDS];
     double sum = 0;
     tc_coding_steps(p, l, q, step);
     for (int b = 0; b < TC_BANDS; b++) {
-        double norm = tc_lifting_norm(b, 0);
+        double norm = tc_lifting_norm(b, p->container.levels - l);
         sum += norm * norm * histogram_error(&p->histogram[l - 1][b], step[b]);
     }
-    return sum / ((double)level->width * (double)level->height);
+    return sum / ((double)finest->width * (double)finest->height);
 }
 
 static double all_levels_error(const tc_packer *p, double q)
@@ -124,55 +124,44 @@ static bool meets(const search *s, double error)
     return error <= s->target && error >= LEAST * LEAST * s->target;
 }
 
-/* Codes the finest level, with the step that brings the whole to the target given what coarser levels left, as long as
- * that step is near the others'. *error_ret: what was reached. */
-static tc_status code_finest(search *s, double coarse_error, double *error_ret, tc_error *error)
+/* Codes the finest level with a step near s->q that brings the whole to the target, given what coarser levels leave in
+ * its samples. Sets *error_ret to what all levels come to; where a step near s->q cannot reach the target, which is
+ * foreseen if it is far away, *coded_ret is false. */
+static tc_status code_finest(search *s, double carried, bool last_try, double *error_ret, bool *coded_ret,
+                             tc_error *error)
 {
     enum { MOST_CODINGS = 3, SHARE = 16 };
-    const double near = 2.5;
+    const double near = 1.25, far = 1.08;
     tc_packer *p = s->coding.p;
     int l = p->container.levels;
     const tc_level *level = &p->container.level[l - 1];
     double tiles = (double)level->width * (double)level->height / (TC_TILE_SIDE * TC_TILE_SIDE);
+    double aim = AIM * AIM * s->target, own = fmax(aim - carried, 0.01 * aim), q = s->q, foreseen = 0;
     tc_sample *sample = NULL;
     tc_status status = tc_pack_sample(
         p, l, &s->coding.coarse, (int)fmin(fmax(tiles / SHARE, TC_TRAINING_TILES), TC_SAMPLE_TILES), &sample, error);
-    double own = fmax(AIM * AIM * s->target - coarse_error, 0.01 * s->target), q = s->q;
-    if (!status)
-        status = tc_coding_choose(&s->coding, l, q, sample, error);
-    curve guess = {.exponent = 1.6};
-    for (int round = 0; round < 2 && !status; round++) {
-        double found = 0;
-        if (!(status = estimate(s, sample, q, &found, error)))
-            q = fmin(fmax(next_step(&guess, q, found, own), s->q / near), s->q * near);
+    if (!status && !(status = tc_coding_choose(&s->coding, l, q, sample, error)))
+        status = estimate(s, sample, q, &foreseen, error);
+    *error_ret = carried + foreseen;
+    *coded_ret = last_try || fabs(log(*error_ret / aim)) < 2 * log(far);
+    if (!status && *coded_ret) {
+        curve guess = {.exponent = 1.6};
+        q = fmin(fmax(next_step(&guess, q, foreseen, own), s->q / near), s->q * near);
     }
+    curve seen = {.exponent = 1.8};
     int64_t body = p->body_size;
-    for (int codings = 0; !status; codings++) {
+    for (int codings = 0; !status && *coded_ret; codings++) {
         p->body_size = body;
         if ((status = tc_coding_choose(&s->coding, l, q, sample, error)) ||
             (status = tc_coding_level(&s->coding, l, 0, false, 0.75 * TC_SHARE_LEVELS, error)))
             break;
         *error_ret = tc_coding_error(&s->coding);
-        double next = next_step(&guess, q, *error_ret - coarse_error, own);
-        bool off = next < s->q / near || next > s->q * near;
-        if (meets(s, *error_ret) || off || codings == MOST_CODINGS)
+        double next = next_step(&seen, q, *error_ret - carried, own);
+        if (meets(s, *error_ret) || next < s->q / (near * near) || next > s->q * near * near || codings == MOST_CODINGS)
             break;
         q = next;
     }
     tc_sample_free(sample);
-    return status;
-}
-
-/* Codes all levels with step s->q, but the finest with one that is better if it can be. *error_ret: what was reached.
- */
-static tc_status code_all(search *s, tc_packer *p, double *error_ret, tc_error *error)
-{
-    tc_status status = tc_coding_begin(p, &s->coding, error);
-    if (!status)
-        status = tc_coding_below(&s->coding, p->container.levels - 1, s->q, error);
-    if (!status)
-        status = code_finest(s, tc_coding_error(&s->coding), error_ret, error);
-    tc_coding_end(&s->coding);
     return status;
 }
 
@@ -188,14 +177,26 @@ tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
     s.q = solve(p, AIM * AIM * s.target);
     curve whole = {.exponent = 1.2};
     tc_status status = TC_OK;
-    for (int tries = 0; tries < MOST_TRIES && !status; tries++) {
+    bool done = false;
+    double before = 0;
+    for (int tries = 0; tries < MOST_TRIES && !status && !done; tries++) {
         double found = 0;
-        status = code_all(&s, p, &found, error);
-        if (status || meets(&s, found))
+        bool coded = false, all_dropped = false;
+        status = tc_coding_begin(p, &s.coding, error);
+        if (!status)
+            status = tc_coding_below(&s.coding, p->container.levels - 1, s.q, error);
+        if (!status) {
+            /* A larger step that changes nothing has nothing left to drop. */
+            all_dropped = tries > 0 && s.coding.carried < s.target && s.q > LARGEST_STEP / 2;
+            status = code_finest(&s, s.coding.carried, tries == MOST_TRIES - 1 || all_dropped, &found, &coded, error);
+        }
+        tc_coding_end(&s.coding);
+        if (!status && coded && (meets(&s, found) || all_dropped || tries == MOST_TRIES - 1))
             break;
         double next = fmin(next_step(&whole, s.q, found, AIM * AIM * s.target), LARGEST_STEP);
-        if (found <= s.target && next <= s.q * 1.001) /* all that can be dropped is */
-            break;
+        if (found < s.target && fabs(found - before) <= 1e-3 * found)
+            next = LARGEST_STEP;
+        before = found;
         s.q = next;
     }
     return status;
