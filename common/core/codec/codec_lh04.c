@@ -102,26 +102,37 @@ TC_LH04_INLINE void decode_band(const tc_lh04_codec *c, tc_rans_decoder *d, int 
     tc_lh04_add(w, place, rows);
 }
 
+#define ONES UINT64_C(0x0101010101010101)
+#define HIGHS UINT64_C(0x8080808080808080)
+
 /* Signed multiples of the step of a run, every other column of a row; the largest magnitude is gathered in *most. */
 TC_LH04_INLINE void decode_values(tc_raw_reader *raw, const uint8_t symbol[RUN], const uint8_t bin[RUN], int32_t *value,
                                   int32_t *most)
 {
-    uint64_t any, bins;
+    uint64_t any, bins, escapes;
     memcpy(&any, symbol, sizeof any), memcpy(&bins, bin, sizeof bins);
-    if (any == 0 && ((bins + 0x0101010101010101 * (127 - 16)) & 0x8080808080808080) == 0)
-        return; /* bins up to 16 have no low bits; the row was zero before */
-    for (int k = 0; k < RUN; k++) {
-        uint32_t m = symbol[k];
-        if (m == TC_RANS_SYMBOLS - 1)
-            m += tc_raw_take_escape(raw);
-        int shift = tc_bin_shift[bin[k]];
-        m = m << shift | tc_raw_take(raw, shift);
-        value[TC_PHASES * k] = (int32_t)(m & INT32_MAX);
-        *most = value[TC_PHASES * k] > *most ? value[TC_PHASES * k] : *most;
-    }
+    bool plain = ((bins + ONES * (127 - 16)) & HIGHS) == 0; /* bins up to 16 have no low bits */
+    if (any == 0 && plain)
+        return; /* the row was zero before */
+    escapes = (any + ONES * (128 - (TC_RANS_SYMBOLS - 1))) & HIGHS;
+    uint32_t v[RUN], mask = 0;
     for (int k = 0; k < RUN; k++)
-        if (value[TC_PHASES * k] && tc_raw_take(raw, 1))
-            value[TC_PHASES * k] = -value[TC_PHASES * k];
+        v[k] = symbol[k];
+    if (escapes || !plain)
+        for (int k = 0; k < RUN; k++) {
+            if (v[k] == TC_RANS_SYMBOLS - 1)
+                v[k] += tc_raw_take_escape(raw);
+            int shift = tc_bin_shift[bin[k]];
+            v[k] = v[k] << shift | tc_raw_take(raw, shift);
+        }
+    for (int k = 0; k < RUN; k++)
+        mask |= (uint32_t)(v[k] != 0) << k, *most = (int32_t)v[k] > *most ? (int32_t)v[k] : *most;
+    uint32_t signs = tc_raw_take(raw, __builtin_popcount(mask));
+    for (int k = 0; k < RUN; k++) {
+        uint32_t some = mask >> k & 1, minus = -(signs & some);
+        value[TC_PHASES * k] = (int32_t)((v[k] ^ minus) - minus);
+        signs >>= some;
+    }
 }
 
 /* Decodes all of a tile but the transform; false where its bytes are damaged. */
