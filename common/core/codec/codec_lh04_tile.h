@@ -145,14 +145,23 @@ TC_LH04_INLINE void tc_lh04_bins(const tc_lh04_band *b, tc_lh04_work *w, int pla
 {
     const int32_t *weight = b->weight[phase];
     int16_t scale[RUN], count[RUN] = {0};
-    for (int k = 0; k < RUN; k++) {
-        int32_t f[TC_LH04_SCALE], sum = weight[F_ONE];
-        tc_lh04_features(w, place, phase, j, k, f);
-        for (int n = 0; n < F_ONE; n++)
-            sum += f[n] * weight[n];
-        sum >>= 4;
-        scale[k] = (int16_t)(sum > SCALE_MOST ? SCALE_MOST : sum);
-    }
+    int32_t sum[RUN];
+    /* tc_lh04_features(), arranged for whole runs. */
+    const uint8_t *north = seen_at(w, place, j - 1, phase), *north2 = seen_at(w, place, j - 2, phase);
+    const uint8_t *across = seen_at(w, place, j - 1, !phase) - !phase, *here = seen_at(w, place, j, !phase) - !phase;
+    const int16_t *beside = total_at(w, j, !phase) - !phase, *block = total_at(w, j, phase);
+    const int16_t *above = total_at(w, j - 1, phase), *below = total_at(w, j + 1, phase);
+    const uint8_t *side[2] = {phase ? here : north - 1, phase ? here + 1 : north + 1};
+    for (int k = 0; k < RUN; k++)
+        sum[k] = weight[F_ONE] + north[k] * weight[F_N] + north2[k] * weight[F_NN];
+    for (int k = 0; k < RUN; k++)
+        sum[k] += (across[k] + across[k + 1]) * weight[F_DIAGONAL] + (side[0][k] + side[1][k]) * weight[F_SIDES];
+    for (int k = 0; k < RUN; k++)
+        sum[k] += w->near[phase][k] * weight[F_NEAR] + w->far[phase][k] * weight[F_FAR];
+    for (int k = 0; k < RUN; k++)
+        sum[k] += block[k] * weight[F_BLOCK] + (beside[k] + beside[k + 1] + above[k] + below[k]) * weight[F_AROUND];
+    for (int k = 0; k < RUN; k++)
+        scale[k] = (int16_t)(sum[k] >> 4 > SCALE_MOST ? SCALE_MOST : sum[k] >> 4);
     for (int n = 0; n < TC_BINS - 1; n++)
         for (int k = 0; k < RUN; k++)
             count[k] = (int16_t)(count[k] + (scale[k] >= tc_bin_threshold[n]));
