@@ -17,7 +17,7 @@ enum {
     STRANDS = 8,
     /* Raw bytes from which so many lanes pay, each of which costs about one byte. */
     EIGHT_FROM = 64,
-    SIXTEEN_FROM = 1024
+    SIXTEEN_FROM = 640
 };
 
 typedef struct coder {

@@ -134,18 +134,22 @@ TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const 
 #if TC_AVX2
 enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
 
-/* Eight lanes at once: one gather for the table entries, and the words that some lanes want are dealt out by a
- * permutation (Giesen 2014, "SIMD entropy coding"). */
+/* Eight lanes at once: gathers for the tables, and the words that some lanes want are dealt out by a permutation
+ * (Giesen 2014, "SIMD entropy coding"). */
 TC_TARGET_AVX2 static inline __m256i decode_8_avx2(const tc_codec *c, __m256i *state, const uint8_t **at,
                                                    const uint8_t *bin)
 {
     __m256i b = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)bin)), x = *state;
+    /* Offsets of tables, in bytes. What the first gather reads behind slots is still of their table. */
+    __m256i table = _mm256_mullo_epi32(b, _mm256_set1_epi32(sizeof(tc_rans_table)));
     __m256i slot = _mm256_and_si256(x, _mm256_set1_epi32(TC_RANS_SLOTS - 1));
-    slot = _mm256_add_epi32(slot, _mm256_slli_epi32(b, TC_RANS_BITS));
-    __m256i entry = _mm256_i32gather_epi32((const int *)c->table, slot, 4);
-    __m256i frequency = _mm256_and_si256(_mm256_srli_epi32(entry, 4), _mm256_set1_epi32(0xfff));
+    __m256i symbol = _mm256_i32gather_epi32((const int *)c->table[0].slot, _mm256_add_epi32(table, slot), 1);
+    symbol = _mm256_and_si256(symbol, _mm256_set1_epi32(TC_RANS_SYMBOLS - 1));
+    __m256i entry = _mm256_i32gather_epi32((const int *)c->table[0].symbol,
+                                           _mm256_add_epi32(table, _mm256_slli_epi32(symbol, 2)), 1);
+    __m256i frequency = _mm256_and_si256(entry, _mm256_set1_epi32(0xffff));
     x = _mm256_mullo_epi32(frequency, _mm256_srli_epi32(x, TC_RANS_BITS));
-    x = _mm256_add_epi32(x, _mm256_srli_epi32(entry, 16));
+    x = _mm256_add_epi32(x, _mm256_sub_epi32(slot, _mm256_srli_epi32(entry, 16)));
     __m256i low = _mm256_cmpeq_epi32(_mm256_srli_epi32(x, 16), _mm256_setzero_si256());
     unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(low));
     __m256i words = _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)*at));
@@ -153,7 +157,7 @@ TC_TARGET_AVX2 static inline __m256i decode_8_avx2(const tc_codec *c, __m256i *s
     words = _mm256_permutevar8x32_epi32(words, from);
     *state = _mm256_blendv_epi8(x, _mm256_or_si256(_mm256_slli_epi32(x, 16), words), low);
     *at += 2 * __builtin_popcount(mask);
-    return _mm256_and_si256(entry, _mm256_set1_epi32(TC_RANS_SYMBOLS - 1));
+    return symbol;
 }
 
 /* A whole run on 8 or 16 lanes. Of 16, each half waits for nothing of the other but where its words start, so that the

@@ -55,9 +55,10 @@ bool tc_rans_valid(const tc_rans_frequencies *frequencies)
 void tc_rans_table_build(const tc_rans_frequencies *frequencies, tc_rans_table *table)
 {
     uint32_t at = 0;
-    for (uint32_t s = 0; s < TC_RANS_SYMBOLS; s++)
-        for (uint32_t i = 0; i < frequencies->of[s]; i++)
-            table->slot[at++] = s | (uint32_t)frequencies->of[s] << 4 | i << 16;
+    for (int s = 0; s < TC_RANS_SYMBOLS; at += frequencies->of[s++]) {
+        memset(table->slot + at, s, frequencies->of[s]);
+        table->symbol[s] = frequencies->of[s] | at << 16;
+    }
 }
 
 void tc_rans_symbols_build(const tc_rans_frequencies *frequencies, tc_rans_symbol symbol[TC_RANS_SYMBOLS])

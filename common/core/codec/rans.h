@@ -25,9 +25,11 @@ typedef struct tc_rans_frequencies {
     uint16_t of[TC_RANS_SYMBOLS];
 } tc_rans_frequencies;
 
-/* A decoding table: bits 0-3 the symbol, 4-15 its frequency, 16-27 the slot's number within the symbol. */
+/* A decoding table: the symbol of each slot, and for each symbol its frequency and, from bit 16 on, its first slot. In
+ * two parts, so that the tables in use fit into the first cache. */
 typedef struct tc_rans_table {
-    uint32_t slot[TC_RANS_SLOTS];
+    uint8_t slot[TC_RANS_SLOTS];
+    uint32_t symbol[TC_RANS_SYMBOLS];
 } tc_rans_table;
 
 /* Frequencies nearest to weights (any non-negative integers; all zero: uniform). */
@@ -99,12 +101,12 @@ typedef struct tc_rans_decoder {
 /* False where the head is missing or holds an impossible state. */
 bool tc_rans_decode_begin(tc_rans_decoder *d, int lanes, const uint8_t *bytes, size_t size);
 
-/* One step without any check: table entry of the state, and the state behind it. */
+/* One step without any check: the symbol of the state, and the state behind it. */
 static inline uint32_t tc_rans_step(const tc_rans_table *table, uint32_t *state)
 {
-    uint32_t x = *state, entry = table->slot[x & (TC_RANS_SLOTS - 1)];
-    *state = (entry >> 4 & 0xfff) * (x >> TC_RANS_BITS) + (entry >> 16);
-    return entry & 15;
+    uint32_t x = *state, slot = x & (TC_RANS_SLOTS - 1), symbol = table->slot[slot], entry = table->symbol[symbol];
+    *state = (entry & 0xffff) * (x >> TC_RANS_BITS) + slot - (entry >> 16);
+    return symbol;
 }
 
 /* Decodes one symbol with every check. */
