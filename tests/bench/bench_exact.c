@@ -54,21 +54,17 @@ static tc_plane load(const crop *c)
     return z;
 }
 
-/* The next coarser level of z, as the lossy codec gives it back. */
-static packed pack_coarse(const tc_plane *z, double q)
+/* Bytes of all levels of a packed terrain but the finest. */
+static size_t coarser_bytes(packed *p)
 {
-    int64_t w = z->rect.x1, h = z->rect.y1;
-    tc_lifting_level level = {w, h, false};
-    tc_plane ll = packed_plane((tc_rect){0, 0, tc_coarse_size(w), tc_coarse_size(h)}), band[TC_BANDS];
-    for (int b = 0; b < TC_BANDS; b++)
-        band[b] = packed_plane(ll.rect);
-    int32_t *scratch = malloc(tc_lifting_analyse_scratch(&level, ll.rect.y1) * sizeof *scratch);
-    tc_lifting_analyse(&level, z, 0, ll.rect.y1, &ll, band, scratch);
-    packed p = packed_new(ll.z, ll.rect.x1, ll.rect.y1, &(packed_options){.q = q, .threads = 2});
-    for (int b = 0; b < TC_BANDS; b++)
-        free(band[b].z);
-    free(ll.z), free(scratch);
-    return p;
+    packed_level *f = &p->level[0];
+    size_t header = f->header_size, *size = f->tile_size;
+    int64_t tiles = f->codec->tiles_x * f->codec->tiles_y;
+    f->header_size = 0, f->tile_size = calloc((size_t)tiles, sizeof *size);
+    size_t bytes = packed_bytes(p) - (size_t)tiles / 8;
+    free(f->tile_size);
+    f->header_size = header, f->tile_size = size;
+    return bytes;
 }
 
 static void measure(const crop *c, const tc_plane *z, int bound, double q, int units)
@@ -80,10 +76,10 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
         source.z[i] = z->z[i] * units;
         fine.z[i] = (int32_t)lrint((double)z->z[i] / (2 * bound + 1)) * step;
     }
-    packed p = pack_coarse(&source, q * step);
-    double coarse_bits = 8.0 * (double)packed_bytes(&p) / (double)n;
+    packed p = packed_new(source.z, w, h, &(packed_options){.q = q * step, .threads = 2});
+    double coarse_bits = 8.0 * (double)coarser_bytes(&p) / (double)n;
     tc_lifting_level level = {w, h, false};
-    tc_plane coarse = p.level[0].fine;
+    tc_plane coarse = p.level[1].fine;
     double start = now();
     tc_exact *codec = malloc(sizeof *codec);
     tc_exact_work *work = malloc(tc_exact_work_bytes());
@@ -124,10 +120,30 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
     decode_s = now() - start;
     if (memcmp(out.z, fine.z, (size_t)n * sizeof *out.z) != 0)
         puts("exact: not the same heights"), exit(1);
+    double coarse_rms = 0, detail = 0;
+    {
+        tc_lifting_level finest = {w, h, false};
+        tc_plane ll = packed_plane(coarse.rect), band[TC_BANDS];
+        for (int b = 0; b < TC_BANDS; b++)
+            band[b] = packed_plane(coarse.rect);
+        int32_t *scratch = malloc(tc_lifting_analyse_scratch(&finest, coarse.rect.y1) * sizeof *scratch);
+        tc_lifting_analyse(&finest, &source, 0, coarse.rect.y1, &ll, band, scratch);
+        for (int64_t i = 0; i < tc_rect_area(coarse.rect); i++) {
+            coarse_rms += pow(coarse.z[i] - ll.z[i], 2);
+            for (int b = 0; b < TC_BANDS; b++)
+                detail += abs(band[b].z[i]);
+        }
+        coarse_rms = sqrt(coarse_rms / (double)tc_rect_area(coarse.rect)) / units * c->lattice;
+        detail /= 3 * (double)tc_rect_area(coarse.rect) * step;
+        for (int b = 0; b < TC_BANDS; b++)
+            free(band[b].z);
+        free(ll.z), free(scratch);
+    }
     double bits = coarse_bits + 8.0 * (double)bytes / (double)n, jxl = bound < 3 ? c->jxl[bound] : 0;
-    printf("exact: %-9s E %d q/step %5.1f units %2d  coarser %6.4f + %6.4f (header %zu B) = %6.4f bits  JPEG XL %5.3f "
+    printf("exact: %-9s E %d q/step %5.1f units %2d  coarser %6.4f (rms %.2f m; detail %.2f) + %6.4f (header %zu B) = "
+           "%6.4f bits  JPEG XL %5.3f "
            "%+5.1f %%  train %.2f s  encode %5.1f decode %5.1f Ms/s\n",
-           c->name, bound, q, units, coarse_bits, bits - coarse_bits, header_bytes, bits, jxl,
+           c->name, bound, q, units, coarse_bits, coarse_rms, detail, bits - coarse_bits, header_bytes, bits, jxl,
            jxl > 0 ? 100 * (bits / jxl - 1) : 0, train_s, 1e-6 * (double)n / encode_s, 1e-6 * (double)n / decode_s);
     fflush(stdout);
     for (int64_t t = 0; t < tiles; t++)

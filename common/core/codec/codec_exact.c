@@ -9,7 +9,8 @@
 #include "exact_tile.h"
 
 enum {
-    MOST_LENGTH = 27 /* of the exponential Golomb code */
+    FEW_CHANCE = 1 << 13, /* that a tile is coded by ranks, in 1/65536 */
+    MOST_LENGTH = 27      /* of the exponential Golomb code */
 };
 
 /* ---- Geometry ------------------------------------------------------------------------------------------------ */
@@ -83,12 +84,13 @@ TC_INLINE int32_t code_distance(const tc_exact *c, tc_mix_coder *coder, tc_exact
     return (int32_t)(((uint32_t)high << x->shift) + low - (uint32_t)half);
 }
 
-TC_INLINE context find_context(tc_exact_state *s, uint32_t scale, int fraction16, const int32_t *e, bool flip,
-                               int phase)
+/* scale: the expected error; ranks: the same in units of what is coded. */
+TC_INLINE context find_context(tc_exact_state *s, uint32_t scale, uint32_t ranks, int fraction16, const int32_t *e,
+                               bool flip, int phase)
 {
     context x;
-    x.shift = tc_exact_shift(scale);
-    int bin = tc_exact_bin(scale), fraction = tc_exact_fraction(x.shift, fraction16);
+    x.shift = tc_exact_shift(ranks);
+    int bin = tc_exact_bin(ranks), fraction = tc_exact_fraction(x.shift, fraction16);
     int bin3 = bin / 3, level = bin * 3 / 8 < TC_EXACT_LEVELS3 ? bin * 3 / 8 : TC_EXACT_LEVELS3 - 1;
     int32_t sign = flip ? -2048 : 2048, far = (int32_t)scale;
     int32_t w = e[-1] * sign, n = e[-TC_EXACT_ROW] * sign, ne = e[1 - TC_EXACT_ROW] * sign;
@@ -104,10 +106,12 @@ TC_INLINE context find_context(tc_exact_state *s, uint32_t scale, int fraction16
 
 /* ---- A tile -------------------------------------------------------------------------------------------------- */
 
-TC_INLINE tc_status code_tile(const tc_exact *c, tc_rect tile, tc_mix_coder *coder, const tc_plane *fine,
-                              tc_exact_work *w, bool encode)
+/* few: samples are coded by their rank in w->values. */
+TC_INLINE tc_status code_samples(const tc_exact *c, tc_rect tile, tc_mix_coder *coder, const tc_plane *fine,
+                                 tc_exact_work *w, bool few, bool encode)
 {
     tc_exact_state *s = &w->state;
+    const tc_exact_values *v = &w->values;
     int columns = (int)(tile.x1 - tile.x0), rows = (int)(tile.y1 - tile.y0);
     int32_t step = c->model.step;
     int64_t most = TC_LIFTING_LIMIT / step, base = w->base;
@@ -119,17 +123,27 @@ TC_INLINE tc_status code_tile(const tc_exact *c, tc_rect tile, tc_mix_coder *cod
             int phase = (y & 1) * 2 + (x & 1);
             int32_t p = tc_exact_predict(w, c->model.predict[phase] + TC_EXACT_COARSE, x, y);
             p = tc_exact_clamp(p, 2 * TC_EXACT_RELIEF);
-            int32_t nearest = (p + TC_EXACT_PART / 2) >> 4, fraction = p - nearest * TC_EXACT_PART;
+            uint32_t scale = tc_exact_scale(w, c->model.scale[phase], x, y), ranks = scale;
+            int32_t nearest = (p + TC_EXACT_PART / 2) >> 4, fraction = p - nearest * TC_EXACT_PART, r = 0;
             bool flip = fraction < 0;
-            uint32_t scale = tc_exact_scale(w, c->model.scale[phase], x, y);
-            context at = find_context(s, scale, flip ? -fraction : fraction, error + x, flip, phase);
-            int32_t r = 0;
+            fraction = flip ? -fraction : fraction;
+            if (few) {
+                tc_exact_place at = tc_exact_values_place(v, p, scale);
+                nearest = at.rank, fraction = at.fraction, flip = at.flip, ranks = at.scale;
+            }
+            context at = find_context(s, scale, ranks, fraction, error + x, flip, phase);
             if (encode) {
-                r = (int32_t)(z[x] / step - base - nearest);
+                r = (int32_t)(z[x] / step - base);
+                r = (few ? v->below[r - v->first] : r) - nearest;
                 r = flip ? -r : r;
             }
             r = code_distance(c, coder, s, &at, r, encode);
             int64_t k = (int64_t)nearest + (flip ? -(int64_t)r : r);
+            if (few) {
+                if (k < 0 || k >= v->count)
+                    return TC_ERR_FORMAT;
+                k = v->value[k] + v->first;
+            }
             if (!encode) {
                 if (k + base < -most || k + base > most)
                     return TC_ERR_FORMAT;
@@ -140,6 +154,20 @@ TC_INLINE tc_status code_tile(const tc_exact *c, tc_rect tile, tc_mix_coder *cod
         }
     }
     return TC_OK;
+}
+
+static tc_status code_tile(const tc_exact *c, tc_rect tile, tc_mix_coder *coder, const tc_plane *fine, tc_exact_work *w,
+                           bool few, bool encode)
+{
+    /* One copy of the code for each case. */
+    if (tc_mix_code(coder, FEW_CHANCE, few, encode)) {
+        if (!tc_exact_values_code(&c->tables, coder, &w->values, encode))
+            return TC_ERR_FORMAT;
+        return encode ? code_samples(c, tile, coder, fine, w, true, true)
+                      : code_samples(c, tile, coder, fine, w, true, false);
+    }
+    return encode ? code_samples(c, tile, coder, fine, w, false, true)
+                  : code_samples(c, tile, coder, fine, w, false, false);
 }
 
 tc_status tc_exact_encode_tile(const tc_exact *c, int64_t tx, int64_t ty, const tc_plane *coarse, const tc_plane *fine,
@@ -156,8 +184,9 @@ tc_status tc_exact_encode_tile(const tc_exact *c, int64_t tx, int64_t ty, const 
     tc_exact_prepare(c, tx, ty, coarse, work);
     work->state = c->start;
     tc_mix_coder coder;
+    bool few = tc_exact_values_find(&c->tables, &work->values, fine, tile, step, work->base, bytes);
     tc_mix_encode_begin(&coder, bytes, tc_exact_tile_bound());
-    code_tile(c, tile, &coder, fine, work, true);
+    code_tile(c, tile, &coder, fine, work, few, true);
     *size_ret = tc_mix_encode_end(&coder, bytes);
     return TC_OK;
 }
@@ -171,6 +200,6 @@ tc_status tc_exact_decode_tile(const tc_exact *c, int64_t tx, int64_t ty, const 
     work->state = c->start;
     tc_mix_coder coder;
     tc_mix_decode_begin(&coder, bytes, size);
-    tc_status status = code_tile(c, tc_exact_tile_rect(c, tx, ty), &coder, fine, work, false);
+    tc_status status = code_tile(c, tc_exact_tile_rect(c, tx, ty), &coder, fine, work, false, false);
     return status ? status : tc_mix_decode_end(&coder) ? TC_OK : TC_ERR_FORMAT;
 }

@@ -8,8 +8,8 @@
 #include "exact_tile.h"
 
 enum {
-    START_COUNT = 24,    /* bits that a probability to start from is worth */
-    START_WEIGHT = 26214 /* 0.4 of TC_MIX_ONE */
+    START_COUNT = 40,    /* bits that a probability to start from is worth */
+    START_WEIGHT = 24000 /* of TC_MIX_ONE */
 };
 
 /* Share (1/65536) of errors above 2^((n - 24) / 4) of the expected one, measured on radar terrain. */

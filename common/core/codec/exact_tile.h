@@ -35,6 +35,16 @@ enum {
 /* The nodes of the pattern contexts share what lies beyond the third decision of a side. */
 extern const uint8_t tc_exact_pattern_node[TC_EXACT_NODES];
 
+/* The values that a tile takes, where they are few (exact_values.c). */
+enum { TC_EXACT_VALUES = TC_EXACT_SIDE * TC_EXACT_SIDE, TC_EXACT_RANGE = 1 << 16 };
+typedef struct tc_exact_values {
+    int32_t first, range, count;        /* steps above the base; first to first + range - 1 */
+    uint16_t below[TC_EXACT_RANGE + 1]; /* values below first + n; none takes all of 1 << 16 */
+    uint16_t value[TC_EXACT_VALUES];    /* less first */
+    tc_mix_state recent[1 << 8], gaps[1 << 8], past[1 << 12];
+    int32_t weight[TC_MIX_INPUTS];
+} tc_exact_values;
+
 struct tc_exact_work {
     int64_t base; /* in steps */
     int32_t coarse[TC_EXACT_COARSE_SIDE][TC_EXACT_COARSE_SIDE];
@@ -46,6 +56,7 @@ struct tc_exact_work {
     int32_t signal[TC_EXACT_SIDE + TC_EXACT_REACH][TC_EXACT_ROW]; /* sample less upsampled */
     int32_t error[TC_EXACT_SIDE + TC_EXACT_REACH][TC_EXACT_ROW];  /* sample less predicted */
     tc_exact_state state;
+    tc_exact_values values;
 };
 
 /* Neighbours of the prediction, x and y from the sample. */
@@ -57,6 +68,14 @@ void tc_exact_start_nodes(int bin, int fraction, tc_mix_state node[TC_EXACT_NODE
 
 /* Prepares a tile: base, coarse, up and curvature; signal and error empty. */
 void tc_exact_prepare(const tc_exact *codec, int64_t tx, int64_t ty, const tc_plane *coarse, tc_exact_work *work);
+
+/* Codes the set of values; the encoder has filled in first, range and below. False where it is damaged. */
+bool tc_exact_values_code(const tc_mix_tables *tables, tc_mix_coder *coder, tc_exact_values *values, bool encode);
+
+/* Whether coding samples by the values' ranks saves more than coding the set of values takes. k: steps above the base.
+ * spare: room for the set, TC_EXACT_RANGE / 2 bytes. */
+bool tc_exact_values_find(const tc_mix_tables *tables, tc_exact_values *values, const tc_plane *fine, tc_rect tile,
+                          int32_t step, int64_t base, uint8_t *spare);
 
 static inline int32_t tc_exact_clamp(int64_t v, int32_t limit)
 {
@@ -117,6 +136,39 @@ TC_INLINE int tc_exact_fraction(int shift, int parts)
 {
     static const uint8_t bin[TC_EXACT_PART / 2 + 1] = {0, 0, 1, 2, 3, 3, 4, 5, 5};
     return shift ? 0 : bin[parts];
+}
+
+/* Where a prediction falls among the values. */
+typedef struct tc_exact_place {
+    int32_t rank, fraction; /* of the nearest one; parts of the gap that the prediction is away from it, 0 to half */
+    bool flip;              /* the prediction is below it */
+    uint32_t scale;         /* expected error in ranks, 1/1024 part */
+} tc_exact_place;
+
+static inline tc_exact_place tc_exact_values_place(const tc_exact_values *v, int32_t prediction, uint32_t scale)
+{
+    int32_t at = prediction - v->first * TC_EXACT_PART, n = tc_exact_clamp(at >> 4, TC_EXACT_RANGE), near,
+            gap = TC_EXACT_PART;
+    n = n < 0 ? 0 : n >= v->range ? v->range - 1 : n;
+    tc_exact_place p = {.rank = v->below[n]};
+    /* The first value at or above the prediction, or the last one below it. */
+    while (p.rank + 1 < v->count && v->value[p.rank] * TC_EXACT_PART < at)
+        p.rank++;
+    if (p.rank > 0) {
+        gap = (v->value[p.rank] - v->value[p.rank - 1]) * TC_EXACT_PART;
+        if (at - v->value[p.rank - 1] * TC_EXACT_PART < v->value[p.rank] * TC_EXACT_PART - at)
+            p.rank--;
+    }
+    near = v->value[p.rank] * TC_EXACT_PART;
+    p.flip = at < near;
+    int64_t away = (int64_t)(p.flip ? near - at : at - near) * TC_EXACT_PART / gap;
+    p.fraction = away > TC_EXACT_PART / 2 ? TC_EXACT_PART / 2 : (int32_t)away;
+    int32_t reach = (int32_t)(scale >> 13) + 8, from = n - reach < 0 ? 0 : n - reach;
+    int32_t to = n + reach + 1 > v->range ? v->range : n + reach + 1;
+    uint64_t there = (uint64_t)(v->below[to] - v->below[from]) + 1;
+    uint64_t ranks = scale * there / (uint64_t)(to - from + 1);
+    p.scale = ranks < TC_EXACT_SCALE_LEAST ? TC_EXACT_SCALE_LEAST : (uint32_t)(ranks < scale ? ranks : scale);
+    return p;
 }
 
 #endif

@@ -16,8 +16,8 @@ enum {
     TC_STATE_COUNT = 1023,
     TC_MIX_ONE = 1 << 16, /* of weights */
     TC_MIX_WEIGHT_LIMIT = 1 << 20,
-    TC_MIX_RATE = 14,
-    TC_STATE_LIMIT = 90,
+    TC_MIX_RATE = 15,
+    TC_STATE_LIMIT = 255,
     TC_MIX_LEAST = 24 /* of a probability, in 1/65536 */
 };
 
