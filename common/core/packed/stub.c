@@ -182,6 +182,10 @@ tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_p
         g.voids_flat = t->voids == TC_VOIDS_CONSTANT;
         g.void_height = (float)(t->void_constant - t->z_base);
     }
+    if (!g.void_count) {
+        free(g.voids);
+        g.voids = NULL;
+    }
     tc_status status = tc_pyramid_build(&g, 0, &p->inner, error);
     if (status)
         return status;
