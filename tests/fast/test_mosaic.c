@@ -174,7 +174,7 @@ static void one_base_for_all(void **state)
     static double high[2][16];
     const char *paths[2];
     for (int f = 0; f < 2; f++) {
-        char name[16];
+        char name[32];
         for (int i = 0; i < 16; i++)
             high[f][i] = 1e6 + 500 * f + 0.001 * i;
         double transform[6] = {40. * f, 10, 0, 0, 0, -10};
