@@ -9,7 +9,7 @@
 #include "common/shell/arguments.h"
 #include "common/shell/interrupt.h"
 #include "common/shell/numbers.h"
-#include "common/shell/outfile.h"
+#include "common/core/base/outfile.h"
 #include "common/shell/terrain.h"
 #include "progress.h"
 

@@ -11,7 +11,7 @@
 #include "common/shell/json.h"
 #include "common/shell/mosaic.h"
 #include "common/shell/numbers.h"
-#include "common/shell/outfile.h"
+#include "common/core/base/outfile.h"
 #include "progress.h"
 
 #include <inttypes.h>

@@ -7,7 +7,7 @@
 #include "common/core/base/status.h"
 #include "common/shell/arguments.h"
 #include "common/shell/numbers.h"
-#include "common/shell/outfile.h"
+#include "common/core/base/outfile.h"
 #include "common/shell/source.h"
 #include "synth_planar.h"
 

@@ -1,8 +1,8 @@
 /* stats.c - collects and reports the figures of frames; see stats.h. */
 #include "stats.h"
 #include "common/core/base/status.h"
+#include "common/core/base/outfile.h"
 #include "json.h"
-#include "outfile.h"
 
 #include <errno.h>
 #include <inttypes.h>

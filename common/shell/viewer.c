@@ -2,8 +2,8 @@
  * flight and window, then the figures. */
 #include "viewer_internal.h"
 #include "common/core/base/status.h"
+#include "common/core/base/outfile.h"
 #include "interrupt.h"
-#include "outfile.h"
 #include "plugin.h"
 
 #include <inttypes.h>

@@ -2,7 +2,7 @@
 #include "source.h"
 
 #include "common/core/base/status.h"
-#include "outfile.h"
+#include "common/core/base/outfile.h"
 #include "plugin.h"
 #include "source_internal.h"
 

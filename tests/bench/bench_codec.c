@@ -3,7 +3,10 @@
  * Terrains are cropped and measured as in the project's codec study, from which the JPEG 2000 column comes: OpenJPEG
  * 2.5, 9/7, one tile, heights scaled by 16 first, at the same rms. (Its canyon2k had voids filled with the nearest
  * height, ours are filled smoothly: not quite the same input.) Bytes are all that a file would need for its
- * streams (tests/support/packed.h). Arguments: none for the tables, or a dataset's name and an rms for one row. */
+ * streams (tests/support/packed.h). Speeds are of one thread: training and encoding (without the transform), decoding
+ * of the finest level and of all levels, without AVX2, of the finest level's tiles alone; then times of 255 x 255
+ * samples with the coarser level at hand, and cold, through all levels. Arguments: none for the tables, or a dataset's
+ * name ("more" for those without JPEG 2000 figures), an rms, and q / rms where it is known. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,6 +35,13 @@ static const crop crops[] = {
      {0.5, 1, 2, 7},
      {0.755, 0.2879, 0.1410, 0.0416}},
     {"ps1k", {"ps_height_1k.png", 160, 0.1}, 0, 0, 1025, {1, 9.6, 16}, {3.942, 0.849, 0.376}},
+    /* Nothing was trained on these. */
+    {"beskid2k", {"srtm3_tatra_poland_4801.tif", 0, 0}, 2700, 300, 2048, {1, 5.4}, {0}},
+    {"alps1k", {"N46E008.tif", 0, 0}, 0, 0, 1201, {1, 5.4}, {0}},
+    {"sierra1k", {"N37W120.hgt", 0, 0}, 0, 0, 1201, {1, 5.4}, {0}},
+    {"moonb2k", {"moon_gld100_256ppd_ne_8193.tif", 0, 0}, 5000, 5000, 2048, {0.5, 1, 2}, {0}},
+    {"moong2k", {"moon_gld100_global_5760x2880.tif", 0, 0}, 2000, 500, 2048, {20, 100}, {0}},
+    {"etopo1k", {"earth_etopo20_1080x540_f32.tif", 0, 0}, 0, 0, 1080, {50, 200}, {0}},
 };
 
 static double now(void)
@@ -59,19 +69,17 @@ enum { STEPS = 64 }; /* units to a step of norm 1 */
 
 typedef struct result {
     packed p;
-    double rms, max, bits, encode_s;
+    double rms, max, bits;
 } result;
 
 static result pack(const float *z, int64_t w, int64_t h, double q)
 {
     result r = {0};
     double unit = q / STEPS, sum = 0;
-    int32_t *v = malloc((size_t)(w * h) * sizeof *v);
+    int32_t *v = calloc((size_t)(w * h), sizeof *v);
     for (int64_t i = 0; i < w * h; i++)
         v[i] = (int32_t)lrint(z[i] / unit);
-    double start = now();
     r.p = packed_new(v, w, h, &(packed_options){.q = STEPS, .threads = 1});
-    r.encode_s = now() - start;
     for (int64_t i = 0; i < w * h; i++) {
         double e = r.p.level[0].fine.z[i] * unit - z[i];
         sum += e * e, r.max = fmax(r.max, fabs(e));
@@ -95,11 +103,60 @@ static double time_read(const packed_level *l, tc_rect rect, tc_simd simd, int r
     return best;
 }
 
-static void measure(const crop *c, const float *z, int64_t w, int64_t h, double rms, double j2k)
+/* Every tile of a level into planes of its own. */
+static double time_tiles(const packed_level *l, int runs)
 {
-    double q = 3.2 * rms, lo = 0, lo_rms = 0;
+    const tc_codec *c = l->codec;
+    tc_tile_work *work = malloc(tc_tile_work_bytes());
+    static int32_t z[TC_BANDS][TC_TILE * TC_TILE];
+    double best = 1e9;
+    for (int n = 0; n < runs; n++) {
+        double start = now();
+        for (int64_t ty = 0; ty < c->tiles_y; ty++)
+            for (int64_t tx = 0; tx < c->tiles_x; tx++) {
+                tc_rect r = tc_codec_tile_rect(c, tx, ty, 0);
+                tc_plane band[TC_BANDS] = {{z[0], TC_TILE, r}, {z[1], TC_TILE, r}, {z[2], TC_TILE, r}};
+                int64_t k = ty * c->tiles_x + tx;
+                tc_codec_decode_tile(c, tx, ty, 0, l->tile[k], l->tile_size[k], &l->coarse, band, work, TC_SIMD_AUTO);
+            }
+        best = fmin(best, now() - start);
+    }
+    free(work);
+    return best;
+}
+
+/* rect of level n from nothing but the coarsest level. */
+static double time_cold(const packed *p, tc_rect rect, int runs)
+{
+    tc_plane plane[PACKED_LEVELS + 1];
+    size_t scratch_size = 0;
+    for (int n = 0; n < p->levels; n++) {
+        plane[n] = packed_plane(rect);
+        size_t size = tc_codec_read_scratch(p->level[n].codec, rect);
+        scratch_size = size > scratch_size ? size : scratch_size;
+        rect = tc_codec_read_needs(p->level[n].codec, rect);
+    }
+    plane[p->levels] = p->level[p->levels - 1].coarse;
+    void *scratch = malloc(scratch_size + 1);
+    double best = 1e9;
+    for (int k = 0; k < runs; k++) {
+        double start = now();
+        for (int n = p->levels - 1; n >= 0; n--)
+            tc_codec_read(p->level[n].codec, &plane[n + 1], packed_source, (void *)&p->level[n], &plane[n], scratch,
+                          NULL, TC_SIMD_AUTO);
+        best = fmin(best, now() - start);
+    }
+    for (int n = 0; n < p->levels; n++)
+        free(plane[n].z);
+    free(scratch);
+    return best;
+}
+
+static void measure(const crop *c, const float *z, int64_t w, int64_t h, double rms, double j2k, double ratio)
+{
+    double q = (ratio > 0 ? ratio : 3.2) * rms, lo = 0, lo_rms = 0;
     result r = pack(z, w, h, q);
-    for (int n = 0; n < 6 && fabs(r.rms / rms - 1) > 0.002; n++) {
+    for (int n = 0; n < 8 && fabs(r.rms / rms - 1) > 0.0005 && ratio == 0; n++) {
         double slope = lo > 0 && fabs(q - lo) > 1e-9 ? log(r.rms / lo_rms) / log(q / lo) : 0.8;
         slope = fmin(fmax(slope, 0.3), 1.2);
         lo = q, lo_rms = r.rms;
@@ -108,16 +165,20 @@ static void measure(const crop *c, const float *z, int64_t w, int64_t h, double 
         r = pack(z, w, h, q);
     }
     const packed_level *f = &r.p.level[0];
-    double finest = time_read(f, f->fine.rect, TC_SIMD_AUTO, 3), plain = time_read(f, f->fine.rect, TC_SIMD_NONE, 2);
-    double all = finest;
+    double finest = time_read(f, f->fine.rect, TC_SIMD_AUTO, 7), plain = time_read(f, f->fine.rect, TC_SIMD_NONE, 3);
+    double all = finest, tiles = time_tiles(f, 7);
     for (int n = 1; n < r.p.levels; n++)
-        all += time_read(&r.p.level[n], r.p.level[n].fine.rect, TC_SIMD_AUTO, 3);
-    double roi = time_read(f, (tc_rect){w / 3, h / 3, w / 3 + 255, h / 3 + 255}, TC_SIMD_AUTO, 21);
+        all += time_read(&r.p.level[n], r.p.level[n].fine.rect, TC_SIMD_AUTO, 5);
+    tc_rect roi = {w / 3, h / 3, w / 3 + 255, h / 3 + 255};
+    double near = time_read(f, roi, TC_SIMD_AUTO, 31), cold = time_cold(&r.p, roi, 31);
     double m = 1e-6 * (double)(w * h);
-    printf("codec: %-9s rms %6.3f m max %7.2f m  %7.4f bits  J2K %7.4f  %+6.1f %%  encode %5.1f decode %6.1f all %6.1f "
-           "plain %6.1f Ms/s  255^2 %6.3f ms  q/rms %.2f parts",
-           c->name, r.rms, r.max, r.bits, j2k, j2k > 0 ? 100 * (r.bits / j2k - 1) : 0, m / r.encode_s, m / finest,
-           m / all, m / plain, 1e3 * roi, q / rms);
+    printf("codec: %-8s rms %7.3f max %7.2f m %7.4f bits", c->name, r.rms, r.max, r.bits);
+    if (j2k > 0)
+        printf(" J2K %+6.1f %%", 100 * (r.bits / j2k - 1));
+    printf("  train %5.3f s encode %5.1f both %5.1f  decode %5.1f all %5.1f plain %5.1f tiles %5.1f Ms/s  255^2 %5.3f "
+           "cold %5.3f ms  q/rms %.3f",
+           r.p.train_s, m / r.p.encode_s, m / (r.p.encode_s + r.p.train_s), m / finest, m / all, m / plain, m / tiles,
+           1e3 * near, 1e3 * cold, q / rms);
     for (int n = 0; n < 4 && n < r.p.levels; n++)
         printf(" %02x:%zu", r.p.level[n].header[0], r.p.level[n].header_size);
     printf("\n");
@@ -127,15 +188,20 @@ static void measure(const crop *c, const float *z, int64_t w, int64_t h, double 
 
 int main(int argc, char **argv)
 {
+    const char *name = argc > 1 ? argv[1] : "";
     for (size_t i = 0; i < sizeof crops / sizeof *crops; i++) {
         const crop *c = &crops[i];
         int64_t w, h;
         float *z;
-        if ((argc > 1 && strcmp(argv[1], c->name) != 0) || !(z = load(c, &w, &h)))
+        bool anchored = c->j2k[0] > 0;
+        if (*name && strcmp(name, c->name) != 0 && !(strcmp(name, "more") == 0 && !anchored) &&
+            strcmp(name, "all") != 0)
+            continue;
+        if ((!*name && !anchored) || !(z = load(c, &w, &h)))
             continue;
         for (int n = 0; n < 4 && c->rms[n] > 0; n++)
             if (argc < 3 || fabs(atof(argv[2]) - c->rms[n]) < 1e-6)
-                measure(c, z, w, h, c->rms[n], c->j2k[n]);
+                measure(c, z, w, h, c->rms[n], c->j2k[n], argc > 3 ? atof(argv[3]) : 0);
         free(z);
     }
     return 0;

@@ -112,6 +112,19 @@ static void the_error_follows_the_step(void **state)
     free(z);
 }
 
+/* Both ways to pack must write the same tiles. */
+static void compare(const int32_t *z, int64_t w, int64_t h, const packed_options *a, const packed_options *b)
+{
+    packed p = packed_new(z, w, h, a), q = packed_new(z, w, h, b);
+    for (int n = 0; n < p.levels; n++)
+        for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++) {
+            assert_int_equal(p.level[n].tile_size[i], q.level[n].tile_size[i]);
+            if (p.level[n].tile_size[i])
+                assert_memory_equal(p.level[n].tile[i], q.level[n].tile[i], p.level[n].tile_size[i]);
+        }
+    packed_free(&p), packed_free(&q);
+}
+
 static void threads_do_not_matter(void **state)
 {
     (void)state;
@@ -120,15 +133,22 @@ static void threads_do_not_matter(void **state)
     int32_t *z = heights(&r, 4, w, h);
     packed_options one = {.q = 64, .threads = 1, .training_tiles = 4}, many = one;
     many.threads = 5;
-    packed p = packed_new(z, w, h, &one), q = packed_new(z, w, h, &many);
-    for (int n = 0; n < p.levels; n++)
-        for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++) {
-            assert_int_equal(p.level[n].tile_size[i], q.level[n].tile_size[i]);
-            if (p.level[n].tile_size[i])
-                assert_memory_equal(p.level[n].tile[i], q.level[n].tile[i], p.level[n].tile_size[i]);
-        }
-    packed_free(&p), packed_free(&q);
+    compare(z, w, h, &one, &many);
     free(z);
+}
+
+static void any_processor_writes_the_same_bytes(void **state)
+{
+    (void)state;
+    test_random r = {14};
+    for (int k = 0; k < 3 * KINDS; k++) {
+        int64_t w = test_random_int(&r, 17, 300), h = test_random_int(&r, 17, 300);
+        int32_t *z = heights(&r, k % KINDS, w, h);
+        packed_options one = {.q = exp(test_random_range(&r, -3, 9)), .threads = 1, .training_tiles = 2}, other = one;
+        one.simd = TC_SIMD_AUTO, other.simd = TC_SIMD_NONE;
+        compare(z, w, h, &one, &other);
+        free(z);
+    }
 }
 
 static void constants_and_ramps_take_no_tiles(void **state)
@@ -145,6 +165,68 @@ static void constants_and_ramps_take_no_tiles(void **state)
         packed_free(&p);
         free(z);
     }
+}
+
+static void training_tiles_are_distinct_and_hold_what_they_must(void **state)
+{
+    (void)state;
+    test_random r = {12};
+    for (int k = 0; k < 400; k++) {
+        tc_lifting_level level = {test_random_int(&r, 1, 3000), test_random_int(&r, 1, 3000), false};
+        level.wrap_x = level.width % 2 == 0 && k % 2;
+        tc_training_tile t[40];
+        int wanted = (int)test_random_int(&r, 0, 40), count = tc_codec_sample(&level, wanted, t);
+        tc_codec c = {.level = level, .cw = (level.width + 1) / 2, .ch = (level.height + 1) / 2};
+        int64_t all = ((c.cw + TC_TILE - 1) / TC_TILE) * ((c.ch + TC_TILE - 1) / TC_TILE);
+        assert_int_equal(count, tc_min64(wanted, all));
+        for (int i = 0; i < count; i++) {
+            tc_rect tile = tc_codec_tile_rect(&c, t[i].tx, t[i].ty, 0), need = tc_codec_tile_needs(&c, tile);
+            assert_false(tc_rect_empty(tile));
+            assert_memory_equal(&t[i].coarse.rect, &need, sizeof need);
+            assert_memory_equal(&t[i].band[TC_HH].rect, &tile, sizeof tile);
+            for (int n = 0; n < i; n++)
+                assert_true(t[n].tx != t[i].tx || t[n].ty != t[i].ty);
+        }
+    }
+}
+
+/* Without rounding there is no error, and with coarser steps there is more of it and fewer bits. */
+static void prices_follow_the_step(void **state)
+{
+    (void)state;
+    test_random r = {13};
+    int64_t w = 300, h = 260;
+    tc_lifting_level level = {w, h, false};
+    int32_t *z = heights(&r, 4, w, h), *scratch = malloc(sizeof *scratch * tc_lifting_analyse_scratch(&level, h / 2));
+    assert_non_null(scratch);
+    tc_plane fine = {z, w, {0, 0, w, h}}, low = packed_plane((tc_rect){0, 0, w / 2, h / 2}), band[TC_BANDS];
+    for (int b = 0; b < TC_BANDS; b++)
+        band[b] = packed_plane(low.rect);
+    tc_lifting_analyse(&level, &fine, 0, h / 2, &low, band, scratch);
+    tc_training_tile t[4];
+    int count = tc_codec_sample(&level, 4, t);
+    for (int k = 0; k < count; k++) {
+        t[k].coarse = low;
+        memcpy(t[k].band, band, sizeof band);
+    }
+    double last_bits = INFINITY, last_error = -1;
+    for (int k = 0; k < 4; k++) {
+        tc_detail_model m;
+        double bits[TC_BANDS], error[TC_BANDS];
+        tc_detail_model_builtin(0, &m);
+        for (int b = 0; b < TC_BANDS; b++)
+            m.step[b] = k ? 16 << 2 * k : 1;
+        assert_int_equal(tc_codec_price(&level, t, count, 0, &m, bits, error), TC_OK);
+        double all_bits = bits[0] + bits[1] + bits[2], all_error = error[0] + error[1] + error[2];
+        assert_true(all_bits < last_bits && all_error > last_error);
+        assert_true(all_error < 0.25 * (double)m.step[0] * m.step[0] * (double)(w * h));
+        if (k == 0)
+            assert_true(all_error == 0);
+        last_bits = all_bits, last_error = all_error;
+    }
+    for (int b = 0; b < TC_BANDS; b++)
+        free(band[b].z);
+    free(low.z), free(scratch), free(z);
 }
 
 /* Decodes damaged bytes on both paths, which must agree, from memory of exactly their size. */
@@ -267,9 +349,15 @@ static void headers_come_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(headers_come_back),        cmocka_unit_test(any_rectangle_is_the_crop),
-        cmocka_unit_test(unit_steps_lose_nothing),  cmocka_unit_test(the_error_follows_the_step),
-        cmocka_unit_test(threads_do_not_matter),    cmocka_unit_test(constants_and_ramps_take_no_tiles),
+        cmocka_unit_test(headers_come_back),
+        cmocka_unit_test(any_rectangle_is_the_crop),
+        cmocka_unit_test(unit_steps_lose_nothing),
+        cmocka_unit_test(the_error_follows_the_step),
+        cmocka_unit_test(threads_do_not_matter),
+        cmocka_unit_test(constants_and_ramps_take_no_tiles),
+        cmocka_unit_test(training_tiles_are_distinct_and_hold_what_they_must),
+        cmocka_unit_test(prices_follow_the_step),
+        cmocka_unit_test(any_processor_writes_the_same_bytes),
         cmocka_unit_test(damaged_tiles_do_no_harm),
     };
     return cmocka_run_group_tests_name("codec", tests, NULL, NULL);

@@ -22,7 +22,7 @@ static void lift(const double *x, int64_t n, ptrdiff_t stride, double *low)
     for (int64_t i = 0; i < odds; i++)
         d[i] = x[(2 * i + 1) * stride] - (9 * (e[i] + e[i + 1]) - e[i - 1] - e[i + 2]) / 16;
     for (int64_t i = 0; i < evens; i++)
-        low[i] = e[i] + 0.30 * (d[i - 1] + d[i]) - 0.05 * (d[i - 2] + d[i + 1]);
+        low[i] = e[i] + 19. / 64 * (d[i - 1] + d[i]) - 3. / 64 * (d[i - 2] + d[i + 1]);
     free(e - 1), free(d - 2);
 }
 

@@ -58,17 +58,39 @@ static size_t make_stream(test_random *r, int lanes, int count, uint8_t *symbols
     uint8_t *end = bytes + tc_rans_bound(MOST);
     tc_rans_encoder e;
     tc_rans_encode_begin(&e, lanes, bytes, end, payload);
-    for (int k = count - 1; k >= 0; k--) {
-        uint32_t start = 0;
-        for (int s = 0; s < symbols[k]; s++)
-            start += f[k % 2].of[s];
-        tc_rans_encode(&e, k % lanes, start, f[k % 2].of[symbols[k]]);
-    }
+    tc_rans_symbol put[2][TC_RANS_SYMBOLS];
+    tc_rans_symbols_build(&f[0], put[0]), tc_rans_symbols_build(&f[1], put[1]);
+    for (int k = count - 1; k >= 0; k--)
+        tc_rans_put(&put[k % 2][symbols[k]], &e.state[k % lanes], &e.at);
     tc_rans_encode_end(&e);
     size_t size = (size_t)(end - e.at);
     assert_true(size <= tc_rans_bound((size_t)count));
     memmove(bytes, e.at, size);
     return size;
+}
+
+/* The reciprocals divide exactly, up to the largest states. */
+static void reciprocals_divide(void **state)
+{
+    (void)state;
+    test_random r = {4};
+    for (uint32_t f = 1; f <= TC_RANS_SLOTS - TC_RANS_SYMBOLS + 1; f++) {
+        tc_rans_frequencies all = {{(uint16_t)f}};
+        for (int s = 1; s < TC_RANS_SYMBOLS; s++)
+            all.of[s] = 1;
+        tc_rans_symbol put[TC_RANS_SYMBOLS];
+        tc_rans_symbols_build(&all, put);
+        for (int k = 0; k < 40; k++) {
+            uint32_t most = (uint32_t)(((uint64_t)f << 20) - 1), near = most / f - (uint32_t)(k / 4);
+            uint32_t x = k < 8 ? near * f + (k % 4 ? (uint32_t)k % 4 - 2 : 0) : (uint32_t)(test_random_bits(&r) % most);
+            if (x > most)
+                x = most;
+            uint8_t bytes[8], *at = bytes + 4;
+            uint32_t after = x;
+            tc_rans_put(&put[0], &after, &at);
+            assert_true(at == bytes + 4 && after == (x / f << TC_RANS_BITS) + x % f);
+        }
+    }
 }
 
 static void streams_come_back(void **state)
@@ -114,6 +136,6 @@ static void streams_come_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(frequencies_follow_weights),
-                                       cmocka_unit_test(streams_come_back)};
+                                       cmocka_unit_test(reciprocals_divide), cmocka_unit_test(streams_come_back)};
     return cmocka_run_group_tests_name("rans", tests, NULL, NULL);
 }

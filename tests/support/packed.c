@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "common/core/base/parallel.h"
 #include "common/core/base/rect.h"
@@ -17,6 +18,13 @@ static void *get(size_t bytes)
     if (!p)
         puts("packed: no memory"), exit(99);
     return p;
+}
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
 tc_plane packed_plane(tc_rect rect)
@@ -39,21 +47,25 @@ typedef struct job {
     packed_level *l;
     const tc_plane *coarse, *band;
     double lambda;
+    tc_simd simd;
 } job;
 
-static void encode_tile(void *context, int64_t n)
+/* A row of tiles. */
+static void encode_row(void *context, int64_t ty)
 {
     job *j = context;
     packed_level *l = j->l;
     tc_tile_work *work = get(tc_tile_work_bytes());
     uint8_t *bytes = get(tc_codec_tile_bound());
-    tc_encode_options options = {.lambda = j->lambda};
-    if (tc_codec_encode_tile(l->codec, n % l->codec->tiles_x, n / l->codec->tiles_x, j->coarse, j->band, &options,
-                             bytes, &l->tile_size[n], work))
-        puts("packed: a tile cannot be encoded"), exit(99);
-    if (l->tile_size[n]) {
-        l->tile[n] = get(l->tile_size[n]);
-        memcpy(l->tile[n], bytes, l->tile_size[n]);
+    tc_encode_options options = {.lambda = j->lambda, .simd = j->simd};
+    for (int64_t tx = 0; tx < l->codec->tiles_x; tx++) {
+        int64_t n = ty * l->codec->tiles_x + tx;
+        if (tc_codec_encode_tile(l->codec, tx, ty, j->coarse, j->band, &options, bytes, &l->tile_size[n], work))
+            puts("packed: a tile cannot be encoded"), exit(99);
+        if (l->tile_size[n]) {
+            l->tile[n] = get(l->tile_size[n]);
+            memcpy(l->tile[n], bytes, l->tile_size[n]);
+        }
     }
     free(bytes), free(work);
 }
@@ -79,6 +91,36 @@ tc_status packed_read(const packed_level *l, const tc_plane *fine, int64_t *dama
     return status;
 }
 
+/* The part of a plane that its copy holds. */
+static void crop(const tc_plane *from, tc_plane *to)
+{
+    *to = packed_plane(to->rect);
+    for (int64_t y = to->rect.y0; y < to->rect.y1; y++)
+        memcpy(tc_plane_at(to, to->rect.x0, y), tc_plane_at(from, to->rect.x0, y), (size_t)to->stride * sizeof *to->z);
+}
+
+/* Makes the level's header as a packer does that never has whole planes: from copies of some tiles. */
+static tc_status choose(packed_level *l, const tc_lifting_level *level, const packed_options *o, const tc_plane *coarse,
+                        const tc_plane *band, const int32_t *step, const tc_detail_model *start, tc_detail_model *model)
+{
+    int wanted = o->training_tiles ? o->training_tiles : TC_TRAINING_TILES;
+    tc_training_tile *tiles = get((size_t)wanted * sizeof *tiles);
+    int count = tc_codec_sample(level, wanted, tiles);
+    for (int k = 0; k < count; k++) {
+        crop(coarse, &tiles[k].coarse);
+        for (int b = 0; b < TC_BANDS; b++)
+            crop(&band[b], &tiles[k].band[b]);
+    }
+    tc_status status = tc_codec_choose(level, tiles, count, o->lambda, step, start, l->header, &l->header_size, model);
+    for (int k = 0; k < count; k++) {
+        free(tiles[k].coarse.z);
+        for (int b = 0; b < TC_BANDS; b++)
+            free(tiles[k].band[b].z);
+    }
+    free(tiles);
+    return status;
+}
+
 packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_options *o)
 {
     packed p = {0};
@@ -100,13 +142,13 @@ packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_
     }
     tc_plane coarse = low[p.levels];
     p.coarsest_bytes = 4 * (size_t)tc_rect_area(coarse.rect);
+    tc_detail_model model;
     for (int n = p.levels - 1; n >= 0; n--) {
         packed_level *l = &p.level[n];
         tc_lifting_level level = l->codec->level;
         int32_t step[TC_BANDS];
         for (int b = 0; b < TC_BANDS; b++)
             step[b] = (int32_t)fmin(fmax(1, rint(o->q / tc_lifting_norm(b, n))), TC_MAX_STEP);
-        tc_detail_model model;
         tc_status status = TC_OK;
         l->coarse = coarse;
         tc_plane source =
@@ -114,22 +156,26 @@ packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_
                 ? wrapped(&coarse, (tc_rect){-TC_TILE_MARGIN, 0, coarse.rect.x1 + TC_TILE_MARGIN, coarse.rect.y1})
                 : coarse;
         l->header = get(tc_detail_model_bound());
+        double begin = now();
         if (o->builtin) {
             tc_detail_model_builtin(0, &model);
             memcpy(model.step, step, sizeof step);
             l->header_size = tc_detail_model_write(&model, (tc_detail_parts){0}, l->header);
         } else {
-            status = tc_codec_choose(&level, &source, band[n], o->training_tiles, o->lambda, step, l->header,
-                                     &l->header_size, &model);
+            const tc_detail_model *start = n == p.levels - 1 ? NULL : &model;
+            status = choose(l, &level, o, &source, band[n], step, start, &model);
         }
+        p.train_s += now() - begin;
         tc_detail_parts parts;
         if (status || (status = tc_detail_model_read(l->header, l->header_size, &model, &parts)))
             puts("packed: no model"), exit(99);
         tc_codec_init(l->codec, &level, &model);
         int64_t tiles = l->codec->tiles_x * l->codec->tiles_y;
         l->tile = get((size_t)tiles * sizeof *l->tile), l->tile_size = get((size_t)tiles * sizeof *l->tile_size);
-        job j = {l, &source, band[n], o->lambda};
-        tc_parallel_for(o->threads, tiles, encode_tile, &j);
+        job j = {l, &source, band[n], o->lambda, o->simd};
+        begin = now();
+        tc_parallel_for(o->threads, l->codec->tiles_y, encode_row, &j);
+        p.encode_s += now() - begin;
         l->fine = packed_plane(low[n].rect);
         if (packed_read(l, &l->fine, NULL, TC_SIMD_AUTO))
             puts("packed: cannot be read"), exit(99);

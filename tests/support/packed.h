@@ -20,6 +20,7 @@ typedef struct packed {
     int levels;                        /* above the coarsest */
     packed_level level[PACKED_LEVELS]; /* 0: the finest */
     size_t coarsest_bytes;
+    double train_s, encode_s; /* processor time of models and of tiles */
 } packed;
 
 typedef struct packed_options {
@@ -27,6 +28,7 @@ typedef struct packed_options {
     double lambda; /* as tc_encode_options */
     int threads, training_tiles;
     bool wrap_x, builtin; /* builtin: no own models */
+    tc_simd simd;         /* of encoding */
 } packed_options;
 
 /* Packs z (width x height). Ends the program on failure. */

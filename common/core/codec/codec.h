@@ -3,8 +3,8 @@
  * A level (codec of the lifting's details, lifting.h) is cut into tiles of TC_TILE x TC_TILE positions, that is twice
  * as many samples either way. Only the entropy coding knows tiles: a tile decodes alone, given the reconstructed
  * coarser level around it, and the transform runs across tile edges. A tile without a coded coefficient takes no bytes.
- * Everything is integers and does the same on every machine; nothing here allocates, and all functions are
- * thread-safe. */
+ * Everything is integers and does the same on every machine; nothing but training allocates, and all
+ * functions are thread-safe. */
 #ifndef TC_CODEC_H
 #define TC_CODEC_H
 
@@ -18,14 +18,18 @@ enum {
     TC_TILE_SYMBOLS = TC_BANDS * TC_TILE * TC_TILE
 };
 
-/* A level's geometry, model and decoding tables. */
+/* A level's geometry, model and tables. */
 typedef struct tc_codec {
     tc_lifting_level level;
     int64_t cw, ch;           /* positions */
     int64_t tiles_x, tiles_y; /* tiles */
     tc_detail_model model;
     int32_t coarse_shift, coarse_scale[TC_BANDS];      /* curvatures to steps */
+    int32_t pair[TC_BANDS][TC_PHASES][7];              /* scale weights, two in each for codec_avx2.h */
     uint8_t spread[1 << TC_RANS_LANES][TC_RANS_LANES]; /* [lanes that want a word][lane]: how many do before it */
+    int32_t shift[TC_BINS];                            /* tc_bin_shift */
+    float bits[TC_BINS * TC_RANS_SYMBOLS];             /* what symbols cost, [bin * TC_RANS_SYMBOLS + symbol] */
+    tc_rans_symbol put[TC_BINS * TC_RANS_SYMBOLS];     /* to encode them */
     tc_rans_table table[TC_BINS];
 } tc_codec;
 
@@ -65,12 +69,16 @@ typedef struct tc_symbol_counts {
 typedef struct tc_encode_options {
     double lambda;           /* 0: TC_DEFAULT_LAMBDA; negative: plain rounding */
     tc_symbol_counts *count; /* where not NULL, symbols are added */
-    double *bits, *error; /* where not NULL, the ideal code length and the squared error in squared steps are added */
+    /* Where not NULL, the bands' ideal code lengths (a coded tile's head and index entry with its first band) and their
+     * squared errors in squared steps are added. */
+    double *bits, *error;
+    tc_simd simd; /* the bytes are the same */
 } tc_encode_options;
 
-/* Encodes tile (tx, ty) of the true details `band` against the reconstructed coarser level. bytes: room for
- * tc_codec_tile_bound(); *size_ret: bytes written, 0 for an empty tile. TC_ERR_UNSUPPORTED where a detail is too many
- * steps away from its prediction to be coded (2^24). */
+/* Encodes tile (tx, ty) of the true details `band` against the reconstructed coarser level. The planes hold at least
+ * the tile's rectangle and tc_codec_tile_needs(). bytes: room for tc_codec_tile_bound(), or NULL to write nothing;
+ * *size_ret: bytes written, 0 for an empty tile. TC_ERR_UNSUPPORTED where a detail is too many steps away from its
+ * prediction to be coded (2^24). */
 tc_status tc_codec_encode_tile(const tc_codec *codec, int64_t tx, int64_t ty, const tc_plane *coarse,
                                const tc_plane band[TC_BANDS], const tc_encode_options *options, uint8_t *bytes,
                                size_t *size_ret, tc_tile_work *work);
@@ -92,17 +100,31 @@ tc_status tc_codec_read(const tc_codec *codec, const tc_plane *coarse, tc_tile_s
 
 /* ---- Training ------------------------------------------------------------------------------------------------ */
 
-/* Trains prediction, scales and symbols on tiles of a level whose details are `band` (whole level) and whose coarser
- * level was reconstructed as `coarse`. Starts from *model, whose steps stay. Looks at no more than about `tiles` tiles,
- * evenly spread (0: a default). */
-tc_status tc_codec_train(const tc_lifting_level *level, const tc_plane *coarse, const tc_plane band[TC_BANDS],
-                         int tiles, double lambda, tc_detail_model *model);
+/* A tile to learn from: its true details, and the reconstructed coarser level around it. */
+typedef struct tc_training_tile {
+    int64_t tx, ty;
+    tc_plane coarse;         /* holds at least tc_codec_tile_needs() of the tile */
+    tc_plane band[TC_BANDS]; /* hold at least the tile */
+} tc_training_tile;
 
-/* Makes a level's header: trains a model as above and takes of it what pays over the built-in sets. step: the quantiser
- * steps; lambda as in tc_encode_options. header: room for tc_detail_model_bound() bytes. *model_ret is the model that
- * the header holds. */
-tc_status tc_codec_choose(const tc_lifting_level *level, const tc_plane *coarse, const tc_plane band[TC_BANDS],
-                          int tiles, double lambda, const int32_t step[TC_BANDS], uint8_t *header, size_t *size_ret,
+enum { TC_TRAINING_TILES = 16 }; /* enough to learn from */
+
+/* Names at most `wanted` distinct tiles, evenly spread over a level, and returns how many. Sets tx, ty and, in the
+ * planes, the least rectangles and strides; the caller gives them memory and heights. Where the level wraps, coarse
+ * may stick out of it and holds columns of the other side there. */
+int tc_codec_sample(const tc_lifting_level *level, int wanted, tc_training_tile *tiles);
+
+/* Makes a level's header: trains a model on the tiles, from *start on (NULL: the built-in sets; else best that of the
+ * next coarser level), and takes of it what pays over the built-in sets for the whole level. step: the quantiser steps;
+ * lambda as in tc_encode_options. header: room for tc_detail_model_bound() bytes. *model_ret is the model that the
+ * header holds. Allocates. */
+tc_status tc_codec_choose(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
+                          const int32_t step[TC_BANDS], const tc_detail_model *start, uint8_t *header, size_t *size_ret,
                           tc_detail_model *model_ret);
+
+/* What coding the tiles with a model and its steps gives: bits of each band, and squared error in squared height units
+ * of details (an orthonormal transform would have the same in heights; see tc_lifting_norm()). Allocates. */
+tc_status tc_codec_price(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
+                         const tc_detail_model *model, double bits[TC_BANDS], double error[TC_BANDS]);
 
 #endif

@@ -9,14 +9,10 @@
  * and no raw bit behind the last one is set. */
 #include "codec_tile.h"
 
+#include <math.h>
 #include <stdlib.h>
 
-#if defined __x86_64__ && defined __GNUC__
-#define HAVE_AVX2 1
-#include <immintrin.h>
-#else
-#define HAVE_AVX2 0
-#endif
+#include "codec_avx2.h"
 
 size_t tc_tile_work_bytes(void)
 {
@@ -29,6 +25,11 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
     codec->cw = tc_coarse_size(level->width), codec->ch = tc_coarse_size(level->height);
     codec->tiles_x = (codec->cw + TC_TILE - 1) / TC_TILE, codec->tiles_y = (codec->ch + TC_TILE - 1) / TC_TILE;
     codec->model = *model;
+    for (int b = 0; b < TC_BANDS; b++)
+        for (int p = 0; p < TC_PHASES; p++)
+            for (int k = 0; k < TC_SCALE; k++)
+                if (codec->model.scale[b][p][k] > TC_SCALE_MOST)
+                    codec->model.scale[b][p][k] = TC_SCALE_MOST;
     /* Curvatures keep 6 to 7 bits of the step. */
     codec->coarse_shift = 0;
     while (model->step[TC_HL] >> codec->coarse_shift >= 128)
@@ -36,11 +37,26 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
     for (int b = 0; b < TC_BANDS; b++)
         codec->coarse_scale[b] =
             (int32_t)tc_clamp64(((int64_t)1 << (20 + codec->coarse_shift)) / model->step[b], 128, 1 << 20);
+    for (int b = 0; b < TC_BANDS; b++)
+        for (int p = 0; p < TC_PHASES; p++) {
+            enum { KNOWN = TC_SCALE_OWN + TC_SCALE_CROSS };
+            const uint16_t *weight = codec->model.scale[b][p];
+            for (int k = 0; k < 7; k++) {
+                int first = k < 4 ? 2 * k : KNOWN + 2 * (k - 4), end = k < 4 ? KNOWN : KNOWN + TC_SCALE_COARSE;
+                codec->pair[b][p][k] =
+                    (int32_t)(weight[first] | (first + 1 < end ? (uint32_t)weight[first + 1] << 16 : 0));
+            }
+        }
     for (int mask = 0; mask < 1 << TC_RANS_LANES; mask++)
         for (int lane = 0; lane < TC_RANS_LANES; lane++)
             codec->spread[mask][lane] = (uint8_t)__builtin_popcount((unsigned)mask & ((1u << lane) - 1));
-    for (int b = 0; b < TC_BINS; b++)
+    for (int b = 0; b < TC_BINS; b++) {
+        codec->shift[b] = tc_bin_shift[b];
         tc_rans_table_build(&model->symbols[b], &codec->table[b]);
+        tc_rans_symbols_build(&model->symbols[b], &codec->put[b * TC_RANS_SYMBOLS]);
+        for (int s = 0; s < TC_RANS_SYMBOLS; s++)
+            codec->bits[b * TC_RANS_SYMBOLS + s] = (float)(TC_RANS_BITS - log2(model->symbols[b].of[s]));
+    }
 }
 
 tc_rect tc_codec_tile_rect(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift)
@@ -117,13 +133,13 @@ TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const 
     return symbol;
 }
 
-#if HAVE_AVX2
+#if TC_AVX2
 enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
 
 /* A whole run on eight lanes at once: one gather for the table entries, and the words that some lanes want are dealt
  * out by a permutation (Giesen 2014, "SIMD entropy coding"). */
-__attribute__((target("avx2,popcnt"))) static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d,
-                                                                          const uint8_t bin[HALF], uint8_t symbol[HALF])
+TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF],
+                                                  uint8_t symbol[HALF])
 {
     __m256i x = _mm256_loadu_si256((const __m256i *)d->state);
     const uint8_t *at = d->at;
@@ -155,7 +171,7 @@ __attribute__((target("avx2,popcnt"))) static inline void decode_run_avx2(const 
 TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF], int count,
                           uint8_t symbol[HALF], bool simd)
 {
-#if HAVE_AVX2
+#if TC_AVX2
     if (simd && count == HALF && d->lanes == 8 && d->end - d->at >= 2 * HALF + AHEAD) {
         decode_run_avx2(c, d, bin, symbol);
         return;
@@ -201,7 +217,12 @@ TC_INLINE void decode_phase(const tc_codec *c, tc_rans_decoder *d, int band, int
                             tc_tile_work *w, bool simd)
 {
     uint8_t *bin = w->bin[band][j][phase], *symbol = w->symbol[band][j][phase], *seen = magnitude_at(w, band, j, phase);
-    tc_context_bins(c, w, band, j, phase, bin);
+#if TC_AVX2
+    if (simd)
+        context_bins_avx2(c, w, band, j, phase, bin);
+    else
+#endif
+        tc_context_bins(c, w, band, j, phase, bin);
     int count = tc_phase_columns(columns, phase);
     decode_run(c, d, bin, count, symbol, simd);
     for (int k = count; k < HALF; k++)
@@ -276,11 +297,9 @@ TC_INLINE bool decode_values(raw_bits *raw, int band, int j, int phase, const tc
 }
 
 /* Adds what was coded of row j to its prediction. */
-TC_INLINE void add_row(const tc_codec *c, raw_bits *raw, bool coded, int band, int j, const tc_tile_work *w,
-                       int32_t out[TC_TILE])
+TC_INLINE void add_row_any(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
+                           int32_t out[TC_TILE])
 {
-    if (!coded)
-        return;
     uint32_t step = (uint32_t)c->model.step[band];
     for (int phase = 0; phase < TC_PHASES; phase++) {
         int32_t value[HALF];
@@ -289,6 +308,64 @@ TC_INLINE void add_row(const tc_codec *c, raw_bits *raw, bool coded, int band, i
                 out[TC_PHASES * k + phase] =
                     (int32_t)((uint32_t)out[TC_PHASES * k + phase] + (uint32_t)value[k] * step);
     }
+}
+
+#if TC_AVX2
+/* Symbols with their signs, of a run that has neither escapes nor low bits. */
+TC_TARGET_AVX2 static inline __m256i signed_run_avx2(raw_bits *raw, __m256i symbol)
+{
+    uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, _mm256_setzero_si256()));
+    if (mask == 0)
+        return symbol;
+    uint32_t negative = _pdep_u32(take(raw, __builtin_popcount(mask)), mask);
+    /* Bit k to byte k. */
+    __m256i byte =
+        _mm256_shuffle_epi8(_mm256_set1_epi32((int32_t)negative),
+                            _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303));
+    __m256i bit = _mm256_set1_epi64x((int64_t)0x8040201008040201);
+    __m256i minus = _mm256_cmpeq_epi8(_mm256_and_si256(byte, bit), bit);
+    return _mm256_sub_epi8(_mm256_xor_si256(symbol, minus), minus);
+}
+
+TC_TARGET_AVX2 static inline void add_8_avx2(__m128i value, __m256i step, int32_t *out)
+{
+    __m256i v = _mm256_mullo_epi32(_mm256_cvtepi8_epi32(value), step);
+    _mm256_storeu_si256((__m256i *)out, _mm256_add_epi32(load_avx2(out), v));
+}
+
+/* add_row_any() for a row without escapes and low bits; false where it has some. */
+TC_TARGET_AVX2 static inline bool add_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
+                                               int32_t out[TC_TILE])
+{
+    __m256i even = load_avx2(w->symbol[band][j][0]), odd = load_avx2(w->symbol[band][j][1]);
+    __m256i any = _mm256_or_si256(even, odd), last = _mm256_set1_epi8(TC_RANS_SYMBOLS - 1);
+    bool plain = w->plain[band][j][0] && w->plain[band][j][1];
+    if (!plain || _mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_max_epu8(even, odd), last)))
+        return false;
+    if (_mm256_testz_si256(any, any))
+        return true;
+    even = signed_run_avx2(raw, even), odd = signed_run_avx2(raw, odd);
+    __m256i low = _mm256_unpacklo_epi8(even, odd), high = _mm256_unpackhi_epi8(even, odd);
+    __m256i step = _mm256_set1_epi32(c->model.step[band]);
+    __m128i part[4] = {_mm256_castsi256_si128(low), _mm256_castsi256_si128(high), _mm256_extracti128_si256(low, 1),
+                       _mm256_extracti128_si256(high, 1)};
+    for (int n = 0; n < 4; n++) {
+        add_8_avx2(part[n], step, out + 16 * n);
+        add_8_avx2(_mm_srli_si128(part[n], 8), step, out + 16 * n + 8);
+    }
+    return true;
+}
+#endif
+
+TC_INLINE void add_row(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w, int32_t out[TC_TILE],
+                       bool simd)
+{
+#if TC_AVX2
+    if (simd && add_row_avx2(c, raw, band, j, w, out))
+        return;
+#endif
+    (void)simd;
+    add_row_any(c, raw, band, j, w, out);
 }
 
 /* The part of a tile's row that a plane holds. */
@@ -301,18 +378,18 @@ TC_INLINE void put_row(const tc_plane *p, tc_rect part, tc_rect tile, int j, con
 
 /* Details of the tile from predictions and, where raw is not NULL, what was decoded. */
 TC_INLINE void reconstruct(const tc_codec *c, raw_bits *raw, int coded, tc_rect tile, int64_t shift,
-                           const tc_plane band[TC_BANDS], tc_tile_work *w)
+                           const tc_plane band[TC_BANDS], tc_tile_work *w, bool simd)
 {
     tc_rect part = tc_rect_intersect(tile, band[0].rect);
     tc_predict_hl(c, w);
     int columns, rows;
     tc_tile_extent(c, TC_HL, tile, shift, &columns, &rows);
-    for (int j = 0; j < rows; j++)
-        add_row(c, raw, coded >> TC_HL & 1, TC_HL, j, w, &w->hl[j + 1][HL_X]);
+    for (int j = 0; j < rows && coded >> TC_HL & 1; j++)
+        add_row(c, raw, TC_HL, j, w, &w->hl[j + 1][HL_X], simd);
     tc_predict_lh(c, w);
     tc_tile_extent(c, TC_LH, tile, shift, &columns, &rows);
-    for (int j = 0; j < rows; j++)
-        add_row(c, raw, coded >> TC_LH & 1, TC_LH, j, w, w->pred[j]);
+    for (int j = 0; j < rows && coded >> TC_LH & 1; j++)
+        add_row(c, raw, TC_LH, j, w, w->pred[j], simd);
     for (int j = 0; j < TC_TILE && !tc_rect_empty(part); j++) {
         put_row(&band[TC_HL], part, tile, j, &w->hl[j + 1][HL_X]);
         put_row(&band[TC_LH], part, tile, j, w->pred[j]);
@@ -320,8 +397,8 @@ TC_INLINE void reconstruct(const tc_codec *c, raw_bits *raw, int coded, tc_rect 
     tc_tile_extent(c, TC_HH, tile, shift, &columns, &rows);
     for (int j = 0; j < TC_TILE; j++) {
         int32_t row[TC_TILE] = {0};
-        if (j < rows)
-            add_row(c, raw, coded >> TC_HH & 1, TC_HH, j, w, row);
+        if (j < rows && coded >> TC_HH & 1)
+            add_row(c, raw, TC_HH, j, w, row, simd);
         if (!tc_rect_empty(part))
             put_row(&band[TC_HH], part, tile, j, row);
     }
@@ -351,7 +428,12 @@ TC_INLINE bool decode_streams(const tc_codec *c, tc_rect tile, int64_t shift, co
         !tc_rans_decode_begin(&d, lanes, bytes + 1, size - 1))
         return false;
     memset(w->magnitude, 0, sizeof w->magnitude);
-    tc_tile_curves(c, w);
+#if TC_AVX2
+    if (simd)
+        tile_curves_avx2(c, w);
+    else
+#endif
+        tc_tile_curves(c, w);
     if (flags >> TC_HL & 1)
         decode_symbols(c, &d, TC_HL, tile, shift, w, simd);
     if (flags >> TC_LH & 1)
@@ -373,7 +455,7 @@ TC_INLINE tc_status decode_tile(const tc_codec *c, int64_t tx, int64_t ty, int64
     bool coded = size > 0 && decode_streams(c, tile, shift, bytes, size, payload, &raw, w, simd);
     tc_status status = size > 0 && !coded ? TC_ERR_FORMAT : TC_OK;
     for (;;) {
-        reconstruct(c, coded ? &raw : NULL, coded ? bytes[0] : 0, tile, shift, band, w);
+        reconstruct(c, coded ? &raw : NULL, coded ? bytes[0] : 0, tile, shift, band, w, simd);
         if (!coded || raw_finished(&raw))
             return status;
         coded = false, status = TC_ERR_FORMAT; /* once more, as the empty tile */
@@ -381,16 +463,12 @@ TC_INLINE tc_status decode_tile(const tc_codec *c, int64_t tx, int64_t ty, int64
 }
 
 /* The same code for processors with AVX2 and without. */
-#if HAVE_AVX2
-__attribute__((target("avx2,bmi,bmi2,popcnt"), noinline)) static tc_status
-decode_tile_avx2(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes, size_t size,
-                 const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *w)
+#if TC_AVX2
+TC_TARGET_AVX2 static tc_status decode_tile_avx2(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift,
+                                                 const uint8_t *bytes, size_t size, const tc_plane *coarse,
+                                                 const tc_plane band[TC_BANDS], tc_tile_work *w)
 {
     return decode_tile(c, tx, ty, shift, bytes, size, coarse, band, w, true);
-}
-static bool have_avx2(void)
-{
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
 }
 #endif
 
@@ -398,8 +476,8 @@ tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, in
                                size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *work,
                                tc_simd simd)
 {
-#if HAVE_AVX2
-    if (simd == TC_SIMD_AUTO && have_avx2())
+#if TC_AVX2
+    if (simd == TC_SIMD_AUTO && tc_have_avx2())
         return decode_tile_avx2(codec, tx, ty, shift, bytes, size, coarse, band, work);
 #endif
     (void)simd;

@@ -40,9 +40,8 @@ struct tc_tile_work {
     uint8_t magnitude[TC_BANDS][MAGNITUDE_ROWS][TC_PHASES][MAGNITUDE_STRIDE]; /* as contexts see them */
     uint8_t symbol[TC_BANDS][TC_TILE][TC_PHASES][HALF];
     uint8_t bin[TC_BANDS][TC_TILE][TC_PHASES][HALF];
-    bool plain[TC_BANDS][TC_TILE][TC_PHASES];  /* decoder: no bin of the run has low bits */
-    uint16_t order[TC_TILE_SYMBOLS];           /* encoder: bin, number in the run, symbol; in the order of decoding */
-    int32_t value[TC_BANDS][TC_TILE][TC_TILE]; /* encoder: quantised */
+    bool plain[TC_BANDS][TC_TILE][TC_PHASES];          /* decoder: no bin of the run has low bits */
+    int32_t value[TC_BANDS][TC_TILE][TC_PHASES][HALF]; /* encoder: quantised */
 };
 
 /* Columns and rows of a band within a tile at position (x0, y0). */

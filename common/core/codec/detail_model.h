@@ -16,6 +16,7 @@
 
 enum {
     TC_BINS = 24,
+    TC_PLAIN_BINS = 17,    /* as many have no low bits */
     TC_PREDICT_KERNEL = 8, /* numbers of one band's kernel */
     TC_PREDICT_CROSS = 4,  /* LH from HL */
     TC_PREDICT = TC_PREDICT_KERNEL + TC_PREDICT_CROSS,
@@ -25,6 +26,7 @@ enum {
     TC_SCALE_COARSE = 5,                                            /* curvatures of the coarser level */
     TC_SCALE = TC_SCALE_OWN + TC_SCALE_CROSS + TC_SCALE_COARSE + 1, /* the last one is a constant */
     TC_SCALE_BITS = 10,                                             /* their unit is 1/1024 */
+    TC_SCALE_MOST = 1 << 13,                                        /* the largest weight */
     TC_MAX_STEP = 1 << 24,
     TC_BUILTIN_MODELS = 2
 };
@@ -36,7 +38,7 @@ enum { TC_PHASES = 2 };
 typedef struct tc_detail_model {
     int32_t step[TC_BANDS];                        /* quantiser steps, in height units; 1 is lossless */
     int16_t predict[2][TC_PREDICT];                /* HL (no cross terms), LH */
-    uint16_t scale[TC_BANDS][TC_PHASES][TC_SCALE]; /* sums of a row at most 65535 */
+    uint16_t scale[TC_BANDS][TC_PHASES][TC_SCALE]; /* at most TC_SCALE_MOST, and 65535 in a row */
     tc_rans_frequencies symbols[TC_BINS];
 } tc_detail_model;
 

@@ -60,6 +60,13 @@ void tc_rans_table_build(const tc_rans_frequencies *frequencies, tc_rans_table *
             table->slot[at++] = s | (uint32_t)frequencies->of[s] << 4 | i << 16;
 }
 
+void tc_rans_symbols_build(const tc_rans_frequencies *frequencies, tc_rans_symbol symbol[TC_RANS_SYMBOLS])
+{
+    uint32_t at = 0;
+    for (int s = 0; s < TC_RANS_SYMBOLS; at += frequencies->of[s++])
+        symbol[s] = tc_rans_symbol_of(at, frequencies->of[s]);
+}
+
 void tc_rans_encode_begin(tc_rans_encoder *e, int lanes, uint8_t *begin, uint8_t *end, const uint8_t *payload)
 {
     e->lanes = lanes;

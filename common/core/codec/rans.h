@@ -55,16 +55,32 @@ static inline size_t tc_rans_bound(size_t symbols)
 /* Starts a stream that ends at `end` and grows towards `begin`, which the caller puts tc_rans_bound() before it. */
 void tc_rans_encode_begin(tc_rans_encoder *e, int lanes, uint8_t *begin, uint8_t *end, const uint8_t *payload);
 
-/* Puts one symbol of frequency `frequency` whose slots start at `start`; last symbol first. */
-static inline void tc_rans_encode(tc_rans_encoder *e, int lane, uint32_t start, uint32_t frequency)
+/* A symbol to encode. */
+typedef struct tc_rans_symbol {
+    uint64_t reciprocal; /* 2^44 / frequency, rounded up */
+    uint32_t start, frequency;
+} tc_rans_symbol;
+
+/* The symbol of `frequency` slots from `start` on. */
+static inline tc_rans_symbol tc_rans_symbol_of(uint32_t start, uint32_t frequency)
 {
-    uint32_t x = e->state[lane];
-    if (x >= frequency << (32 - TC_RANS_BITS)) {
-        e->at -= 2;
-        e->at[0] = (uint8_t)x, e->at[1] = (uint8_t)(x >> 8);
-        x >>= 16;
-    }
-    e->state[lane] = (x / frequency << TC_RANS_BITS) + x % frequency + start;
+    return (tc_rans_symbol){(((uint64_t)1 << 44) + frequency - 1) / frequency, start, frequency};
+}
+
+/* frequencies must be valid. */
+void tc_rans_symbols_build(const tc_rans_frequencies *frequencies, tc_rans_symbol symbol[TC_RANS_SYMBOLS]);
+
+/* Puts one symbol on a state, a word in front of *at; last symbol first. The two bytes there are written in any case.
+ * The division is exact: x < frequency * 2^20 by then, so that the product stays below 2^64 and, as frequency < 2^12,
+ * what rounding the reciprocal adds to it below 2^44 / frequency. */
+static inline void tc_rans_put(const tc_rans_symbol *symbol, uint32_t *state, uint8_t **at)
+{
+    uint32_t x = *state, frequency = symbol->frequency, full = x >= frequency << (32 - TC_RANS_BITS);
+    (*at)[-2] = (uint8_t)x, (*at)[-1] = (uint8_t)(x >> 8);
+    *at -= 2 * full;
+    x >>= 16 * full;
+    uint32_t quotient = (uint32_t)(x * symbol->reciprocal >> 44);
+    *state = x + symbol->start + quotient * (TC_RANS_SLOTS - frequency);
 }
 
 /* Writes the head; the stream is e->at up to the end that was given. */

@@ -2,7 +2,7 @@
  *
  * One lifting step splits x into evens s and odds d:
  *     d[i] = x[2i+1] - (9/16 (x[2i] + x[2i+2]) - 1/16 (x[2i-2] + x[2i+4]))      predict: what U would have said
- *     s[i] = x[2i] + 0.30 (d[i-1] + d[i]) - 0.05 (d[i-2] + d[i+1])              update: moves s to the L2 optimum
+ *     s[i] = x[2i] + 19/64 (d[i-1] + d[i]) - 3/64 (d[i-2] + d[i+1])              update: moves s to the L2 optimum
  * and D keeps s. Beyond a border the evens go on in a straight line, which reproduces constants and ramps, and the
  * details are zero: there is no data to correct for. */
 #include "filter.h"
@@ -11,7 +11,7 @@
 
 enum { REACH = 3 }; /* even samples that d[i-2] .. d[i+1] look at beyond i, on either side */
 
-static const float UPDATE_NEAR = 0.30f, UPDATE_FAR = -0.05f;
+static const float UPDATE_NEAR = 19.f / 64, UPDATE_FAR = -3.f / 64;
 
 static inline float predict(float a, float b, float c, float d)
 {

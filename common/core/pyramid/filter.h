@@ -1,8 +1,9 @@
 /* filter.h - the pyramid's filters: D (fine to coarse) and U (coarse to fine), separable, in float.
  *
  * U is LH04's four-point interpolatory subdivision (-1, 9, 9, -1)/16; D is the low band of the lifting whose
- * prediction is U and whose update is (0.30, -0.05), which is the filter that makes U(D(T)) the best L2 approximation
- * of T to within a few thousandths of its rms (tests/bench/bench_filter.c measures it). */
+ * prediction is U and whose update is (19/64, -3/64), as of packed terrains (lifting.h), which is the filter that makes
+ * U(D(T)) the best L2 approximation of T to within a few thousandths of its rms (tests/bench/bench_filter.c measures
+ * it). */
 #ifndef TC_FILTER_H
 #define TC_FILTER_H
 

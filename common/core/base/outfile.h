@@ -18,6 +18,14 @@ tc_status tc_outfile_begin(const char *path, tc_outfile *outfile_ret, tc_error *
  * Returns status, or why the last steps failed. */
 tc_status tc_outfile_end(tc_outfile *outfile, tc_status status, tc_error *error);
 
+/* A file without a name in the folder of path: gone with the process unless adopted. -1 and errno where there can be
+ * none. */
+int tc_outfile_nameless(const char *path);
+
+/* Makes a file of tc_outfile_nameless() the temporary file, so that a process killed before this leaves nothing. The
+ * descriptor stays the caller's. */
+tc_status tc_outfile_adopt(const tc_outfile *outfile, int nameless, tc_error *error);
+
 /* Whether path could be written: begins, and takes the temporary file away again. */
 tc_status tc_outfile_probe(const char *path, tc_error *error);
 

@@ -1,7 +1,7 @@
 /* outfile.c - writing beside the target, flushing, renaming: a failure or a crash leaves an old file as it was. */
 #include "outfile.h"
 
-#include "common/core/base/status.h"
+#include "status.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -83,6 +83,81 @@ tc_status tc_outfile_end(tc_outfile *outfile, tc_status status, tc_error *error)
         unlink(outfile->temporary);
     release(outfile);
     return status;
+}
+
+/* ---- Files without a name ------------------------------------------------------------------------------------ */
+
+int tc_outfile_nameless(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char *name = malloc(strlen(path) + 32);
+    if (!name)
+        return -1;
+    if (slash)
+        snprintf(name, (size_t)(slash - path) + 2, "%s", path);
+    else
+        strcpy(name, "./");
+    int file = open(name, O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (file < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
+        /* A file system that has none: a name that is taken away at once. */
+        strcat(name, ".terraclip-XXXXXX");
+        file = mkostemp(name, O_CLOEXEC);
+        if (file >= 0)
+            unlink(name);
+    }
+    int why = errno;
+    free(name);
+    errno = why;
+    return file;
+}
+
+/* For file systems that cannot give a nameless file a name. */
+static bool copy_file(int from, const char *to_name)
+{
+    char block[1 << 16];
+    int to = open(to_name, O_WRONLY | O_TRUNC | O_CLOEXEC);
+    bool good = to >= 0;
+    for (off_t at = 0; good;) {
+        ssize_t n = pread(from, block, sizeof block, at);
+        if (n <= 0) {
+            good = n == 0;
+            break;
+        }
+        for (ssize_t done = 0; done < n && good;) {
+            ssize_t written = write(to, block + done, (size_t)(n - done));
+            good = written > 0;
+            done += written;
+        }
+        at += n;
+    }
+    int why = errno;
+    if (to >= 0 && close(to) != 0 && good)
+        good = false;
+    else
+        errno = why;
+    return good;
+}
+
+tc_status tc_outfile_adopt(const tc_outfile *outfile, int nameless, tc_error *error)
+{
+    struct stat about;
+    char link[64];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", nameless);
+    bool good = stat(outfile->temporary, &about) == 0 && fsync(nameless) == 0;
+    if (good)
+        (void)!fchmod(nameless, about.st_mode & 07777);
+    if (good && unlink(outfile->temporary) == 0 &&
+        linkat(AT_FDCWD, link, AT_FDCWD, outfile->temporary, AT_SYMLINK_FOLLOW) == 0)
+        return TC_OK;
+    if (good) { /* the name may be gone by now */
+        int file = open(outfile->temporary, O_WRONLY | O_CREAT | O_CLOEXEC, about.st_mode & 07777);
+        good = file >= 0;
+        if (good)
+            close(file);
+    }
+    if (good && copy_file(nameless, outfile->temporary))
+        return TC_OK;
+    return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", outfile->target, strerror(errno));
 }
 
 tc_status tc_outfile_probe(const char *path, tc_error *error)

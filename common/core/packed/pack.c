@@ -1,0 +1,195 @@
+/* pack.c - a terrain into a packed file: the order of the steps, and the file into its place. */
+#include <errno.h>
+#include <math.h>
+#include <unistd.h>
+
+#include "common/core/base/outfile.h"
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
+#include "pack_internal.h"
+
+tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error)
+{
+    p->done = fmin(p->done + share, 1);
+    if (p->options.progress && !p->options.progress(p->options.progress_context, p->done))
+        return tc_fail(error, TC_ERR_IO, "%s: interrupted", p->path);
+    return TC_OK;
+}
+
+/* ---- Creating -------------------------------------------------------------------------------------------------- */
+
+static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack_options *o, tc_error *error)
+{
+    const int64_t most = (int64_t)1 << 31;
+    if (t->width < 1 || t->height < 1 || t->width > most || t->height > most)
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected 1 to 2^31 columns and rows, found %lld x %lld", path,
+                       (long long)t->width, (long long)t->height);
+    if (!(t->spacing_x > 0 && t->spacing_y > 0 && isfinite(t->spacing_x) && isfinite(t->spacing_y)))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected a spacing above 0 m, found %g x %g", path, t->spacing_x,
+                       t->spacing_y);
+    if (!(t->unit > 0 && isfinite(t->unit)))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected a unit above 0 m, found %g", path, t->unit);
+    if (o->mode != TC_PACK_LOSSLESS && !(o->error > 0 && isfinite(o->error)))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected an error above 0 m, found %g", path, o->error);
+    if (o->codec == TC_CODEC_LH04 && o->mode != TC_PACK_RMS)
+        return tc_fail(error, TC_ERR_USAGE, "%s: the codec lh04 has a target rms only", path);
+    return TC_OK;
+}
+
+tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, const tc_pack_options *options,
+                           tc_packer **packer_ret, tc_error *error)
+{
+    tc_status status = check(path, terrain, options, error);
+    if (status || (status = tc_outfile_probe(path, error)))
+        return status;
+    tc_packer *p = calloc(1, sizeof *p);
+    if (!p)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    p->options = *options;
+    p->source = p->mask = TC_SPOOL_NONE;
+    for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
+        p->truth[l] = TC_SPOOL_NONE;
+    p->body = -1;
+    p->z_min = INFINITY, p->z_max = -INFINITY;
+    p->lattices = terrain->sample_type >= TC_SAMPLE_FLOAT32 && options->mode != TC_PACK_RMS ? UINT32_MAX : 0;
+    tc_pack_terrain *t = &p->container.info.terrain;
+    *t = *terrain;
+    t->georef.crs_wkt = terrain->georef.crs_wkt ? strdup(terrain->georef.crs_wkt) : NULL;
+    p->path = strdup(path);
+    tc_container_set_levels(&p->container);
+    p->container.info.mode = options->mode;
+    p->container.info.codec = options->codec;
+    p->container.info.error = options->mode == TC_PACK_LOSSLESS ? 0 : options->error;
+    if (!p->path || (terrain->georef.crs_wkt && !t->georef.crs_wkt))
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    if (!status)
+        status = tc_spool_create(path, t->width, t->height, sizeof(float), &p->source, error);
+    if (!status && (p->body = tc_outfile_nameless(path)) < 0)
+        status = tc_fail(error, TC_ERR_IO, "%s: no temporary file can be made beside it: %s", path, strerror(errno));
+    if (status)
+        tc_packer_destroy(p);
+    else
+        *packer_ret = p;
+    return status;
+}
+
+void tc_packer_destroy(tc_packer *p)
+{
+    if (!p)
+        return;
+    tc_spool_close(&p->source), tc_spool_close(&p->mask);
+    for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
+        tc_spool_close(&p->truth[l]);
+    if (p->body >= 0)
+        close(p->body);
+    tc_container_free(&p->container);
+    free(p->given);
+    free(p->path);
+    free(p);
+}
+
+/* ---- Finishing ------------------------------------------------------------------------------------------------- */
+
+/* Heights become integers: of a unit well below the error, as large as it may be, and centred so that they have room.
+ */
+static tc_status set_unit(tc_packer *p, tc_error *error)
+{
+    enum { UNITS_PER_ERROR = 16 };
+    tc_container *c = &p->container;
+    double range = (double)p->z_max - p->z_min, least = range / TC_LIFTING_LIMIT;
+    double unit = exp2(floor(log2(p->options.error / UNITS_PER_ERROR)));
+    while (unit < least)
+        unit *= 2;
+    /* A step too fine for the range: still the finest there is. */
+    c->z_unit = unit;
+    c->z_origin = rint(0.5 * ((double)p->z_min + p->z_max) / unit) * unit;
+    (void)error;
+    return TC_OK;
+}
+
+static tc_status write_all(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error)
+{
+    const char *from = bytes;
+    for (size_t done = 0; done < size;) {
+        ssize_t n = pwrite(file, from + done, size - done, at + (int64_t)done);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
+        done += (size_t)n;
+    }
+    return TC_OK;
+}
+
+/* Head and body into one file. */
+static tc_status assemble(tc_packer *p, int file, tc_error *error)
+{
+    tc_container *c = &p->container;
+    tc_byte_writer head = {0};
+    tc_status status = tc_container_write(c, &head); /* for its size */
+    int64_t at = (int64_t)head.size;
+    for (int l = c->base; l < c->levels; l++)
+        c->record[l].begin += at, c->record[l].end += at;
+    c->info.bytes = p->result.bytes = at + p->body_size;
+    head.size = 0;
+    if (!status)
+        status = tc_container_write(c, &head);
+    if (status)
+        tc_fail(error, status, "%s: not enough memory", p->path);
+    else
+        status = write_all(file, head.bytes, head.size, 0, p->path, error);
+    free(head.bytes);
+    enum { BLOCK = 1 << 20 };
+    char *block = malloc(BLOCK);
+    if (!status && !block)
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    for (int64_t done = 0; done < p->body_size && !status;) {
+        ssize_t n = pread(p->body, block, (size_t)tc_min64(BLOCK, p->body_size - done), done);
+        if (n <= 0)
+            return tc_fail(error, TC_ERR_IO, "%s: its temporary file cannot be read", p->path);
+        status = write_all(file, block, (size_t)n, at + done, p->path, error);
+        done += n;
+    }
+    free(block);
+    return status;
+}
+
+static tc_status put_in_place(tc_packer *p, tc_error *error)
+{
+    int file = tc_outfile_nameless(p->path);
+    if (file < 0)
+        return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
+    tc_status status = assemble(p, file, error);
+    tc_outfile outfile;
+    if (!status && !(status = tc_outfile_begin(p->path, &outfile, error)))
+        status = tc_outfile_end(&outfile, tc_outfile_adopt(&outfile, file, error), error);
+    close(file);
+    return status;
+}
+
+tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *error)
+{
+    tc_container *c = &p->container;
+    tc_pack_terrain *t = &c->info.terrain;
+    int64_t valid = p->result.samples;
+    if (valid == 0)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: expected heights, found samples that are all void", p->path);
+    p->result.samples = t->width * t->height;
+    p->result.voids = c->voids = p->result.samples - valid;
+    double mean = p->sum / (double)valid;
+    c->info.mean = mean + p->sum_base + t->z_base;
+    c->info.deviation = sqrt(fmax(p->square_sum / (double)valid - mean * mean, 0));
+    c->z_min = p->z_min, c->z_max = p->z_max;
+    tc_status status = c->voids ? tc_pack_fill(p, error) : TC_OK;
+    if (!status)
+        status = set_unit(p, error);
+    if (!status)
+        status = tc_pack_cascade(p, error);
+    if (!status && c->levels > c->base)
+        status = tc_pack_to_rms(p, error);
+    if (!status)
+        status = put_in_place(p, error);
+    if (!status)
+        *result_ret = p->result;
+    return status;
+}

@@ -1,0 +1,119 @@
+/* pack_internal.h - what the files pack*.c share.
+ *
+ * Packing goes through the terrain level by level, and holds only strips of rows in memory:
+ *     put       (pack_source.c)   heights in any order into a spool of the finest level
+ *     cascade   (pack_cascade.c)  heights become integers; each level's low band into a spool of its own, fine to
+ * coarse levels    (pack_level.c)    coarse to fine: tiles encoded against the reconstructed coarser level, and decoded
+ *                                 again, so that what the file will give is known and measured
+ *     rate      (pack_rate.c)     which quantiser step reaches the target
+ *     finish    (pack.c)          the order of all this; head, levels, and the file into its place */
+#ifndef TC_PACK_INTERNAL_H
+#define TC_PACK_INTERNAL_H
+
+#include "container.h"
+#include "spool.h"
+
+/* Logarithmic histogram of the magnitudes of a band's details, in height units. */
+enum { TC_DETAIL_BINS = 128 };
+typedef struct tc_detail_histogram {
+    int64_t count[TC_DETAIL_BINS];
+    unsigned __int128 square; /* sum of all squares: exact, so that the order of adding does not tell */
+} tc_detail_histogram;
+
+/* What coding a level came to. */
+typedef struct tc_level_outcome {
+    double square_error; /* square metres, sum over samples that are not void */
+    int64_t samples;     /* of them */
+    double max_error;    /* metres */
+    int64_t bytes;
+} tc_level_outcome;
+
+struct tc_packer {
+    char *path;
+    tc_pack_options options;
+    tc_container container;
+    tc_pack_result result;
+    /* Put. */
+    tc_spool source; /* floats; see pack_source.c */
+    tc_spool mask;   /* bytes, 1 void; none where no sample is */
+    tc_rect *given;  /* rectangles so far, where not of whole rows in order */
+    size_t given_count, given_room;
+    double sum, square_sum, sum_base; /* of heights less sum_base */
+    float z_min, z_max;
+    unsigned lattices; /* of pack_source.c's candidates, those that all heights are multiples of */
+    double done;       /* share of the work */
+    /* Cascade. */
+    tc_spool truth[TC_MAX_PYRAMID_LEVELS]; /* [l - 1] height units, base <= l < m */
+    tc_detail_histogram histogram[TC_MAX_PYRAMID_LEVELS][TC_BANDS];
+    /* Levels: written here until their places in the file are known. */
+    int body;
+    int64_t body_size;
+};
+
+/* ---- pack_source.c -------------------------------------------------------------------------------------------- */
+
+/* Rows of the finest level as they were given, or filled: metres above z_base; NaN where void and not filled. */
+tc_status tc_pack_source_rows(const tc_packer *p, int64_t y0, int64_t y1, float *z, tc_error *error);
+
+/* Makes the mask and fills the voids of the source. */
+tc_status tc_pack_fill(tc_packer *p, tc_error *error);
+
+/* Largest unit that all heights are multiples of, from the terrain's, the options' or a list; 0: none. Sets the height
+ * of the multiple 0. */
+double tc_pack_lattice(const tc_packer *p, double *origin_ret);
+
+/* ---- pack_cascade.c ------------------------------------------------------------------------------------------- */
+
+/* True heights of level l over rect, in height units. */
+tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptrdiff_t stride, tc_error *error);
+tc_status tc_pack_cascade(tc_packer *p, tc_error *error);
+
+/* Adds a plane's details to a histogram. */
+void tc_pack_count(const tc_plane *band, tc_detail_histogram *histogram);
+
+/* Void mask of level l over rows y0 .. y1 - 1, whole width. */
+tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, tc_error *error);
+
+static inline float tc_pack_metres(const tc_container *c, int32_t k)
+{
+    return (float)(c->z_origin + c->z_unit * k);
+}
+
+/* ---- pack_level.c --------------------------------------------------------------------------------------------- */
+
+/* How a level is to be coded. */
+typedef struct tc_level_coding {
+    int l;
+    const tc_codec *codec;
+    double lambda;
+    const tc_spool *coarse; /* reconstructed level l - 1 */
+    const tc_spool *fine;   /* reconstructed level l is written here; NULL: it is not */
+    double share;           /* of the whole work, for progress */
+} tc_level_coding;
+
+/* Appends the level to the body; sets begin, end, lowest, highest and errors of its record. */
+tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_outcome *outcome_ret, tc_error *error);
+
+/* True details of a tile of level l, whose true heights around it `fine` holds: positions rect of the planes. */
+size_t tc_pack_details_scratch(void);
+void tc_pack_details(const tc_lifting_level *level, tc_rect tile, const tc_plane *fine, const tc_plane band[TC_BANDS],
+                     int32_t *scratch);
+/* Samples of the fine level that it looks at. */
+tc_rect tc_pack_details_need(const tc_lifting_level *level, tc_rect tile);
+
+/* ---- pack_rate.c ---------------------------------------------------------------------------------------------- */
+
+/* Codes all levels so that the target is met. */
+tc_status tc_pack_to_rms(tc_packer *p, tc_error *error);
+
+/* ---- pack.c --------------------------------------------------------------------------------------------------- */
+
+/* Adds to the work done and says so; TC_ERR_IO where the caller wants to stop. */
+tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error);
+
+/* Shares of the work. */
+#define TC_SHARE_PUT 0.15
+#define TC_SHARE_CASCADE 0.10
+#define TC_SHARE_LEVELS 0.75
+
+#endif

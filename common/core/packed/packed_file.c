@@ -1,0 +1,184 @@
+/* packed_file.c - byte ranges of a packed file. */
+#include "packed_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
+#include "crc32c.h"
+
+enum {
+    FIRST_READ = 16 << 10, /* holds most heads whole */
+    PAGE_CACHE = 2 << 20,  /* bytes */
+    MOST_PAGE = 1 << 16,   /* bytes; no writer makes a longer page */
+    SMALLEST_HEAD = 20
+};
+
+/* A page in the cache. */
+typedef struct page {
+    tc_status status;
+    tc_tile_entry entry[TC_PAGE_TILES];
+} page;
+
+static tc_status read_at(const tc_packed_file *f, int64_t offset, void *bytes, size_t size)
+{
+    char *to = bytes;
+    if (offset < 0 || (uint64_t)offset > (uint64_t)f->size || size > (uint64_t)(f->size - offset))
+        return TC_ERR_FORMAT;
+    while (size > 0) {
+        ssize_t n = pread(f->file, to, size, offset);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return n < 0 ? TC_ERR_IO : TC_ERR_FORMAT; /* the file has shrunk */
+        to += n, offset += n, size -= (size_t)n;
+    }
+    return TC_OK;
+}
+
+static tc_status read_head(tc_packed_file *f, tc_error *error)
+{
+    size_t size = (size_t)tc_min64(FIRST_READ, f->size), needed = 0;
+    uint8_t *bytes = malloc(size + 1);
+    tc_status status = bytes ? read_at(f, 0, bytes, size) : TC_ERR_MEMORY;
+    if (!status)
+        status = tc_container_read(f->path, bytes, size, &f->container, &needed, error);
+    else
+        tc_fail(error, status, "%s: cannot be read: %s", f->path, tc_status_text(status));
+    if (status == TC_ERR_FORMAT && needed > size && (int64_t)needed <= f->size) {
+        free(bytes);
+        bytes = malloc(needed);
+        status = bytes ? read_at(f, 0, bytes, needed) : TC_ERR_MEMORY;
+        if (!status)
+            status = tc_container_read(f->path, bytes, needed, &f->container, &needed, error);
+        else
+            tc_fail(error, status, "%s: cannot be read: %s", f->path, tc_status_text(status));
+    }
+    free(bytes);
+    return status;
+}
+
+tc_status tc_packed_file_open(const char *path, tc_packed_file *f, tc_error *error)
+{
+    *f = (tc_packed_file){.path = strdup(path), .file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    struct stat about;
+    tc_status status = TC_OK;
+    if (!f->path)
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    else if (f->file < 0 || fstat(f->file, &about) != 0)
+        status = tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    else if (!S_ISREG(about.st_mode))
+        status = tc_fail(error, TC_ERR_IO, "%s: expected a file, found a %s", path,
+                         S_ISDIR(about.st_mode) ? "directory" : "device or pipe");
+    else {
+        f->size = about.st_size;
+        status = read_head(f, error);
+    }
+    if (!status && tc_block_cache_init(&f->pages, sizeof(page), PAGE_CACHE)) {
+        tc_block_cache_free(&f->pages);
+        tc_container_free(&f->container);
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    }
+    if (status) {
+        if (f->file >= 0)
+            close(f->file);
+        free(f->path);
+        return status;
+    }
+    tc_container *c = &f->container;
+    while (c->levels > c->base && c->record[c->levels - 1].end > f->size)
+        c->levels--, c->info.levels_missing++;
+    return TC_OK;
+}
+
+void tc_packed_file_close(tc_packed_file *f)
+{
+    tc_block_cache_free(&f->pages);
+    tc_container_free(&f->container);
+    close(f->file);
+    free(f->path);
+}
+
+/* ---- Index ----------------------------------------------------------------------------------------------------- */
+
+/* Where a page of a level is. */
+static tc_status find_page(const tc_packed_file *f, const tc_level_record *r, const tc_pages *pages, int64_t number,
+                           int64_t *offset_ret, uint32_t *size_ret, uint32_t *crc_ret)
+{
+    uint8_t bytes[TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY + 4];
+    int64_t chunk = number / TC_DIRECTORY_CHUNK, first = chunk * TC_DIRECTORY_CHUNK;
+    size_t size = (size_t)tc_min64(pages->pages_x * pages->pages_y - first, TC_DIRECTORY_CHUNK) * TC_DIRECTORY_ENTRY;
+    tc_status status = read_at(f, r->begin + tc_directory_chunk_offset(chunk), bytes, size + 4);
+    if (status || tc_crc32c(0, bytes, size) != tc_load(bytes + size, 4))
+        return status ? status : TC_ERR_FORMAT;
+    const uint8_t *entry = bytes + (number - first) * TC_DIRECTORY_ENTRY;
+    uint64_t offset = tc_load(entry, 8);
+    *size_ret = (uint32_t)tc_load(entry + 8, 4), *crc_ret = (uint32_t)tc_load(entry + 12, 4);
+    if (*size_ret > MOST_PAGE || offset > (uint64_t)(r->end - r->begin) ||
+        *size_ret > (uint64_t)(r->end - r->begin) - offset)
+        return TC_ERR_FORMAT;
+    *offset_ret = r->begin + (int64_t)offset;
+    return TC_OK;
+}
+
+static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages, int64_t px, int64_t py, page *to)
+{
+    const tc_level_record *r = &f->container.record[l - 1];
+    int64_t offset = 0;
+    uint32_t size = 0, crc = 0;
+    tc_status status = find_page(f, r, pages, py * pages->pages_x + px, &offset, &size, &crc);
+    if (status)
+        return status;
+    uint8_t *bytes = malloc(size + 1);
+    if (!bytes)
+        return TC_ERR_MEMORY;
+    status = read_at(f, offset, bytes, size);
+    if (!status && tc_crc32c(0, bytes, size) != crc)
+        status = TC_ERR_FORMAT;
+    tc_rect tiles = tc_page_tiles(pages, px, py);
+    int count = (int)tc_rect_area(tiles);
+    tc_page_form form = {r->coder == TC_CODER_CORRECTIONS, r->mask};
+    if (!status)
+        status = tc_page_read(form, bytes, size, to->entry, count);
+    free(bytes);
+    offset += size;
+    for (int i = 0; i < count && !status; i++) {
+        to->entry[i].offset = (uint64_t)offset;
+        offset += tc_tile_bytes(&to->entry[i]);
+        if (offset > r->end)
+            status = TC_ERR_FORMAT;
+    }
+    return status;
+}
+
+tc_status tc_packed_file_entry(tc_packed_file *f, int l, int64_t tx, int64_t ty, tc_tile_entry *entry_ret)
+{
+    tc_pages pages = tc_level_pages(&f->container.level[l - 1]);
+    int64_t px = tx / TC_PAGE_COLUMNS, py = ty / TC_PAGE_ROWS;
+    tc_block *block = tc_block_pin(&f->pages, (uint64_t)l << 56 | (uint64_t)(py * pages.pages_x + px));
+    if (!block)
+        return TC_ERR_MEMORY;
+    page *p = (page *)block->bytes;
+    if (!block->made) {
+        p->status = read_page(f, l, &pages, px, py, p);
+        tc_block_made(&f->pages, block);
+    }
+    tc_status status = p->status;
+    tc_rect tiles = tc_page_tiles(&pages, px, py);
+    if (!status)
+        *entry_ret = p->entry[(ty - tiles.y0) * (tiles.x1 - tiles.x0) + tx - tiles.x0];
+    tc_block_release(&f->pages, block);
+    return status;
+}
+
+tc_status tc_packed_file_tile(tc_packed_file *f, const tc_tile_entry *entry, uint8_t *bytes, size_t room)
+{
+    size_t size = tc_tile_bytes(entry);
+    if (size > room)
+        return TC_ERR_FORMAT;
+    tc_status status = size ? read_at(f, (int64_t)entry->offset, bytes, size) : TC_OK;
+    return !status && size && tc_crc32c(0, bytes, size) != entry->crc ? TC_ERR_FORMAT : status;
+}

@@ -1,0 +1,577 @@
+/* pyramid_packed.c - a pyramid read from a packed file.
+ *
+ * Heights of a rectangle come from the coarser level around half of it and from the tiles that it touches; the coarser
+ * level's heights likewise, down to a level small enough to be held whole. What is kept between calls is decoded tiles,
+ * which the thin strips of a moving clipmap ask for again and again; heights are made anew each time, which costs less
+ * than keeping them. A damaged tile counts as one without details. */
+#include <math.h>
+#include <stdatomic.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
+#include "level_coder.h"
+#include "packed_file.h"
+
+enum {
+    WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
+    CACHE_BYTES = 32 << 20,
+    MASK_SIDE = 2 * TC_TILE,
+    MASK_BYTES = 8 << 20,
+    BLOCK = 1024, /* samples along a side that are read at once */
+    CHUNK_BYTES = 1 << 20
+};
+
+/* ---- Scratch memory: a stack of chunks, kept from call to call ------------------------------------------------- */
+
+typedef struct chunk {
+    struct chunk *before;
+    size_t size, used;
+    _Alignas(64) unsigned char bytes[];
+} chunk;
+
+typedef struct scratch {
+    struct scratch *next;
+    chunk *top, *spare; /* spare: chunks let go of, largest last */
+    void *work;
+    uint8_t *stream; /* bytes of one tile */
+} scratch;
+
+typedef struct mark {
+    chunk *top;
+    size_t used;
+} mark;
+
+static mark scratch_mark(const scratch *s)
+{
+    return (mark){s->top, s->top ? s->top->used : 0};
+}
+
+static void *scratch_take(scratch *s, size_t bytes)
+{
+    bytes = (bytes + 63) / 64 * 64;
+    if (!s->top || s->top->size - s->top->used < bytes) {
+        chunk *c = s->spare;
+        if (c && c->size >= bytes) {
+            s->spare = c->before;
+        } else {
+            size_t size = bytes > CHUNK_BYTES ? bytes : CHUNK_BYTES;
+            c = aligned_alloc(64, (sizeof *c + size + 63) / 64 * 64);
+            if (!c)
+                return NULL;
+            c->size = size;
+        }
+        c->used = 0, c->before = s->top, s->top = c;
+    }
+    s->top->used += bytes;
+    return s->top->bytes + s->top->used - bytes;
+}
+
+static void scratch_return(scratch *s, mark m)
+{
+    while (s->top != m.top) {
+        chunk *c = s->top;
+        s->top = c->before;
+        c->before = s->spare, s->spare = c;
+    }
+    if (s->top)
+        s->top->used = m.used;
+}
+
+static void scratch_free(scratch *s)
+{
+    scratch_return(s, (mark){NULL, 0});
+    while (s->spare) {
+        chunk *c = s->spare;
+        s->spare = c->before;
+        free(c);
+    }
+    free(s->work), free(s->stream), free(s);
+}
+
+/* ---- The pyramid ------------------------------------------------------------------------------------------------ */
+
+/* What is made of a level when it is first needed. */
+typedef struct level_state {
+    pthread_mutex_t mutex;
+    _Atomic bool ready;
+    tc_status status;
+    tc_level_coder coder;
+    int32_t *whole; /* heights in height units, [j * width + i]; NULL for large levels */
+} level_state;
+
+typedef struct packed_pyramid {
+    tc_pyramid head;
+    tc_packed_file file;
+    tc_block_cache tiles, masks; /* masks: as bytes, [j][i] over 128 x 128 samples */
+    level_state level[TC_MAX_PYRAMID_LEVELS];
+    pthread_mutex_t mutex;
+    scratch *idle;
+    tc_void_policy voids;
+    float void_height; /* metres above z_base */
+    _Atomic int64_t damaged, decoded;
+} packed_pyramid;
+
+static scratch *borrow(packed_pyramid *p)
+{
+    pthread_mutex_lock(&p->mutex);
+    scratch *s = p->idle;
+    if (s)
+        p->idle = s->next;
+    pthread_mutex_unlock(&p->mutex);
+    if (s || !(s = calloc(1, sizeof *s)))
+        return s;
+    s->work = malloc(tc_level_coder_work_bytes());
+    s->stream = malloc(tc_codec_tile_bound());
+    if (s->work && s->stream)
+        return s;
+    scratch_free(s);
+    return NULL;
+}
+
+static void give_back(packed_pyramid *p, scratch *s)
+{
+    pthread_mutex_lock(&p->mutex);
+    s->next = p->idle, p->idle = s;
+    pthread_mutex_unlock(&p->mutex);
+}
+
+/* ---- Heights in height units ------------------------------------------------------------------------------------ */
+
+static tc_status read_units(packed_pyramid *p, int l, const tc_plane *to, scratch *s);
+
+static bool is_whole(const packed_pyramid *p, int l)
+{
+    const tc_level *level = &p->head.level[l - 1];
+    return l <= p->file.container.base || (level->width <= WHOLE_SIZE && level->height <= WHOLE_SIZE);
+}
+
+static tc_status take_plane(scratch *s, tc_rect rect, tc_plane *plane_ret)
+{
+    *plane_ret = (tc_plane){scratch_take(s, (size_t)tc_rect_area(rect) * sizeof(int32_t)), rect.x1 - rect.x0, rect};
+    return plane_ret->z ? TC_OK : TC_ERR_MEMORY;
+}
+
+/* The level's tile, read and decoded. What is wrong with it is counted, and it counts as empty. */
+static tc_status make_tile(packed_pyramid *p, int l, int64_t tx, int64_t ty, tc_decoded_tile *tile, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
+    tc_plane coarse = {0};
+    mark m = scratch_mark(s);
+    tc_status status = tc_packed_file_entry(&p->file, l, tx, ty, &entry);
+    /* The coarser level first: its own tiles pass through the same buffer. */
+    tc_status below = take_plane(s, tc_level_coder_needs(coder, tx, ty), &coarse);
+    if (!below)
+        below = read_units(p, l - 1, &coarse, s);
+    if (!below && !status)
+        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_codec_tile_bound());
+    if (!below && !status) {
+        status = tc_level_coder_decode(coder, tx, ty, &entry, s->stream, &coarse, tile, s->work);
+        p->decoded += tc_tile_bytes(&entry);
+    }
+    if (status || below)
+        memset(tile, 0, sizeof *tile);
+    if (status)
+        p->damaged++;
+    scratch_return(s, m);
+    return below;
+}
+
+/* Copies what the bands hold of a tile. */
+static void copy_details(const tc_decoded_tile *tile, tc_rect rect, const tc_plane band[TC_BANDS])
+{
+    tc_rect r = tc_rect_intersect(rect, band[0].rect);
+    for (int b = 0; b < TC_BANDS; b++)
+        for (int64_t y = r.y0; y < r.y1; y++)
+            memcpy(tc_plane_at(&band[b], r.x0, y), &tile->band[b][y - rect.y0][r.x0 - rect.x0],
+                   (size_t)(r.x1 - r.x0) * sizeof(int32_t));
+}
+
+static tc_status gather_details(packed_pyramid *p, int l, const tc_plane band[TC_BANDS], scratch *s)
+{
+    const tc_codec *codec = p->level[l - 1].coder.codec;
+    tc_rect r = band[0].rect;
+    for (int64_t ty = r.y0 / TC_TILE; ty * TC_TILE < r.y1; ty++)
+        for (int64_t tx = r.x0 / TC_TILE; tx * TC_TILE < r.x1; tx++) {
+            tc_block *block = tc_block_pin(&p->tiles, (uint64_t)l << 56 | (uint64_t)(ty * codec->tiles_x + tx));
+            if (!block)
+                return TC_ERR_MEMORY;
+            tc_decoded_tile *tile = (tc_decoded_tile *)block->bytes;
+            tc_status status = TC_OK;
+            if (!block->made) {
+                status = make_tile(p, l, tx, ty, tile, s);
+                tc_block_made(&p->tiles, block);
+            }
+            copy_details(tile, tc_codec_tile_rect(codec, tx, ty, 0), band);
+            tc_block_release(&p->tiles, block);
+            if (status)
+                return status;
+        }
+    return TC_OK;
+}
+
+static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    tc_rect need = tc_lifting_needs(&coder->level, to->rect);
+    tc_plane coarse, band[TC_BANDS];
+    mark m = scratch_mark(s);
+    tc_status status = take_plane(s, need, &coarse);
+    for (int b = 0; b < TC_BANDS && !status; b++)
+        status = take_plane(s, need, &band[b]);
+    if (!status)
+        status = read_units(p, l - 1, &coarse, s);
+    if (!status)
+        status = gather_details(p, l, band, s);
+    int32_t *work = NULL;
+    if (!status && !(work = scratch_take(s, tc_lifting_synthesise_scratch(&coder->level, to->rect) * sizeof *work)))
+        status = TC_ERR_MEMORY;
+    if (!status)
+        tc_lifting_synthesise(&coder->level, &coarse, band, to, work, TC_SIMD_AUTO);
+    scratch_return(s, m);
+    return status;
+}
+
+/* Makes a level's decoder and, for a small one, its heights. */
+static tc_status prepare(packed_pyramid *p, int l, scratch *s)
+{
+    level_state *level = &p->level[l - 1];
+    if (level->ready)
+        return level->status;
+    pthread_mutex_lock(&level->mutex);
+    if (!level->ready) {
+        const tc_level *size = &p->head.level[l - 1];
+        const tc_container *c = &p->file.container;
+        tc_status status = l > c->base ? tc_level_coder_init(&level->coder, size, &c->record[l - 1], c->wrap_x) : TC_OK;
+        if (!status && l > c->base && is_whole(p, l)) {
+            tc_plane whole = {malloc((size_t)(size->width * size->height) * sizeof(int32_t)),
+                              size->width,
+                              {0, 0, size->width, size->height}};
+            status = whole.z ? synthesise(p, l, &whole, s) : TC_ERR_MEMORY;
+            level->whole = whole.z;
+        }
+        level->status = status;
+        level->ready = true;
+    }
+    pthread_mutex_unlock(&level->mutex);
+    return level->status;
+}
+
+static tc_status read_units(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
+{
+    tc_status status = prepare(p, l, s);
+    const level_state *level = &p->level[l - 1];
+    if (status || !level->whole)
+        return status ? status : synthesise(p, l, to, s);
+    for (int64_t y = to->rect.y0; y < to->rect.y1; y++)
+        memcpy(tc_plane_at(to, to->rect.x0, y), level->whole + y * p->head.level[l - 1].width + to->rect.x0,
+               (size_t)(to->rect.x1 - to->rect.x0) * sizeof(int32_t));
+    return TC_OK;
+}
+
+/* ---- Masks of voids ---------------------------------------------------------------------------------------------- */
+
+static tc_status read_mask(packed_pyramid *p, int l, const tc_mask_plane *to, scratch *s);
+
+/* The level's tile of the mask. Where it is damaged, each sample is as the coarser one beside it; that the tile is
+ * damaged is counted where its heights are read. */
+static tc_status make_mask(packed_pyramid *p, int l, int64_t tx, int64_t ty, uint8_t *v, scratch *s)
+{
+    const tc_lifting_level *level = &p->level[l - 1].coder.level;
+    tc_rect rect = tc_mask_tile_rect(level, tx, ty, 0), need = tc_mask_tile_needs(level, rect);
+    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
+    mark m = scratch_mark(s);
+    tc_mask_plane coarse = {scratch_take(s, (size_t)tc_rect_area(need)), need.x1 - need.x0, need};
+    tc_mask_plane fine = {v, MASK_SIDE, rect};
+    tc_status below = coarse.v ? read_mask(p, l - 1, &coarse, s) : TC_ERR_MEMORY;
+    tc_status status = tc_packed_file_entry(&p->file, l, tx, ty, &entry);
+    if (!below && !status && entry.mask_class == TC_MASK_CODED)
+        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_codec_tile_bound());
+    if (!below && !status)
+        status = tc_mask_decode(level, rect, (tc_mask_class)entry.mask_class, &coarse,
+                                s->stream + entry.size[TC_STREAM_HEIGHTS] + entry.size[TC_STREAM_CORRECTIONS],
+                                entry.size[TC_STREAM_MASK], &fine);
+    for (int64_t y = rect.y0; y < rect.y1 && status && !below; y++)
+        for (int64_t x = rect.x0; x < rect.x1; x++)
+            v[(y - rect.y0) * MASK_SIDE + x - rect.x0] = coarse.v[(y / 2 - need.y0) * coarse.stride + x / 2 - need.x0];
+    scratch_return(s, m);
+    return below;
+}
+
+static tc_status read_mask(packed_pyramid *p, int l, const tc_mask_plane *to, scratch *s)
+{
+    const tc_container *c = &p->file.container;
+    tc_rect r = to->rect;
+    tc_status status = TC_OK;
+    if (l <= c->base || !c->record[l - 1].mask) {
+        int k = c->base - l; /* coarser masks are finer ones on the same spots */
+        for (int64_t y = r.y0; y < r.y1; y++)
+            for (int64_t x = r.x0; x < r.x1; x++)
+                to->v[(y - r.y0) * to->stride + x - r.x0] =
+                    l <= c->base ? c->base_void[(y << k) * c->level[c->base - 1].width + (x << k)] : 0;
+        return TC_OK;
+    }
+    int64_t across = tc_level_pages(&c->level[l - 1]).tiles_x;
+    for (int64_t ty = r.y0 / MASK_SIDE; ty * MASK_SIDE < r.y1 && !status; ty++)
+        for (int64_t tx = r.x0 / MASK_SIDE; tx * MASK_SIDE < r.x1 && !status; tx++) {
+            tc_block *block = tc_block_pin(&p->masks, (uint64_t)l << 56 | (uint64_t)(ty * across + tx));
+            if (!block)
+                return TC_ERR_MEMORY;
+            if (!block->made) {
+                status = make_mask(p, l, tx, ty, block->bytes, s);
+                tc_block_made(&p->masks, block);
+            }
+            tc_rect tile = tc_mask_tile_rect(&p->level[l - 1].coder.level, tx, ty, 0), cut = tc_rect_intersect(tile, r);
+            for (int64_t y = cut.y0; y < cut.y1 && !status; y++)
+                memcpy(to->v + (y - r.y0) * to->stride + cut.x0 - r.x0,
+                       block->bytes + (y - tile.y0) * MASK_SIDE + cut.x0 - tile.x0, (size_t)(cut.x1 - cut.x0));
+            tc_block_release(&p->masks, block);
+        }
+    return status;
+}
+
+/* ---- Interface --------------------------------------------------------------------------------------------------- */
+
+static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
+                            scratch *s)
+{
+    const tc_container *c = &p->file.container;
+    tc_plane units;
+    mark m = scratch_mark(s);
+    tc_status status = take_plane(s, rect, &units);
+    if (!status)
+        status = read_units(p, l, &units, s);
+    for (int64_t j = 0; j < rect.y1 - rect.y0 && !status; j++)
+        for (int64_t i = 0; i < rect.x1 - rect.x0; i++)
+            z[j * stride + i] = (float)(c->z_origin + c->z_unit * units.z[j * units.stride + i]);
+    bool flat = p->voids == TC_VOIDS_CONSTANT;
+    if (!status && c->voids > 0 && (voids || flat)) {
+        tc_mask_plane mask = {voids, stride, rect};
+        if (!voids)
+            mask = (tc_mask_plane){scratch_take(s, (size_t)tc_rect_area(rect)), rect.x1 - rect.x0, rect};
+        status = mask.v ? read_mask(p, l, &mask, s) : TC_ERR_MEMORY;
+        for (int64_t j = 0; j < rect.y1 - rect.y0 && flat && !status; j++)
+            for (int64_t i = 0; i < rect.x1 - rect.x0; i++)
+                if (mask.v[j * mask.stride + i])
+                    z[j * stride + i] = p->void_height;
+    }
+    scratch_return(s, m);
+    return status;
+}
+
+static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+{
+    packed_pyramid *p = (packed_pyramid *)pyramid;
+    scratch *s = borrow(p);
+    if (!s)
+        return TC_ERR_MEMORY;
+    tc_status status = TC_OK;
+    for (int64_t y = rect.y0; y < rect.y1 && !status; y = (y / BLOCK + 1) * BLOCK)
+        for (int64_t x = rect.x0; x < rect.x1 && !status; x = (x / BLOCK + 1) * BLOCK) {
+            tc_rect part = {x, y, tc_min64(rect.x1, (x / BLOCK + 1) * BLOCK),
+                            tc_min64(rect.y1, (y / BLOCK + 1) * BLOCK)};
+            ptrdiff_t at = (ptrdiff_t)(y - rect.y0) * stride + (x - rect.x0);
+            status = read_block(p, l, part, z + at, voids ? voids + at : NULL, stride, s);
+            for (int64_t j = 0; j < part.y1 - part.y0 && voids && p->file.container.voids == 0; j++)
+                memset(voids + at + j * stride, 0, (size_t)(part.x1 - part.x0));
+        }
+    give_back(p, s);
+    return status;
+}
+
+static float to_metres(const tc_container *c, int32_t k)
+{
+    return (float)(c->z_origin + c->z_unit * k);
+}
+
+static void packed_bounds(const tc_pyramid *pyramid, int l, tc_rect rect, float *z_min_ret, float *z_max_ret)
+{
+    enum { FINE = 2 * TC_TILE, MOST_TILES = 64 };
+    packed_pyramid *p = (packed_pyramid *)pyramid;
+    const tc_container *c = &p->file.container;
+    int32_t low = INT32_MAX, high = INT32_MIN;
+    if (l <= c->base) {
+        int64_t w = pyramid->level[l - 1].width;
+        for (int64_t y = rect.y0; y < rect.y1; y++)
+            for (int64_t x = rect.x0; x < rect.x1; x++) {
+                int32_t k = p->level[l - 1].whole[y * w + x];
+                low = k < low ? k : low, high = k > high ? k : high;
+            }
+    } else {
+        tc_rect t = {rect.x0 / FINE, rect.y0 / FINE, (rect.x1 - 1) / FINE + 1, (rect.y1 - 1) / FINE + 1};
+        tc_tile_entry entry;
+        bool known = tc_rect_area(t) <= MOST_TILES;
+        for (int64_t ty = t.y0; ty < t.y1 && known; ty++)
+            for (int64_t tx = t.x0; tx < t.x1 && known; tx++) {
+                known = tc_packed_file_entry(&p->file, l, tx, ty, &entry) == TC_OK;
+                if (known)
+                    low = entry.low < low ? entry.low : low, high = entry.high > high ? entry.high : high;
+            }
+        if (!known)
+            low = c->record[l - 1].lowest, high = c->record[l - 1].highest;
+    }
+    *z_min_ret = to_metres(c, low), *z_max_ret = to_metres(c, high);
+    if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT) {
+        *z_min_ret = fminf(*z_min_ret, p->void_height);
+        *z_max_ret = fmaxf(*z_max_ret, p->void_height);
+    }
+}
+
+static size_t packed_bytes(const tc_pyramid *pyramid)
+{
+    packed_pyramid *p = (packed_pyramid *)pyramid;
+    size_t bytes = sizeof *p + tc_block_cache_bytes(&p->tiles) + tc_block_cache_bytes(&p->masks) +
+                   tc_block_cache_bytes(&p->file.pages);
+    for (int l = 0; l < pyramid->info.levels; l++) {
+        const level_state *level = &p->level[l];
+        if (!level->ready)
+            continue;
+        bytes += tc_level_coder_bytes(&level->coder);
+        if (level->whole)
+            bytes += (size_t)(pyramid->level[l].width * pyramid->level[l].height) * sizeof(int32_t);
+    }
+    return bytes;
+}
+
+static void packed_destroy(tc_pyramid *pyramid)
+{
+    packed_pyramid *p = (packed_pyramid *)pyramid;
+    for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++) {
+        tc_level_coder_free(&p->level[l].coder);
+        free(p->level[l].whole);
+        pthread_mutex_destroy(&p->level[l].mutex);
+    }
+    while (p->idle) {
+        scratch *s = p->idle;
+        p->idle = s->next;
+        scratch_free(s);
+    }
+    pthread_mutex_destroy(&p->mutex);
+    tc_block_cache_free(&p->tiles), tc_block_cache_free(&p->masks);
+    tc_packed_file_close(&p->file);
+    free(p);
+}
+
+static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed_bytes, packed_destroy};
+
+/* ---- Opening ------------------------------------------------------------------------------------------------------
+ */
+
+/* Heights of the base level from the head, of coarser ones by the transform's low band. */
+static tc_status make_base(packed_pyramid *p)
+{
+    const tc_container *c = &p->file.container;
+    for (int l = c->base; l >= 1; l--) {
+        level_state *state = &p->level[l - 1];
+        const tc_level *size = &c->level[l - 1];
+        size_t samples = (size_t)(size->width * size->height);
+        if (!(state->whole = malloc(samples * sizeof(int32_t))))
+            return TC_ERR_MEMORY;
+        state->ready = true;
+        if (l == c->base) {
+            memcpy(state->whole, c->base_z, samples * sizeof(int32_t));
+            continue;
+        }
+        int32_t memory[TC_BANDS][TC_BASE_SIZE * TC_BASE_SIZE];
+        tc_lifting_level fine = {c->level[l].width, c->level[l].height, c->wrap_x};
+        tc_rect rect = {0, 0, size->width, size->height};
+        tc_plane from = {p->level[l].whole, fine.width, {0, 0, fine.width, fine.height}}, band[TC_BANDS];
+        tc_plane low = {state->whole, size->width, rect};
+        for (int b = 0; b < TC_BANDS; b++)
+            band[b] = (tc_plane){memory[b], size->width, rect};
+        int32_t *work = malloc(tc_lifting_analyse_scratch(&fine, size->height) * sizeof *work);
+        if (!work)
+            return TC_ERR_MEMORY;
+        tc_lifting_analyse(&fine, &from, 0, size->height, &low, band, work);
+        free(work);
+    }
+    return TC_OK;
+}
+
+static void set_info(packed_pyramid *p, const tc_open_options *o)
+{
+    const tc_container *c = &p->file.container;
+    const tc_pack_terrain *t = &c->info.terrain;
+    tc_terrain_info *info = &p->head.info;
+    p->head.class = &packed_class;
+    memcpy(p->head.level, c->level, sizeof c->level);
+    info->levels = c->levels;
+    info->z_base = t->z_base;
+    info->z_min = (float)c->z_min, info->z_max = (float)c->z_max;
+    info->void_count = c->voids;
+    info->other_body = t->georef.semi_major > 0 && (t->georef.semi_major < 6.3e6 || t->georef.semi_major > 6.45e6);
+    p->voids = o->has_policy ? o->voids : t->voids;
+    p->void_height = (float)((o->has_policy ? o->void_constant : t->void_constant) - t->z_base);
+    if (p->voids == TC_VOIDS_CONSTANT && c->voids > 0) {
+        info->z_min = fminf(info->z_min, p->void_height);
+        info->z_max = fmaxf(info->z_max, p->void_height);
+    }
+}
+
+tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error)
+{
+    static const tc_open_options none = {0};
+    options = options ? options : &none;
+    packed_pyramid *p = calloc(1, sizeof *p);
+    if (!p)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    tc_status status = tc_packed_file_open(path, &p->file, error);
+    if (status) {
+        free(p);
+        return status;
+    }
+    pthread_mutex_init(&p->mutex, NULL);
+    for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
+        pthread_mutex_init(&p->level[l].mutex, NULL);
+    status = tc_block_cache_init(&p->tiles, sizeof(tc_decoded_tile),
+                                 options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
+    tc_status masks = tc_block_cache_init(&p->masks, MASK_SIDE * MASK_SIDE, MASK_BYTES);
+    status = status ? status : masks;
+    set_info(p, options);
+    if (!status)
+        status = make_base(p);
+    if (status) {
+        packed_destroy(&p->head);
+        return tc_fail(error, status, "%s: not enough memory", path);
+    }
+    *pyramid_ret = &p->head;
+    return TC_OK;
+}
+
+/* ---- What a packed pyramid tells beside -----------------------------------------------------------------------------
+ */
+
+static packed_pyramid *as_packed(const tc_pyramid *pyramid)
+{
+    return pyramid->class == &packed_class ? (packed_pyramid *)pyramid : NULL;
+}
+
+const tc_packed_info *tc_pyramid_packed_info(const tc_pyramid *pyramid)
+{
+    packed_pyramid *p = as_packed(pyramid);
+    return p ? &p->file.container.info : NULL;
+}
+
+tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level)
+{
+    packed_pyramid *p = as_packed(pyramid);
+    if (!p || level < 1 || level > p->file.container.levels)
+        return (tc_packed_level){0};
+    const tc_container *c = &p->file.container;
+    const tc_level_record *r = &c->record[level - 1];
+    if (level <= c->base)
+        return (tc_packed_level){0, 0.29 * c->z_unit, 0.5 * c->z_unit, 0};
+    return (tc_packed_level){r->end - r->begin, r->rms, r->max_error, r->residual_variance};
+}
+
+int64_t tc_pyramid_damaged(const tc_pyramid *pyramid)
+{
+    packed_pyramid *p = as_packed(pyramid);
+    return p ? p->damaged : 0;
+}
+
+int64_t tc_pyramid_bytes_decoded(const tc_pyramid *pyramid)
+{
+    packed_pyramid *p = as_packed(pyramid);
+    return p ? p->decoded : 0;
+}
