@@ -147,11 +147,16 @@ $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_fil
 	@mkdir -p $(@D)
 	$(LINK)
 
+# Compares the samples of two of them.
+$(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(SHELL_LIBRARY) $(LIBRARY)
+	@mkdir -p $(@D)
+	$(LINK)
+
 .PHONY: check test bench
 check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
-test: all $(FAST) $(SLOW) $(O)/tests/make-file
+test: all $(FAST) $(SLOW) $(O)/tests/make-file $(O)/tests/compare-heights
 	@sh tests/run.sh $(O) $(FAST) $(SLOW) $(wildcard tests/cli/test_*.sh)
 
 bench: all $(BENCH)

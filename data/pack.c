@@ -4,6 +4,7 @@
  * read. The inputs stream through in bands of rows; what is packed lies beside the output until it is whole. */
 #include "pack.h"
 
+#include "common/core/base/rect.h"
 #include "common/core/base/status.h"
 #include "common/shell/arguments.h"
 #include "common/shell/interrupt.h"
@@ -254,11 +255,19 @@ static bool on_progress(void *context, double done)
     return !tc_interrupted();
 }
 
+/* What reading hands over to. */
+typedef struct taker {
+    tc_packer *packer;
+    bool valid; /* some height was there */
+} taker;
+
 static tc_status put_band(void *context, tc_rect rect, const float *z, const uint8_t *voids, tc_error *error)
 {
+    taker *t = context;
     if (tc_interrupted())
         return tc_fail(error, TC_ERR_IO, "interrupted");
-    return tc_packer_put(context, rect, z, voids, rect.x1 - rect.x0, error);
+    t->valid = t->valid || memchr(voids, 0, (size_t)tc_rect_area(rect));
+    return tc_packer_put(t->packer, rect, z, voids, rect.x1 - rect.x0, error);
 }
 
 /* What heights are multiples of, where the inputs' integers tell; else 0. */
@@ -298,14 +307,17 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress 
     tc_progress_say(progress, false, text);
     progress->samples = (double)terrain->width * (double)terrain->height;
 
-    tc_packer *packer = NULL;
+    taker t = {0};
     tc_pack_result result;
-    tc_status status = tc_packer_create(a->output, terrain, &options, &packer, error);
+    tc_status status = tc_packer_create(a->output, terrain, &options, &t.packer, error);
     if (status == TC_OK)
-        status = tc_mosaic_read(mosaic, put_band, packer, error);
+        status = tc_mosaic_read(mosaic, put_band, &t, error);
+    if (status == TC_OK && !t.valid)
+        status = tc_fail(error, TC_ERR_FORMAT, "%s: expected heights, found %" PRId64 " samples that are all void",
+                         a->inputs[0], tc_mosaic_samples(mosaic));
     if (status == TC_OK)
-        status = tc_packer_finish(packer, &result, error);
-    tc_packer_destroy(packer);
+        status = tc_packer_finish(t.packer, &result, error);
+    tc_packer_destroy(t.packer);
     tc_progress_end(progress);
     if (status != TC_OK)
         return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted") : status;

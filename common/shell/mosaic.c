@@ -62,9 +62,10 @@ static tc_status check_system(const tc_mosaic *m, const char *path, const tc_geo
         same = ((const struct tc_gdal_plugin *)table)->same_crs(first, wkt);
     }
     if (!same || georef->geographic != m->terrain.georef.geographic) {
-        int length = wkt ? (int)strcspn(wkt, ",") : 0; /* its name */
-        return tc_fail(error, TC_ERR_FORMAT, "%s: coordinate system: expected that of %s, found another, %.*s", path,
-                       first_path, length > 80 ? 80 : length, wkt ? wkt : "");
+        const char *quote = wkt ? strchr(wkt, '"') : NULL; /* the first string is its name */
+        int length = quote ? (int)strcspn(quote + 1, "\"") : 0;
+        return tc_fail(error, TC_ERR_FORMAT, "%s: coordinate system: expected that of %s, found '%.*s'", path,
+                       first_path, length > 80 ? 80 : length, quote ? quote + 1 : "");
     }
     return TC_OK;
 }
@@ -297,6 +298,15 @@ tc_status tc_mosaic_open(const char *const *paths, int count, const tc_source_op
         status = surround(m, error);
     if (status == TC_OK)
         status = count_samples(m, error);
+    double all = (double)m->terrain.width * (double)m->terrain.height;
+    if (status == TC_OK && (double)m->samples < 0.5 * all && m->options.say) {
+        char text[200];
+        snprintf(text, sizeof text,
+                 "the inputs cover %.3g %% of the rectangle around them, %" PRId64 " x %" PRId64
+                 " samples; the rest is void",
+                 100 * (double)m->samples / all, m->terrain.width, m->terrain.height);
+        m->options.say(m->options.say_context, true, text);
+    }
     if (status == TC_OK)
         *mosaic_ret = m;
     else

@@ -9,6 +9,7 @@ root=$(cd "${0%/*}/../.." && pwd)
 viewer=$build/planar-viewer
 terraclip=$build/terraclip
 make_file=$build/tests/make-file
+compare=$build/tests/compare-heights
 work=$(mktemp -d "${TMPDIR:-/tmp}/terraclip-cli-XXXXXX") || exit 99
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
@@ -49,7 +50,7 @@ refuses() { # EXIT REGEX COMMAND...
     run "$@"
     wrong=
     [ $rc = "$expected" ] || wrong="exit code $rc instead of $expected"
-    grep -v '^planar-viewer: warning: ' stderr.txt >error.txt
+    grep -Ev '^(planar-viewer|terraclip): warning: ' stderr.txt >error.txt
     lines=$(wc -l <error.txt)
     [ "$lines" = 1 ] || wrong="$wrong, $lines lines on stderr instead of 1"
     grep -Eq '^(planar-viewer|terraclip): ' error.txt || wrong="$wrong, stderr does not name the program"

@@ -7,7 +7,9 @@
  *         heights=hills|plane|voids|nan|inf (hills): whole metres above 0; the last three are void everywhere but in a
  *         few places, nan and inf of floats only; all=1: void everywhere,
  *         tile=N (tiff: square tiles), channels=N, palette=1, place=LON,LAT (tiff: the degree square north-east of it),
- *         metres=M (tiff: projected, M between samples; 30, 0 for no place at all), nodata=V. */
+ *         metres=M (tiff: projected, M between samples; 30, 0 for no place at all), nodata=V,
+ *         from=X,Y: columns and rows of a larger map before this part of it; lift=M: added to all heights,
+ *         epsg=N, area=1: of a projected tiff. */
 #include "tests/support/made_files.h"
 
 #include <math.h>
@@ -18,7 +20,8 @@
 typedef struct request {
     int width, height, tile, channels;
     char type[8], heights[8];
-    bool palette, all, placed;
+    bool palette, all, placed, area;
+    int from_x, from_y, lift, epsg;
     double longitude, latitude, metres;
     const char *nodata;
 } request;
@@ -55,7 +58,9 @@ static void *make_samples(const request *r)
         exit(99);
     for (size_t i = 0; i < count; i++) {
         size_t pixel = i / (size_t)channels;
-        double z = height_at(r, (int)(pixel % (size_t)r->width), (int)(pixel / (size_t)r->width));
+        double z =
+            height_at(r, r->from_x + (int)(pixel % (size_t)r->width), r->from_y + (int)(pixel / (size_t)r->width)) +
+            r->lift;
         if (strcmp(r->type, "u8") == 0)
             ((uint8_t *)samples)[i] = (uint8_t)z;
         else if (strcmp(r->type, "u16") == 0)
@@ -78,7 +83,7 @@ static void make_tiff_file(const char *path, const request *r, const void *sampl
 {
     double dx = 1. / (r->width - 1), dy = 1. / (r->height - 1); /* point samples on the degree lines */
     double degrees[6] = {r->longitude, dx, 0, r->latitude + 1, 0, -dy};
-    double metres[6] = {500000, r->metres, 0, 5200000, 0, -r->metres};
+    double metres[6] = {500000 + r->from_x * r->metres, r->metres, 0, 5200000 - r->from_y * r->metres, 0, -r->metres};
     made_format format = r->type[0] == 'f' ? MADE_FLOAT : r->type[0] == 'i' ? MADE_INT : MADE_UINT;
     make_tiff(path, &(made_tiff){.width = r->width,
                                  .height = r->height,
@@ -91,8 +96,8 @@ static void make_tiff_file(const char *path, const request *r, const void *sampl
                                  .transform = r->placed       ? degrees
                                               : r->metres > 0 ? metres
                                                               : NULL,
-                                 .epsg = r->placed ? 4326 : 32632,
-                                 .point = true,
+                                 .epsg = r->placed ? 4326 : r->epsg,
+                                 .point = !r->area,
                                  .nodata = r->nodata});
 }
 
@@ -100,7 +105,9 @@ static void read_setting(request *r, const char *text)
 {
     if (sscanf(text, "size=%dx%d", &r->width, &r->height) == 2 || sscanf(text, "type=%7s", r->type) == 1 ||
         sscanf(text, "heights=%7s", r->heights) == 1 || sscanf(text, "tile=%d", &r->tile) == 1 ||
-        sscanf(text, "channels=%d", &r->channels) == 1 || sscanf(text, "metres=%lf", &r->metres) == 1)
+        sscanf(text, "channels=%d", &r->channels) == 1 || sscanf(text, "metres=%lf", &r->metres) == 1 ||
+        sscanf(text, "from=%d,%d", &r->from_x, &r->from_y) == 2 || sscanf(text, "lift=%d", &r->lift) == 1 ||
+        sscanf(text, "epsg=%d", &r->epsg) == 1)
         return;
     if (sscanf(text, "place=%lf,%lf", &r->longitude, &r->latitude) == 2)
         r->placed = true;
@@ -108,6 +115,8 @@ static void read_setting(request *r, const char *text)
         r->nodata = text + 7;
     else if (strcmp(text, "palette=1") == 0)
         r->palette = true;
+    else if (strcmp(text, "area=1") == 0)
+        r->area = true;
     else if (strcmp(text, "all=1") == 0)
         r->all = true;
     else
@@ -118,7 +127,7 @@ int main(int argc, char **argv)
 {
     if (argc < 3)
         usage("FORMAT PATH");
-    request r = {.width = 1201, .height = 1201, .type = "i16", .heights = "hills", .metres = 30};
+    request r = {.width = 1201, .height = 1201, .type = "i16", .heights = "hills", .metres = 30, .epsg = 32632};
     for (int i = 3; i < argc; i++)
         read_setting(&r, argv[i]);
     const char *format = argv[1], *path = argv[2];
