@@ -63,7 +63,7 @@ typedef struct tc_symbol_counts {
 } tc_symbol_counts;
 
 /* Squared error that a bit is worth, in squared steps. */
-#define TC_DEFAULT_LAMBDA 0.08
+#define TC_DEFAULT_LAMBDA 0.1
 
 /* Options of the encoder; zero is the default. */
 typedef struct tc_encode_options {
