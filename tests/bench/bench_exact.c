@@ -109,7 +109,7 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
     }
     double detail;
     tc_plane filtered = analyse(&source, &detail);
-    q = q > 0 ? q : 12 * fmax(1, detail / step);
+    q = q > 0 ? q : 8 * fmax(1, detail / step);
     packed p = packed_new(source.z, w, h, &(packed_options){.q = q * step, .threads = 2});
     double coarse_bits = 8.0 * (double)coarser_bytes(&p) / (double)n;
     tc_lifting_level level = {w, h, false};
