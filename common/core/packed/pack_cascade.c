@@ -78,6 +78,11 @@ static int bin_of(int32_t detail)
     return detail == 0 ? 0 : (int)(bits >> 21) - (127 << 2) + 1; /* four to an octave */
 }
 
+double tc_detail_bin(int bin)
+{
+    return bin == 0 ? 0 : exp2((bin - 1) / 4.0 + 0.125);
+}
+
 void tc_pack_count(const tc_plane *band, tc_detail_histogram *h)
 {
     int64_t rows = band->rect.y1 - band->rect.y0, count = band->rect.x1 - band->rect.x0;

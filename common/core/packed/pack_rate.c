@@ -27,7 +27,7 @@ static double histogram_error(const tc_detail_histogram *h, double step)
     double sum = 0;
     for (int i = 1; i < TC_DETAIL_BINS; i++)
         if (h->count[i])
-            sum += (double)h->count[i] * quantiser_error(exp2((i - 1) / 4.0 + 0.125), step);
+            sum += (double)h->count[i] * quantiser_error(tc_detail_bin(i), step);
     return sum;
 }
 
