@@ -327,6 +327,10 @@ for signal in INT TERM; do
 done
 rm -rf out large.tif && mkdir out
 
+# A window that holds the whole of the finest level: what is lossless is shown as the source is. (Coarser levels of a
+# lossless file are lossy.)
+finest="$picture --n 511"
+
 # ---- Cut short and damaged
 
 size=$(wc -c <hills.tclip)
@@ -341,33 +345,32 @@ printf '\377\0\377\0\377\0\377\0' | dd of=dented.tclip bs=1 seek=$((size * 7 / 8
 run $terraclip extract dented.tclip -o out/dented.tif
 [ $rc = 1 ] && grep -q 'dented.tclip: damaged: ' stderr.txt && [ -s out/dented.tif ] || report 'a damaged tile' extract
 rm -rf out && mkdir out
-accepts 'warning: dented.tclip: damaged' $viewer dented.tclip $picture
+accepts 'warning: dented.tclip: damaged' $viewer dented.tclip $finest
 
 # ---- The viewer
 
-for file in hills voids placed; do
-    accepts '' $viewer $file.tif $picture
+for file in hills placed; do
+    accepts '' $viewer $file.tif $finest
     mv last.png direct.png
-    accepts '' $viewer $file.tclip $picture
+    accepts '' $viewer $file.tclip $finest
     same direct.png last.png "$file.tif and $file.tclip"
 done
-accepts '' $viewer voids.tif --voids hole $picture
+# What fills voids is rounded in a packed terrain, so only packed ones are compared where it shows, if only in normals.
+accepts '' $viewer voids.tclip --voids hole $finest
 mv last.png direct.png
-accepts '' $viewer voids.tclip --voids hole $picture
-same direct.png last.png 'holes of voids.tif and voids.tclip'
 does '' $terraclip pack voids.tif -o holes.tclip --lossless --voids hole
-accepts '' $viewer holes.tclip $picture
+accepts '' $viewer holes.tclip $finest
 same direct.png last.png 'holes by the file'
-accepts '' $viewer voids.tif --voids constant=0 $picture
+accepts '' $viewer voids.tif --voids constant=0 $finest
 mv last.png direct.png
-accepts '' $viewer holes.tclip --voids constant=0 $picture
+accepts '' $viewer holes.tclip --voids constant=0 $finest
 same direct.png last.png 'constant voids of voids.tif and holes.tclip'
-accepts '' $viewer hills.tclip --explain $picture
+accepts '' $viewer hills.tclip --explain $finest
 grep -q '^left out: GDAL: not loaded' stdout.txt || fail 'the viewer loads GDAL for a packed terrain'
-accepts '' $viewer hills.tclip --json $picture
+accepts '' $viewer hills.tclip --json $finest
 [ "$(number bytes_decoded <stdout.txt)" -gt 0 ] || fail "--json: $(grep bytes_decoded stdout.txt)"
 for option in '--spacing 30' '--unit 2' '--nodata 0'; do
-    refuses 2 "${option% *}: expected none for hills.tclip, a packed terrain" $viewer hills.tclip $option $picture
+    refuses 2 "${option% *}: expected none for hills.tclip, a packed terrain" $viewer hills.tclip $option $finest
 done
 refuses 2 '--unit: expected none' $terraclip height hills.tclip --unit 2 1 2
 refuses 1 'found a packed terrain' $pack hills.tclip
