@@ -122,6 +122,9 @@ static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret
                        p->options.error, range);
     while (unit < least)
         unit *= 2;
+    if (unit > 2 * p->options.error) /* rounding alone would take most of it */
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an error of %g m is too small for heights %g m apart", p->path,
+                       p->options.error, range);
     c->z_unit = unit;
     c->z_origin = rint(middle / unit) * unit;
     /* Rounding to units and to floats has its share of the error. */

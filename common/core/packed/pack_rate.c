@@ -165,6 +165,32 @@ static tc_status code_finest(search *s, double carried, bool last_try, double *e
     return status;
 }
 
+/* The error of a terrain of a few tiles goes in leaps, between which the search may end above the target. Then smaller
+ * steps follow until it is not: q times the nth of these. */
+enum { LAST_TRIES = 10 };
+static double smaller_step(double q, int n)
+{
+    return q * pow(0.98, 1 << n);
+}
+
+static tc_status code_with(search *s, double q, double *error_ret, tc_error *error)
+{
+    tc_packer *p = s->coding.p;
+    int m = p->container.levels;
+    tc_sample *sample = NULL;
+    tc_status status = tc_coding_begin(p, &s->coding, error);
+    if (!status)
+        status = tc_coding_below(&s->coding, m - 1, q, error);
+    if (!status)
+        status = tc_pack_sample(p, m, &s->coding.coarse, TC_TRAINING_TILES, &sample, error);
+    if (!status && !(status = tc_coding_choose(&s->coding, m, q, sample, error)))
+        status = tc_coding_level(&s->coding, m, 0, false, 0.75 * TC_SHARE_LEVELS, error);
+    *error_ret = tc_coding_error(&s->coding);
+    tc_sample_free(sample);
+    tc_coding_end(&s->coding);
+    return status;
+}
+
 static double squared_target(const tc_packer *p)
 {
     double target = p->options.error / p->container.z_unit;
@@ -177,10 +203,8 @@ tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
     s.q = solve(p, AIM * AIM * s.target);
     curve whole = {.exponent = 1.2};
     tc_status status = TC_OK;
-    bool done = false;
-    double before = 0;
-    for (int tries = 0; tries < MOST_TRIES && !status && !done; tries++) {
-        double found = 0;
+    double before = 0, found = 0;
+    for (int tries = 0; tries < MOST_TRIES && !status; tries++) {
         bool coded = false, all_dropped = false;
         status = tc_coding_begin(p, &s.coding, error);
         if (!status)
@@ -199,6 +223,8 @@ tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
         before = found;
         s.q = next;
     }
+    for (int n = 0; n < LAST_TRIES && !status && found > s.target; n++)
+        status = code_with(&s, smaller_step(s.q, n), &found, error);
     return status;
 }
 
@@ -251,10 +277,9 @@ tc_status tc_pack_lh04(tc_packer *p, tc_error *error)
 {
     search s = {.target = squared_target(p)};
     curve whole = {.exponent = 1.5};
-    double step = 3 * sqrt(s.target);
+    double step = 3 * sqrt(s.target), found = 0;
     tc_status status = TC_OK;
     for (int tries = 0; tries < MOST_TRIES && !status; tries++) {
-        double found = 0;
         status = code_lh04(p, step, &found, error);
         if (status || meets(&s, found))
             break;
@@ -263,5 +288,7 @@ tc_status tc_pack_lh04(tc_packer *p, tc_error *error)
             break;
         step = next;
     }
+    for (int n = 0; n < LAST_TRIES && !status && found > s.target; n++)
+        status = code_lh04(p, smaller_step(step, n), &found, error);
     return status;
 }
