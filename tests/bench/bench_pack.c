@@ -5,7 +5,7 @@
  * OpenJPEG's at its best (jpeg2000.h), given the same heights with voids filled; it stores no voids and no
  * georeference, our files do. Arguments: none for everything, or one of rate, bounds, decode, regions; then, for
  * rate, the name of a file. Needs TERRACLIP_DATA. */
-#include <inttypes.h>
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,6 +32,7 @@ static const terrain_file puget = {{"ps_height_1k.png", 160, 0.1}, TC_SAMPLE_UIN
 
 static const double rate_rms[] = {0.5, 1, 2, 5.4};
 enum { RATES = sizeof rate_rms / sizeof *rate_rms, MOST_ROWS = 64 };
+static const double lh04_most = 32e6; /* samples: larger terrains are left out, to save time */
 
 typedef struct rate_row {
     double bits, rms, max, lh04_bits, lh04_rms;
@@ -68,11 +69,14 @@ static void rate_terrain(const terrain_file *file)
     if (!dataset_load(&file->set, &grid))
         return;
     rate_row row[RATES];
+    bool with_paper = (double)grid.width * (double)grid.height <= lh04_most;
     int nearest = 0;
     for (int n = 0; n < RATES; n++) {
         row[n] = pack_rate(&grid, file, rate_rms[n], TC_CODEC_LIFTING);
-        rate_row paper = pack_rate(&grid, file, rate_rms[n], TC_CODEC_LH04);
-        row[n].lh04_bits = paper.bits, row[n].lh04_rms = paper.rms;
+        if (with_paper) {
+            rate_row paper = pack_rate(&grid, file, rate_rms[n], TC_CODEC_LH04);
+            row[n].lh04_bits = paper.bits, row[n].lh04_rms = paper.rms;
+        }
         if (fabs(log(row[n].bits / 0.25)) < fabs(log(row[nearest].bits / 0.25)))
             nearest = n;
     }
@@ -81,17 +85,21 @@ static void rate_terrain(const terrain_file *file)
     double seed = 1.1;
     for (int n = 0; n < RATES; n++) {
         j2k_match match = j2k_at_rms(&image, &grid, row[n].rms, seed * row[n].bits, path);
-        double against = row[n].bits / match.bits - 1, paper = row[n].bits / lh04_at(row, n, row[n].rms) - 1;
+        double against = row[n].bits / match.bits - 1;
         bool counts = match.bits >= 0.1 && match.bits <= 2.5;
-        printf("%-38s %5.2f %7.4f %8.2f %8.4f %9.4f %+7.1f%s %9.4f %+7.1f%s\n", file->set.name, rate_rms[n], row[n].rms,
-               row[n].max, row[n].bits, match.bits, 100 * against, counts ? " " : "-", lh04_at(row, n, row[n].rms),
-               100 * paper, n == nearest ? " <" : "");
+        printf("%-38s %5.2f %7.4f %8.2f %8.4f %9.4f %+7.1f%s", file->set.name, rate_rms[n], row[n].rms, row[n].max,
+               row[n].bits, match.bits, 100 * against, counts ? " " : "-");
+        if (with_paper) {
+            double paper = lh04_at(row, n, row[n].rms), against_paper = row[n].bits / paper - 1;
+            printf(" %9.4f %+7.1f", paper, 100 * against_paper);
+            if (n == nearest && row[n].bits > 0.125 && row[n].bits < 0.5)
+                rates.lh04[rates.lh04_count++] = against_paper;
+        }
+        printf("%s\n", n == nearest ? " <" : "");
         fflush(stdout);
         seed = match.bits / row[n].bits;
         if (counts)
             rates.against[rates.count++] = against;
-        if (n == nearest && row[n].bits > 0.125 && row[n].bits < 0.5)
-            rates.lh04[rates.lh04_count++] = paper;
     }
     unlink(path);
     j2k_image_free(&image);
@@ -159,8 +167,9 @@ static void bound_row(const struct bound_crop *c, const tc_grid *grid, const bou
     double samples = (double)(grid->width * grid->height), bits = 8 * p.bytes / samples;
     char name[32];
     snprintf(name, sizeof name, b->error > 0 ? "%g m" : "lossless", b->error);
-    printf("%-10s %-9s %8.4f %7.3f %s %8.3f", c->name, name, e.max, e.rms, e.max <= b->error ? "kept  " : "BROKEN",
-           bits);
+    double rounding = FLT_EPSILON * fmax(fabs((double)grid->z_min), fabs((double)grid->z_max));
+    const char *verdict = e.max <= b->error ? "kept" : e.max <= b->error + rounding ? "float" : "BROKEN";
+    printf("%-10s %-9s %8.4f %7.3f %-6s %8.3f", c->name, name, e.max, e.rms, verdict, bits);
     percent(bits, b->jpeg_ls);
     percent(bits, b->jpeg_xl);
     percent(bits, 8 * (double)lerc_bytes(grid, c->file->unit, b->error) / samples);

@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { TRIES = 6, RESOLUTIONS = 7 };
+enum { TRIES = 6, RESOLUTIONS = 8 };
 static const double near_enough = 0.01; /* rms on both sides, before interpolating */
 
 static void must(bool done, const char *what)
