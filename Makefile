@@ -4,6 +4,7 @@
 #   make demo       default terrain and pictures, into build/demo/
 #   make check      fast tests (seconds)          make test    all tests (minutes)
 #   make bench      measurements                  make format  clang-format over the sources
+#   make fuzz       TIME=seconds, all fuzzers together
 #   make install    PREFIX=/usr/local DESTDIR=    make clean
 
 config ?= release
@@ -168,6 +169,36 @@ test: all $(FAST) $(SLOW) $(O)/tests/make-file $(O)/tests/compare-heights
 bench: all $(BENCH)
 	@for b in $(BENCH); do $$b || exit 1; done
 
+# ---- Fuzzing -----------------------------------------------------------------------------------------------------
+
+# With clang, apart from all other objects. What the fuzzers find new goes to build/fuzz/, not into the tree's corpus;
+# `make fuzz-corpus` packs the seeds anew.
+TIME ?= 60
+FUZZ_O := build/fuzz
+FUZZ_CC ?= clang
+FUZZ_CFLAGS := -std=c11 -D_GNU_SOURCE -g -O1 -pthread -ffp-contract=off -MMD -MP -I. -DTC_VERSION='"$(VERSION)"' \
+               -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
+FUZZ_OBJ := $(patsubst %.c,$(FUZZ_O)/%.o,$(filter-out common/core/packed/crc32c.c,$(CORE)) tests/fuzz/no_crc.c)
+FUZZERS := $(FUZZ_O)/reader $(FUZZ_O)/tile
+
+$(FUZZ_O)/%.o: %.c
+	@mkdir -p $(@D)
+	@echo "  FUZZ  $<"
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer-no-link -c $< -o $@
+$(FUZZERS): $(FUZZ_O)/%: $(FUZZ_O)/tests/fuzz/fuzz_%.o $(FUZZ_OBJ)
+	@echo "  LINK  $@"
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer $^ -o $@ $(LIBS)
+$(FUZZ_O)/make-corpus: $(FUZZ_O)/tests/fuzz/make_corpus.o $(FUZZ_OBJ)
+	@echo "  LINK  $@"
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) $^ -o $@ $(LIBS)
+
+.PHONY: fuzz fuzz-corpus
+fuzz:
+	@sh tests/fuzz/run.sh $(FUZZ_O) $(TIME) $(FUZZ_CC) || exit 1
+
+fuzz-corpus: $(FUZZ_O)/make-corpus
+	$(FUZZ_O)/make-corpus tests/fuzz/corpus
+
 # ---- Demo --------------------------------------------------------------------------------------------------------
 
 .PHONY: demo
@@ -192,4 +223,4 @@ install: all
 clean:
 	rm -rf build
 
--include $(shell find $(OBJ) -name '*.d' 2>/dev/null)
+-include $(shell find $(OBJ) $(FUZZ_O) -name '*.d' 2>/dev/null)

@@ -3,8 +3,9 @@
  * Crops as in bench_codec.c. Bits are those of a whole file: the coarser levels by the lossy codec
  * (tests/support/packed.h), the finest exactly, its header, and 8 bytes for every tile. The column to compare with is
  * JPEG XL (modular, effort 7; of heights divided by 2E + 1 where an error of E is allowed), measured once; its files
- * hold no coarser levels. Arguments: none for the tables, or a dataset's name, E in lattice units, q of the coarser
- * levels in steps, height units a lattice unit. */
+ * hold no coarser levels. `corrected` is the lossy codec with corrections at the same bounds. Arguments: none for the
+ * tables; a dataset's name, for its share of them, and E in lattice units, q of the coarser levels in steps, height
+ * units a lattice unit; or a name, "corrected", E, q / E. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,6 +68,36 @@ static size_t coarser_bytes(packed *p)
     return bytes;
 }
 
+/* The filtered source on the next coarser level, and the mean size of the finest level's details. */
+static tc_plane analyse(const tc_plane *source, double *detail_ret)
+{
+    tc_lifting_level level = {source->rect.x1, source->rect.y1, false};
+    tc_rect r = {0, 0, tc_coarse_size(level.width), tc_coarse_size(level.height)};
+    tc_plane ll = packed_plane(r), band[TC_BANDS];
+    for (int b = 0; b < TC_BANDS; b++)
+        band[b] = packed_plane(r);
+    int32_t *scratch = malloc(tc_lifting_analyse_scratch(&level, r.y1) * sizeof *scratch);
+    tc_lifting_analyse(&level, source, 0, r.y1, &ll, band, scratch);
+    double sum = 0;
+    for (int b = 0; b < TC_BANDS; b++) {
+        for (int64_t i = 0; i < tc_rect_area(r); i++)
+            sum += abs(band[b].z[i]);
+        free(band[b].z);
+    }
+    free(scratch);
+    *detail_ret = sum / (double)(TC_BANDS * tc_rect_area(r));
+    return ll;
+}
+
+static double rms(const tc_plane *a, const tc_plane *b)
+{
+    double sum = 0;
+    for (int64_t i = 0; i < tc_rect_area(a->rect); i++)
+        sum += pow((double)a->z[i] - b->z[i], 2);
+    return sqrt(sum / (double)tc_rect_area(a->rect));
+}
+
+/* q: of the coarser levels, in steps; 0: as a packer should choose it. */
 static void measure(const crop *c, const tc_plane *z, int bound, double q, int units)
 {
     int64_t w = z->rect.x1, h = z->rect.y1, n = w * h;
@@ -76,6 +107,9 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
         source.z[i] = z->z[i] * units;
         fine.z[i] = (int32_t)lrint((double)z->z[i] / (2 * bound + 1)) * step;
     }
+    double detail;
+    tc_plane filtered = analyse(&source, &detail);
+    q = q > 0 ? q : 8 * fmax(1, detail / step);
     packed p = packed_new(source.z, w, h, &(packed_options){.q = q * step, .threads = 2});
     double coarse_bits = 8.0 * (double)coarser_bytes(&p) / (double)n;
     tc_lifting_level level = {w, h, false};
@@ -120,36 +154,18 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
     decode_s = now() - start;
     if (memcmp(out.z, fine.z, (size_t)n * sizeof *out.z) != 0)
         puts("exact: not the same heights"), exit(1);
-    double coarse_rms = 0, detail = 0;
-    {
-        tc_lifting_level finest = {w, h, false};
-        tc_plane ll = packed_plane(coarse.rect), band[TC_BANDS];
-        for (int b = 0; b < TC_BANDS; b++)
-            band[b] = packed_plane(coarse.rect);
-        int32_t *scratch = malloc(tc_lifting_analyse_scratch(&finest, coarse.rect.y1) * sizeof *scratch);
-        tc_lifting_analyse(&finest, &source, 0, coarse.rect.y1, &ll, band, scratch);
-        for (int64_t i = 0; i < tc_rect_area(coarse.rect); i++) {
-            coarse_rms += pow(coarse.z[i] - ll.z[i], 2);
-            for (int b = 0; b < TC_BANDS; b++)
-                detail += abs(band[b].z[i]);
-        }
-        coarse_rms = sqrt(coarse_rms / (double)tc_rect_area(coarse.rect)) / units * c->lattice;
-        detail /= 3 * (double)tc_rect_area(coarse.rect) * step;
-        for (int b = 0; b < TC_BANDS; b++)
-            free(band[b].z);
-        free(ll.z), free(scratch);
-    }
     double bits = coarse_bits + 8.0 * (double)bytes / (double)n, jxl = bound < 3 ? c->jxl[bound] : 0;
-    printf("exact: %-9s E %d q/step %5.1f units %2d  coarser %6.4f (rms %.2f m; detail %.2f) + %6.4f (header %zu B) = "
+    printf("exact: %-9s E %d q/step %6.1f units %d  coarser %6.4f (rms %.2f m) + %6.4f (header %zu B) = "
            "%6.4f bits  JPEG XL %5.3f "
            "%+5.1f %%  train %.2f s  encode %5.1f decode %5.1f Ms/s\n",
-           c->name, bound, q, units, coarse_bits, coarse_rms, detail, bits - coarse_bits, header_bytes, bits, jxl,
-           jxl > 0 ? 100 * (bits / jxl - 1) : 0, train_s, 1e-6 * (double)n / encode_s, 1e-6 * (double)n / decode_s);
+           c->name, bound, q, units, coarse_bits, rms(&coarse, &filtered) / units * c->lattice, bits - coarse_bits,
+           header_bytes, bits, jxl, jxl > 0 ? 100 * (bits / jxl - 1) : 0, train_s, 1e-6 * (double)n / encode_s,
+           1e-6 * (double)n / decode_s);
     fflush(stdout);
     for (int64_t t = 0; t < tiles; t++)
         free(stream[t]);
     free(stream), free(size), free(buffer), free(header), free(work), free(codec);
-    free(source.z), free(fine.z), free(out.z);
+    free(source.z), free(fine.z), free(out.z), free(filtered.z);
     packed_free(&p);
 }
 
@@ -226,14 +242,16 @@ int main(int argc, char **argv)
         tc_plane z = load(c);
         if (!z.z)
             continue;
-        if (argc > 3 && strcmp(argv[2], "corrected") == 0) {
-            measure_corrected(c, &z, atoi(argv[3]), argc > 4 ? atof(argv[4]) : 1.5, 16);
-            free(z.z);
-            continue;
-        }
-        for (int bound = 0; bound < 3; bound++)
-            if (argc > 2 ? atoi(argv[2]) == bound : c->jxl[bound] > 0)
-                measure(c, &z, bound, argc > 3 ? atof(argv[3]) : 8, argc > 4 ? atoi(argv[4]) : 4);
+        bool corrected = argc > 2 && strcmp(argv[2], "corrected") == 0;
+        if (corrected)
+            measure_corrected(c, &z, argc > 3 ? atoi(argv[3]) : 2, argc > 4 ? atof(argv[4]) : 2.8, 16);
+        else if (argc > 2)
+            measure(c, &z, atoi(argv[2]), argc > 3 ? atof(argv[3]) : 0, argc > 4 ? atoi(argv[4]) : 4);
+        for (int bound = 0; bound < 3 && argc < 3; bound++)
+            if (c->jxl[bound] > 0)
+                measure(c, &z, bound, 0, 4);
+        for (int bound = 1; bound < 5 && argc < 3 && c->lattice == 1; bound *= 2)
+            measure_corrected(c, &z, bound, 2.8, 16);
         free(z.z);
     }
     return 0;

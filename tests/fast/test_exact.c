@@ -196,6 +196,18 @@ static void sizes_of_streams(void **state)
     c = trained(&e, 1, 4, NULL);
     assert_in_range(round_trip(c, &e), 0, 400);
     free(c), unmake(&e);
+    /* Few values, far apart: little more than if their distance were the step. */
+    e = make(SPARSE, 256, 256, 1, false, 0, 1);
+    c = trained(&e, 1, 4, NULL);
+    size_t sparse = round_trip(c, &e);
+    free(c);
+    for (int64_t i = 0; i < tc_rect_area(e.fine.rect); i++)
+        e.fine.z[i] /= 37;
+    for (int64_t i = 0; i < tc_rect_area(e.coarse.rect); i++)
+        e.coarse.z[i] /= 37;
+    c = trained(&e, 1, 4, NULL);
+    assert_in_range(sparse, 1, round_trip(c, &e) * 3 / 2 + 400);
+    free(c), unmake(&e);
     e = make(NOISE, 256, 256, TC_LIFTING_LIMIT / 100, false, 0, 1);
     c = trained(&e, TC_LIFTING_LIMIT / 100, 4, NULL);
     size_t entropy = (size_t)(256 * 256 * log2(201) / 8);

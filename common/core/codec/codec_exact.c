@@ -38,9 +38,9 @@ size_t tc_exact_work_bytes(void)
 
 size_t tc_exact_tile_bound(void)
 {
-    /* Every decision at the least probability takes 12 bits; a sample at most 2 + TC_EXACT_UNARY + 2 * MOST_LENGTH of
-     * them, half of which are raw or cost less. */
-    return (size_t)TC_EXACT_SIDE * TC_EXACT_SIDE * 64 + 64;
+    /* A decision takes 12 bits at most: a sample 2 + TC_EXACT_UNARY + MOST_LENGTH of them and fewer than 64 raw bits,
+     * a value of the range one. */
+    return (size_t)TC_EXACT_SIDE * TC_EXACT_SIDE * 64 + 2 * TC_EXACT_RANGE + 64;
 }
 
 /* ---- A sample ------------------------------------------------------------------------------------------------ */

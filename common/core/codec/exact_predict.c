@@ -1,4 +1,5 @@
 /* exact_predict.c - what of a tile is known from the coarser level (exact_tile.h). */
+#include <stdlib.h>
 #include <string.h>
 
 #include "exact_tile.h"
@@ -10,7 +11,7 @@ const int8_t tc_exact_causal_at[TC_EXACT_CAUSAL][2] = {{-1, 0},  {0, -1},  {-1, 
                                                        {-2, -1}, {-1, -2}, {1, -2},  {2, -1}, {2, -2}, {-2, -2},
                                                        {-3, 0},  {0, -3},  {-3, -1}, {3, -1}};
 
-enum { M = TC_EXACT_MARGIN };
+enum { M = TC_EXACT_MARGIN, BLOCK = 16 };
 
 /* The coarser level in parts above the base; beyond the terrain its border goes on. */
 static void gather(const tc_exact *c, tc_rect tile, tc_rect needs, const tc_plane *coarse, tc_exact_work *w)
@@ -50,8 +51,54 @@ static void upsample(tc_exact_work *w)
     }
 }
 
+/* Whether the filter's sums fit 32 bits, and heights less the first one half of that. */
+static bool is_narrow(const tc_exact *c, const tc_exact_work *w)
+{
+    int32_t least = w->coarse[0][0], most = least, sum[TC_EXACT_PHASES] = {0};
+    for (int j = 0; j < TC_EXACT_COARSE_SIDE; j++)
+        for (int i = 0; i < TC_EXACT_COARSE_SIDE; i++) {
+            int32_t z = w->coarse[j][i];
+            least = z < least ? z : least, most = z > most ? z : most;
+        }
+    bool narrow = most - least < 1 << 15;
+    for (int p = 0; p < TC_EXACT_PHASES; p++) {
+        for (int k = 0; k < TC_EXACT_COARSE; k++)
+            sum[p] += abs(c->model.predict[p][k]);
+        narrow = narrow && sum[p] < 1 << 16;
+    }
+    return narrow;
+}
+
 /* What the prediction says without any sample: the upsampled coarser level and a trained filter of it. */
-static void guess(const tc_exact *c, tc_exact_work *w)
+static void guess_narrow(const tc_exact *c, tc_exact_work *w)
+{
+    int16_t z[TC_EXACT_COARSE_SIDE][TC_EXACT_COARSE_SIDE];
+    for (int j = 0; j < TC_EXACT_COARSE_SIDE; j++)
+        for (int i = 0; i < TC_EXACT_COARSE_SIDE; i++)
+            z[j][i] = (int16_t)(w->coarse[j][i] - w->coarse[0][0]);
+    for (int y = 0; y < TC_EXACT_SIDE; y++)
+        for (int px = 0; px < 2; px++) {
+            const int16_t *weight = c->model.predict[(y & 1) * 2 + px], *here = &z[(y >> 1) + M][M];
+            for (int first = 0; first < TC_TILE; first += BLOCK) {
+                int32_t sum[BLOCK] = {0}, *out = &w->guess[y][2 * first + px];
+                const int32_t *up = &w->up[y][2 * first + px];
+                for (int k = 0; k < TC_EXACT_COARSE; k++) {
+                    const int16_t *there =
+                        here + first + tc_exact_coarse_at[k][1] * TC_EXACT_COARSE_SIDE + tc_exact_coarse_at[k][0];
+                    for (int i = 0; i < BLOCK; i++)
+                        sum[i] += weight[k] * (int16_t)(there[i] - here[first + i]);
+                }
+                for (int i = 0; i < BLOCK; i++) {
+                    int32_t v = up[2 * i] * 16 + (sum[i] >> 8);
+                    v = v < 16 * TC_EXACT_RELIEF ? v : 16 * TC_EXACT_RELIEF;
+                    out[2 * i] = v > -16 * TC_EXACT_RELIEF ? v : -16 * TC_EXACT_RELIEF;
+                }
+            }
+        }
+}
+
+/* The same for any heights. */
+static void guess_wide(const tc_exact *c, tc_exact_work *w)
 {
     for (int y = 0; y < TC_EXACT_SIDE; y++)
         for (int px = 0; px < 2; px++) {
@@ -90,7 +137,10 @@ void tc_exact_prepare(const tc_exact *c, int64_t tx, int64_t ty, const tc_plane 
                     tc_min64((ty + 1) * TC_TILE, c->ch)};
     gather(c, tile, tc_exact_tile_needs(c, tx, ty), coarse, w);
     upsample(w);
-    guess(c, w);
+    if (is_narrow(c, w))
+        guess_narrow(c, w);
+    else
+        guess_wide(c, w);
     curvature(w);
     memset(w->signal, 0, sizeof w->signal);
     memset(w->error, 0, sizeof w->error);

@@ -95,14 +95,14 @@ void tc_packer_destroy(tc_packer *p)
  * *bound_ret and *lattice_ret as for tc_pack_to_bound(). */
 static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret, tc_error *error)
 {
-    enum { PARTS = 16 };
+    enum { PARTS = 16, LATTICE_PARTS = 4 };
     tc_container *c = &p->container;
     bool rms = p->options.mode == TC_PACK_RMS, lossless = p->options.mode == TC_PACK_LOSSLESS;
     double range = (double)p->z_max - p->z_min, least = 1.01 * range / TC_LIFTING_LIMIT, origin = 0;
     double middle = 0.5 * ((double)p->z_min + p->z_max), lattice = rms ? 0 : tc_pack_lattice(p, &origin);
     *bound_ret = 0, *lattice_ret = 1;
     if (lattice > 0 && lattice >= least) {
-        while (*lattice_ret < PARTS && lattice / (2 * *lattice_ret) >= least)
+        while (*lattice_ret < LATTICE_PARTS && lattice / (2 * *lattice_ret) >= least)
             *lattice_ret *= 2;
         c->z_unit = lattice / *lattice_ret;
         c->z_origin = origin + rint((middle - origin) / lattice) * lattice;
@@ -122,6 +122,9 @@ static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret
                        p->options.error, range);
     while (unit < least)
         unit *= 2;
+    if (unit > 2 * p->options.error)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an rms of %g m is too small for heights %g m apart", p->path,
+                       p->options.error, range);
     c->z_unit = unit;
     c->z_origin = rint(middle / unit) * unit;
     /* Rounding to units and to floats has its share of the error. */

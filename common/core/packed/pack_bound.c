@@ -10,8 +10,20 @@
 #include "common/core/base/status.h"
 #include "pack_internal.h"
 
-/* Steps of the coarser levels, measured to give the least bytes in all (tests/bench/bench_exact.c). */
-static const double COARSE_BY_STEP = 1.5, STEP_BY_BOUND = 2.0;
+/* Steps that give about the least bytes in all (tests/bench/bench_exact.c): of the levels below an exact one, by its
+ * step or, where that is more, by the mean magnitude of its details; of all levels, by the bound of corrections. */
+static const double COARSE_BY_EXACT = 8, STEP_BY_BOUND = 2.8;
+
+static double mean_detail(const tc_packer *p)
+{
+    double sum = 0, count = 0;
+    for (int b = 0; b < TC_BANDS; b++)
+        for (int i = 0; i < TC_DETAIL_BINS; i++) {
+            double n = (double)p->histogram[p->container.levels - 1][b].count[i];
+            sum += n * tc_detail_bin(i), count += n;
+        }
+    return sum / fmax(count, 1);
+}
 
 /* A finished way of coding. */
 typedef struct attempt {
@@ -85,7 +97,7 @@ static tc_status code_exact(tc_packer *p, int32_t step, double share, tc_error *
     int m = p->container.levels;
     tc_status status = tc_coding_begin(p, &coding, error);
     if (!status)
-        status = tc_coding_below(&coding, m - 1, COARSE_BY_STEP * step, error);
+        status = tc_coding_below(&coding, m - 1, COARSE_BY_EXACT * fmax(step, mean_detail(p)), error);
     if (!status)
         status = choose_exact(&coding, m, step, error);
     if (!status)
@@ -99,7 +111,7 @@ static tc_status code_corrected(tc_packer *p, int32_t bound, int32_t lattice, do
     tc_coding coding;
     int m = p->container.levels;
     tc_level_record *record = &p->container.record[m - 1];
-    double q = STEP_BY_BOUND * (bound + 0.5 * lattice);
+    double q = STEP_BY_BOUND * bound;
     tc_sample *sample = NULL;
     tc_status status = tc_coding_begin(p, &coding, error);
     if (!status)

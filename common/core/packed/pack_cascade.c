@@ -7,11 +7,21 @@
 #include "common/core/base/status.h"
 #include "pack_internal.h"
 
-static void to_units(const tc_container *c, const float *z, int64_t count, int32_t *k)
+/* Rounds as lrint() does, but so that compilers make vectors of it: added to 3 * 2^51, a double has its integer part in
+ * its low bits. */
+static int32_t round_to_int(double x)
 {
-    double inverse = 1 / c->z_unit;
+    double shifted = x + 6755399441055744.0;
+    int64_t bits;
+    memcpy(&bits, &shifted, sizeof bits);
+    return (int32_t)bits;
+}
+
+static void to_units(const tc_container *c, const float *restrict z, int64_t count, int32_t *restrict k)
+{
+    double inverse = 1 / c->z_unit, origin = c->z_origin;
     for (int64_t i = 0; i < count; i++)
-        k[i] = (int32_t)lrint((z[i] - c->z_origin) * inverse);
+        k[i] = round_to_int((z[i] - origin) * inverse);
 }
 
 tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptrdiff_t stride, tc_error *error)
@@ -66,6 +76,11 @@ static int bin_of(int32_t detail)
     uint32_t bits;
     memcpy(&bits, &v, sizeof bits);
     return detail == 0 ? 0 : (int)(bits >> 21) - (127 << 2) + 1; /* four to an octave */
+}
+
+double tc_detail_bin(int bin)
+{
+    return bin == 0 ? 0 : exp2((bin - 1) / 4.0 + 0.125);
 }
 
 void tc_pack_count(const tc_plane *band, tc_detail_histogram *h)

@@ -68,6 +68,9 @@ double tc_pack_lattice(const tc_packer *p, double *origin_ret);
 tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptrdiff_t stride, tc_error *error);
 tc_status tc_pack_cascade(tc_packer *p, tc_error *error);
 
+/* The magnitude that a bin of histograms stands for. */
+double tc_detail_bin(int bin);
+
 /* Adds a plane's details to a histogram. */
 void tc_pack_count(const tc_plane *band, tc_detail_histogram *histogram);
 

@@ -372,6 +372,41 @@ static tc_status correct_tile(const level_state *s, int64_t tx, int64_t ty, code
     return status;
 }
 
+/* Sums in lanes, so that compilers can make vectors of them and all add up the same. */
+enum { LANES = 8 };
+typedef struct error_sum {
+    double square[LANES], most[LANES];
+} error_sum;
+
+static void add_errors(error_sum *sum, const double *error, int64_t count)
+{
+    int64_t i = 0;
+    for (; i + LANES <= count; i += LANES)
+        for (int k = 0; k < LANES; k++) {
+            sum->square[k] += error[i + k] * error[i + k];
+            sum->most[k] = error[i + k] > sum->most[k] ? error[i + k] : sum->most[k];
+        }
+    for (int k = 0; i + k < count; k++) {
+        sum->square[k] += error[i + k] * error[i + k];
+        sum->most[k] = error[i + k] > sum->most[k] ? error[i + k] : sum->most[k];
+    }
+}
+
+/* Metres by which heights are off: from those given, as a reader will have them, and from the filtered ones. */
+static void errors_of_source(const tc_container *c, const int32_t *z, const float *source, int64_t count, double *error)
+{
+    double unit = c->z_unit, origin = c->z_origin;
+    for (int64_t i = 0; i < count; i++)
+        error[i] = fabs((double)(float)(origin + unit * z[i]) - source[i]);
+}
+
+static void errors_of_level(const tc_container *c, const int32_t *z, const int32_t *truth, int64_t count, double *error)
+{
+    double unit = c->z_unit;
+    for (int64_t i = 0; i < count; i++)
+        error[i] = fabs((double)z[i] - truth[i]) * unit;
+}
+
 /* Errors and bounds of a tile whose heights are all there. */
 static void measure_tile(void *context, int64_t n)
 {
@@ -389,24 +424,30 @@ static void measure_tile(void *context, int64_t n)
             fail_once(s, status);
     }
     int32_t low = INT32_MAX, high = INT32_MIN;
-    double sum = 0, most = 0;
+    error_sum sum = {{0}, {0}};
+    double error[TC_TILE_SIDE];
+    int64_t count = r.x1 - r.x0, samples = 0;
     for (int64_t y = r.y0; y < r.y1; y++) {
-        const int32_t *z = tc_plane_at(&s->fine, r.x0, y), *truth = tc_plane_at(&s->truth, r.x0, y);
-        int64_t at = (y - s->finished * FINE) * w + r.x0;
-        const uint8_t *void_row = s->voids.v ? s->voids.v + (y - s->voids.rect.y0) * w + r.x0 : NULL;
-        double row_sum = 0;
-        for (int64_t i = 0; i < r.x1 - r.x0; i++) {
+        const int32_t *z = tc_plane_at(&s->fine, r.x0, y);
+        for (int64_t i = 0; i < count; i++)
             low = z[i] < low ? z[i] : low, high = z[i] > high ? z[i] : high;
-            if (void_row && void_row[i])
-                continue;
-            double e = s->source ? fabs((double)tc_pack_metres(c, z[i]) - s->source[at + i])
-                                 : fabs((double)z[i] - truth[i]) * c->z_unit;
-            row_sum += e * e, most = e > most ? e : most, tile->samples++;
-        }
-        sum += row_sum;
+        if (s->source)
+            errors_of_source(c, z, s->source + (y - s->finished * FINE) * w + r.x0, count, error);
+        else
+            errors_of_level(c, z, tc_plane_at(&s->truth, r.x0, y), count, error);
+        const uint8_t *voids = s->voids.v ? s->voids.v + (y - s->voids.rect.y0) * w + r.x0 : NULL;
+        samples += count;
+        for (int64_t i = 0; i < count && voids; i++)
+            if (voids[i])
+                error[i] = 0, samples--;
+        add_errors(&sum, error, count);
     }
     tile->entry.low = low, tile->entry.high = high;
-    tile->square_error = sum, tile->max_error = most;
+    tile->samples = samples;
+    for (int k = 0; k < LANES; k++) {
+        tile->square_error += sum.square[k];
+        tile->max_error = fmax(tile->max_error, sum.most[k]);
+    }
     if (s->voids.v && !add_mask(s, r, tile))
         fail_once(s, TC_ERR_MEMORY);
     uint32_t size = tc_tile_bytes(&tile->entry);

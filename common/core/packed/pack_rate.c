@@ -13,7 +13,7 @@
 
 static const double AIM = 0.986, LEAST = 0.97; /* of the target */
 enum { MOST_TRIES = 12 };
-static const double LARGEST_STEP = 64.0 * TC_MAX_STEP;
+static const double LARGEST_STEP = 64.0 * TC_MAX_STEP, SMALLER = 0.7;
 
 /* Square error that quantising a detail leaves: small ones vanish, others are off by an even share of the step. */
 static double quantiser_error(double detail, double step)
@@ -27,7 +27,7 @@ static double histogram_error(const tc_detail_histogram *h, double step)
     double sum = 0;
     for (int i = 1; i < TC_DETAIL_BINS; i++)
         if (h->count[i])
-            sum += (double)h->count[i] * quantiser_error(exp2((i - 1) / 4.0 + 0.125), step);
+            sum += (double)h->count[i] * quantiser_error(tc_detail_bin(i), step);
     return sum;
 }
 
@@ -71,10 +71,47 @@ static double solve(const tc_packer *p, double target)
 
 /* ---- Search ---------------------------------------------------------------------------------------------------- */
 
+/* Steps tried for one thing, and the error they led to: within which two the target lies, and where by the power law
+ * through the last two points, or through one with a likely exponent. */
+typedef struct curve {
+    double low, high; /* steps whose error was within the target, and beyond it */
+    int points;
+    double q, error, exponent;
+} curve;
+
+#define CURVE(likely) ((curve){0, INFINITY, 0, 0, 0, likely})
+
+/* The step to try after step q gave `error`, when `aim` is wanted and `most` allowed; sure: it is no estimate. */
+static double next_step(curve *c, double q, double error, double aim, double most, bool sure)
+{
+    const double reach = 4, least_exponent = 0.3, most_exponent = 3, inside = 0.1;
+    error = fmax(error, 1e-12), aim = fmax(aim, 1e-12);
+    if (sure && error <= most)
+        c->low = fmax(c->low, q);
+    else if (sure)
+        c->high = fmin(c->high, q);
+    if (c->points++ > 0 && fabs(log(q / c->q)) > 1e-4)
+        c->exponent = fmin(fmax(log(error / c->error) / log(q / c->q), least_exponent), most_exponent);
+    c->q = q, c->error = error;
+    double next = q * fmin(fmax(pow(aim / error, 1 / c->exponent), 1 / reach), reach);
+    /* Well inside what is left; a little off the one side that is known. */
+    bool between = c->low > 0 && c->high < INFINITY;
+    double margin = between ? exp(inside * log(c->high / c->low)) : 1.003;
+    return fmin(fmax(next, c->low * margin), c->high / margin);
+}
+
+/* Nothing is left to try between steps so near. */
+static bool narrow(const curve *c)
+{
+    return c->high < 1.01 * c->low;
+}
+
 typedef struct search {
     tc_coding coding;
-    double q;      /* step of the levels below the finest */
-    double target; /* squared error in squared height units */
+    double target;                  /* squared error in squared height units */
+    double q, fine;                 /* steps of the levels below the finest, and of the finest */
+    double best_q, best_fine, best; /* the largest error within the target so far, and its steps; -1: none */
+    double last_q, last_fine;       /* what the packer holds */
 } search;
 
 /* Square error that coding a sample of the finest level's tiles leaves in each sample of the level, by the model's
@@ -102,64 +139,69 @@ static tc_status estimate(const search *s, const tc_sample *tiles, double q, dou
     return TC_OK;
 }
 
-/* A point of a curve of errors over steps, and where the curve reaches a target: by the power law through two points,
- * or through one with a likely exponent. No further than REACH times from the last point. */
-typedef struct curve {
-    int points;
-    double q, error, exponent;
-} curve;
-
-static double next_step(curve *c, double q, double error, double target)
-{
-    const double reach = 4, least = 0.3, most = 3;
-    error = fmax(error, 1e-9), target = fmax(target, 1e-9);
-    if (c->points++ > 0 && fabs(log(q / c->q)) > 1e-4)
-        c->exponent = fmin(fmax(log(error / c->error) / log(q / c->q), least), most);
-    c->q = q, c->error = error;
-    return q * fmin(fmax(pow(target / error, 1 / c->exponent), 1 / reach), reach);
-}
-
 static bool meets(const search *s, double error)
 {
     return error <= s->target && error >= LEAST * LEAST * s->target;
 }
 
-/* Codes the finest level with a step near s->q that brings the whole to the target, given what coarser levels leave in
- * its samples. Sets *error_ret to what all levels come to; where a step near s->q cannot reach the target, which is
- * foreseen if it is far away, *coded_ret is false. */
-static tc_status code_finest(search *s, double carried, bool last_try, double *error_ret, bool *coded_ret,
+/* Codes the finest level with step s->fine; *error_ret: what all levels come to. */
+static tc_status code_finest(search *s, const tc_sample *sample, int64_t body, double *error_ret, tc_error *error)
+{
+    tc_packer *p = s->coding.p;
+    int l = p->container.levels;
+    p->body_size = body;
+    tc_status status = tc_coding_choose(&s->coding, l, s->fine, sample, error);
+    if (!status)
+        status = tc_coding_level(&s->coding, l, 0, false, 0.75 * TC_SHARE_LEVELS, error);
+    if (status)
+        return status;
+    *error_ret = tc_coding_error(&s->coding);
+    s->last_q = s->q, s->last_fine = s->fine;
+    if (*error_ret <= s->target && *error_ret > s->best)
+        s->best = *error_ret, s->best_q = s->q, s->best_fine = s->fine;
+    return TC_OK;
+}
+
+static tc_status sample_finest(const search *s, tc_sample **sample_ret, tc_error *error)
+{
+    enum { SHARE = 16 };
+    const tc_packer *p = s->coding.p;
+    tc_pages pages = tc_level_pages(&p->container.level[p->container.levels - 1]);
+    int64_t wanted = pages.tiles_x * pages.tiles_y / SHARE;
+    return tc_pack_sample(p, p->container.levels, &s->coding.coarse,
+                          (int)tc_clamp64(wanted, TC_TRAINING_TILES, TC_SAMPLE_TILES), sample_ret, error);
+}
+
+/* Codes the finest level with steps near s->q that may bring the whole to the target, given what coarser levels leave
+ * in its samples. Sets *error_ret to what all levels come to; where a step near s->q is foreseen not to reach the
+ * target, and `foresee` allows it, the level is not coded, and *coded_ret false. */
+static tc_status tune_finest(search *s, double carried, bool foresee, double *error_ret, bool *coded_ret,
                              tc_error *error)
 {
-    enum { MOST_CODINGS = 3, SHARE = 16 };
+    enum { MOST_CODINGS = 4 };
     const double near = 1.25, far = 1.08;
     tc_packer *p = s->coding.p;
     int l = p->container.levels;
-    const tc_level *level = &p->container.level[l - 1];
-    double tiles = (double)level->width * (double)level->height / (TC_TILE_SIDE * TC_TILE_SIDE);
-    double aim = AIM * AIM * s->target, own = fmax(aim - carried, 0.01 * aim), q = s->q, foreseen = 0;
+    double aim = AIM * AIM * s->target, own = fmax(aim - carried, 0.01 * aim),
+           own_most = fmax(s->target - carried, own);
+    double foreseen = 0;
     tc_sample *sample = NULL;
-    tc_status status = tc_pack_sample(
-        p, l, &s->coding.coarse, (int)fmin(fmax(tiles / SHARE, TC_TRAINING_TILES), TC_SAMPLE_TILES), &sample, error);
-    if (!status && !(status = tc_coding_choose(&s->coding, l, q, sample, error)))
-        status = estimate(s, sample, q, &foreseen, error);
+    tc_status status = sample_finest(s, &sample, error);
+    s->fine = s->q;
+    if (!status && !(status = tc_coding_choose(&s->coding, l, s->q, sample, error)))
+        status = estimate(s, sample, s->q, &foreseen, error);
     *error_ret = carried + foreseen;
-    *coded_ret = last_try || fabs(log(*error_ret / aim)) < 2 * log(far);
-    if (!status && *coded_ret) {
-        curve guess = {.exponent = 1.6};
-        q = fmin(fmax(next_step(&guess, q, foreseen, own), s->q / near), s->q * near);
-    }
-    curve seen = {.exponent = 1.8};
+    bool code = *coded_ret = !foresee || fabs(log(*error_ret / aim)) < 2 * log(far);
+    curve guess = CURVE(1.6), seen = CURVE(1.8);
+    s->fine = fmin(fmax(next_step(&guess, s->q, foreseen, own, own_most, false), s->q / near), s->q * near);
     int64_t body = p->body_size;
-    for (int codings = 0; !status && *coded_ret; codings++) {
-        p->body_size = body;
-        if ((status = tc_coding_choose(&s->coding, l, q, sample, error)) ||
-            (status = tc_coding_level(&s->coding, l, 0, false, 0.75 * TC_SHARE_LEVELS, error)))
+    for (int codings = 0; !status && code && codings < MOST_CODINGS; codings++) {
+        if ((status = code_finest(s, sample, body, error_ret, error)) || meets(s, *error_ret))
             break;
-        *error_ret = tc_coding_error(&s->coding);
-        double next = next_step(&seen, q, *error_ret - carried, own);
-        if (meets(s, *error_ret) || next < s->q / (near * near) || next > s->q * near * near || codings == MOST_CODINGS)
+        double next = next_step(&seen, s->fine, *error_ret - carried, own, own_most, true);
+        if (next < s->q / (near * near) || next > s->q * near * near || narrow(&seen))
             break;
-        q = next;
+        s->fine = next;
     }
     tc_sample_free(sample);
     return status;
@@ -171,34 +213,64 @@ static double squared_target(const tc_packer *p)
     return target * target;
 }
 
+static tc_status code_below(search *s, tc_packer *p, tc_error *error)
+{
+    tc_status status = tc_coding_begin(p, &s->coding, error);
+    return status ? status : tc_coding_below(&s->coding, p->container.levels - 1, s->q, error);
+}
+
+/* Codes everything with these two steps. */
+static tc_status code_with(search *s, tc_packer *p, double q, double fine, tc_error *error)
+{
+    double found = 0;
+    tc_sample *sample = NULL;
+    s->q = q, s->fine = fine;
+    tc_status status = code_below(s, p, error);
+    if (!status)
+        status = sample_finest(s, &sample, error);
+    if (!status)
+        status = code_finest(s, sample, p->body_size, &found, error);
+    tc_sample_free(sample);
+    tc_coding_end(&s->coding);
+    return status;
+}
+
+static tc_status too_fine(const tc_packer *p, tc_error *error)
+{
+    return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an rms of %g m is too small for heights %g m apart", p->path,
+                   p->options.error, (double)p->z_max - p->z_min);
+}
+
 tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
 {
-    search s = {.target = squared_target(p)};
-    s.q = solve(p, AIM * AIM * s.target);
-    curve whole = {.exponent = 1.2};
+    enum { FORESEEN_TRIES = 5 };
+    search s = {.target = squared_target(p), .best = -1};
+    double aim = AIM * AIM * s.target;
+    curve whole = CURVE(1.2);
     tc_status status = TC_OK;
-    bool done = false;
-    double before = 0;
-    for (int tries = 0; tries < MOST_TRIES && !status && !done; tries++) {
+    s.q = solve(p, aim);
+    for (int tries = 0; !status && tries < MOST_TRIES; tries++) {
         double found = 0;
-        bool coded = false, all_dropped = false;
-        status = tc_coding_begin(p, &s.coding, error);
+        bool coded = false, foresee = tries < FORESEEN_TRIES && s.q < LARGEST_STEP;
+        status = code_below(&s, p, error);
         if (!status)
-            status = tc_coding_below(&s.coding, p->container.levels - 1, s.q, error);
-        if (!status) {
-            /* A larger step that changes nothing has nothing left to drop. */
-            all_dropped = tries > 0 && s.coding.carried < s.target && s.q > LARGEST_STEP / 2;
-            status = code_finest(&s, s.coding.carried, tries == MOST_TRIES - 1 || all_dropped, &found, &coded, error);
-        }
+            status = tune_finest(&s, s.coding.carried, foresee, &found, &coded, error);
         tc_coding_end(&s.coding);
-        if (!status && coded && (meets(&s, found) || all_dropped || tries == MOST_TRIES - 1))
+        if (status || (coded && meets(&s, found)))
             break;
-        double next = fmin(next_step(&whole, s.q, found, AIM * AIM * s.target), LARGEST_STEP);
-        if (found < s.target && fabs(found - before) <= 1e-3 * found)
-            next = LARGEST_STEP;
-        before = found;
-        s.q = next;
+        if (s.best >= 0 && (s.q >= LARGEST_STEP || narrow(&whole))) /* as good as it gets */
+            break;
+        s.q = fmin(next_step(&whole, s.q, found, aim, s.target, coded), LARGEST_STEP);
+        if (s.q < 0.1)
+            break;
     }
+    /* An error that goes in leaps: well below the target rather than above. */
+    for (double q = s.q * SMALLER; !status && s.best < 0 && q > 0.1; q *= SMALLER)
+        status = code_with(&s, p, q, q, error);
+    if (!status && s.best < 0)
+        status = too_fine(p, error);
+    if (!status && (s.last_q != s.best_q || s.last_fine != s.best_fine))
+        status = code_with(&s, p, s.best_q, s.best_fine, error);
     return status;
 }
 
@@ -249,19 +321,27 @@ static tc_status code_lh04(tc_packer *p, double step, double *error_ret, tc_erro
 
 tc_status tc_pack_lh04(tc_packer *p, tc_error *error)
 {
-    search s = {.target = squared_target(p)};
-    curve whole = {.exponent = 1.5};
-    double step = 3 * sqrt(s.target);
+    search s = {.target = squared_target(p), .best = -1};
+    double aim = AIM * AIM * s.target;
+    curve whole = CURVE(1.5);
+    s.q = 3 * sqrt(s.target);
     tc_status status = TC_OK;
+    double found = 0;
     for (int tries = 0; tries < MOST_TRIES && !status; tries++) {
-        double found = 0;
-        status = code_lh04(p, step, &found, error);
-        if (status || meets(&s, found))
+        status = code_lh04(p, s.q, &found, error);
+        s.last_q = s.q;
+        if (!status && found <= s.target && found > s.best)
+            s.best = found, s.best_q = s.q;
+        if (status || meets(&s, found) || (s.best >= 0 && (s.q >= TC_MAX_STEP || narrow(&whole))) || s.q < 1)
             break;
-        double next = fmin(next_step(&whole, step, found, AIM * AIM * s.target), TC_MAX_STEP);
-        if (found <= s.target && next <= step * 1.001)
-            break;
-        step = next;
+        s.q = fmin(next_step(&whole, s.q, found, aim, s.target, true), TC_MAX_STEP);
     }
+    for (double q = s.q * SMALLER; !status && s.best < 0 && q >= 0.5; q *= SMALLER)
+        if (!(status = code_lh04(p, s.last_q = q, &found, error)) && found <= s.target)
+            s.best = found, s.best_q = q;
+    if (!status && s.best < 0)
+        status = too_fine(p, error);
+    if (!status && s.last_q != s.best_q)
+        status = code_lh04(p, s.best_q, &s.best, error);
     return status;
 }

@@ -508,7 +508,7 @@ static size_t largest_tile(const tc_container *c)
     size_t most = 0;
     for (int l = c->base; l < c->levels; l++)
         most = tc_decoded_tile_bytes(c->record[l].coder) > most ? tc_decoded_tile_bytes(c->record[l].coder) : most;
-    return most ? most : 1;
+    return most ? most : tc_decoded_tile_bytes(TC_CODER_LIFTING); /* one byte each would make for a huge table */
 }
 
 /* Heights of the base level from the head, of coarser ones by the transform's low band. */
