@@ -108,7 +108,7 @@ static void rate_terrain(const terrain_file *file)
 
 static void rate_section(const char *only)
 {
-    const terrain_file *files[] = {&puget, &tatra, &canyon, &moon, &moon_globe, &moon_large, &etopo, &synthetic};
+    const terrain_file *files[] = {&puget, &etopo, &canyon, &synthetic, &moon, &moon_globe, &tatra, &moon_large};
     printf("\nRate at equal rms: bits a sample of whole files; per cent: our bytes against the others', - where JPEG\n"
            "2000's bits are not within 0.1 to 2.5; < the terrain's row nearest to 0.25 bits\n");
     printf("%-38s %5s %7s %8s %8s %9s %8s %9s %7s\n", "", "goal", "rms m", "max m", "bits", "JPEG 2000", "%   ", "lh04",
