@@ -81,6 +81,8 @@ $(OBJ)/%.o: %.cpp | build/.packages
 CPPFLAGS_plugin_gdal = $(shell pkg-config --cflags gdal)
 CPPFLAGS_plugin_gdal_write = $(CPPFLAGS_plugin_gdal)
 CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
+CPPFLAGS_jpeg2000 = $(shell pkg-config --cflags libopenjp2)
+CPPFLAGS_lerc = $(CPPFLAGS_plugin_gdal)
 
 # Shaders as strings: build/gen/shaders.c defines tc_shader_files[].
 $(O)/gen/shaders.c: shaders/embed.sh $(SHADERS)
@@ -133,7 +135,7 @@ define test_rule
 $(O)/tests/%: $(OBJ)/tests/$(1)/%.o $(TEST_OBJ)
 	@mkdir -p $$(@D)
 	@echo "  LINK  $$@"
-	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(LDFLAGS_$$*) $$^ -o $$@ -lcmocka $$(LIBS)
+	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(LDFLAGS_$$*) $$^ -o $$@ $$(LIBS_$$*) -lcmocka $$(LIBS)
 endef
 $(eval $(call test_rule,fast))
 $(eval $(call test_rule,slow))
@@ -142,6 +144,10 @@ $(eval $(call test_rule,bench))
 
 # Counts what our own objects allocate, not what the driver does.
 LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc aligned_alloc free)
+
+# Codecs to compare with; nothing else is linked with them.
+$(O)/tests/bench_pack: $(call obj,tests/bench/jpeg2000 tests/bench/lerc)
+LIBS_bench_pack = $(shell pkg-config --libs gdal libopenjp2)
 
 # Makes elevation files for the command-line tests.
 $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o
