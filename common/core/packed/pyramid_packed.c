@@ -17,7 +17,9 @@ enum {
     CACHE_BYTES = 32 << 20,
     MASK_SIDE = 2 * TC_TILE,
     MASK_BYTES = 8 << 20,
-    BLOCK = 1024, /* samples along a side that are read at once */
+    /* Samples that are read at once: what they take fits into the second cache. */
+    BLOCK_WIDTH = 256,
+    BLOCK_HEIGHT = 256,
     CHUNK_BYTES = 1 << 20
 };
 
@@ -151,30 +153,6 @@ static tc_status take_plane(scratch *s, tc_rect rect, tc_plane *plane_ret)
     return plane_ret->z ? TC_OK : TC_ERR_MEMORY;
 }
 
-/* The level's tile, read and decoded. What is wrong with it is counted, and it counts as empty. */
-static tc_status make_tile(packed_pyramid *p, int l, int64_t tx, int64_t ty, tc_decoded_tile *tile, scratch *s)
-{
-    const tc_level_coder *coder = &p->level[l - 1].coder;
-    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
-    tc_plane coarse = {0};
-    mark m = scratch_mark(s);
-    tc_status status = tc_packed_file_entry(&p->file, l, tx, ty, &entry);
-    /* The coarser level first: its own tiles pass through the same buffer. */
-    tc_status below = take_plane(s, tc_level_coder_needs(coder, tx, ty), &coarse);
-    if (!below)
-        below = read_units(p, l - 1, &coarse, s);
-    if (!below && !status)
-        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
-    if (below)
-        memset(tile, 0, tc_decoded_tile_bytes(coder->coder));
-    else if (tc_level_coder_decode(coder, tx, ty, &entry, status ? NULL : s->stream, &coarse, tile, s->work))
-        p->damaged++;
-    else
-        p->decoded += tc_tile_bytes(&entry);
-    scratch_return(s, m);
-    return below;
-}
-
 /* Where a level's tiles go: those of the planes that the coder makes use of. */
 typedef struct tile_planes {
     tc_plane band[TC_BANDS], sample, correction;
@@ -201,28 +179,119 @@ static void copy_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_
         copy_rect(tile->correction[0], TC_TILE_SIDE, samples, &to->correction);
 }
 
-/* Copies from all tiles that touch the positions. */
-static tc_status gather(packed_pyramid *p, int l, tc_rect positions, const tile_planes *to, scratch *s)
+/* The least rectangle that holds both. */
+static tc_rect rect_around(tc_rect a, tc_rect b)
+{
+    if (tc_rect_empty(a) || tc_rect_empty(b))
+        return tc_rect_empty(a) ? b : a;
+    return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
+}
+
+/* A tile of a gathering. */
+typedef struct wanted_tile {
+    int64_t tx, ty;
+    tc_block *block; /* NULL: another thread is making it */
+} wanted_tile;
+
+static uint64_t tile_key(int l, int64_t across, const wanted_tile *t)
+{
+    return (uint64_t)l << 56 | (uint64_t)(t->ty * across + t->tx);
+}
+
+/* Reads the part of the coarser level that `need` and making the tiles take. */
+static tc_status read_coarse(packed_pyramid *p, int l, tc_rect need, const wanted_tile *tile, int count,
+                             tc_plane *coarse, scratch *s)
+{
+    for (int n = 0; n < count; n++)
+        if (tile[n].block && !tile[n].block->made)
+            need = rect_around(need, tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty));
+    tc_status status = take_plane(s, need, coarse);
+    return status ? status : read_units(p, l - 1, coarse, s);
+}
+
+/* The level's tile, read and decoded. What is wrong with it is counted, and it counts as empty. */
+static void make_tile(packed_pyramid *p, int l, const wanted_tile *t, const tc_plane *coarse, scratch *s)
+{
+    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
+    tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry);
+    if (!status)
+        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
+    if (tc_level_coder_decode(&p->level[l - 1].coder, t->tx, t->ty, &entry, status ? NULL : s->stream, coarse,
+                              (tc_decoded_tile *)t->block->bytes, s->work))
+        p->damaged++;
+    else
+        p->decoded += tc_tile_bytes(&entry);
+}
+
+/* Makes those tiles that nobody else has made or is making. Where the coarser level cannot be had they are empty. */
+static void make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse,
+                       scratch *s)
+{
+    for (int n = 0; n < count; n++) {
+        if (!tile[n].block || tile[n].block->made)
+            continue;
+        if (coarse)
+            make_tile(p, l, &tile[n], coarse, s);
+        else
+            memset(tile[n].block->bytes, 0, tc_decoded_tile_bytes(p->level[l - 1].coder.coder));
+        tc_block_made(&p->tiles, tile[n].block);
+    }
+}
+
+/* A tile that another thread was making. */
+static tc_status await_tile(packed_pyramid *p, int l, uint64_t key, wanted_tile *t, scratch *s)
+{
+    if (!(t->block = tc_block_pin(&p->tiles, key)))
+        return TC_ERR_MEMORY;
+    if (t->block->made)
+        return TC_OK;
+    mark m = scratch_mark(s);
+    tc_plane coarse = {0};
+    tc_status status = read_coarse(p, l, (tc_rect){0, 0, 0, 0}, t, 1, &coarse, s);
+    make_tiles(p, l, t, 1, status ? NULL : &coarse, s);
+    scratch_return(s, m);
+    return status;
+}
+
+/* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions. First it takes the
+ * tiles that nobody is making, makes what is missing of them from one reading of the coarser level, and only then waits
+ * for others: who waits for a tile holds no unmade one of its level or a coarser one, so that somebody always goes
+ * on. */
+static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect need, const tile_planes *to,
+                        tc_plane *coarse, scratch *s)
 {
     const tc_level_coder *coder = &p->level[l - 1].coder;
     int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
-    for (int64_t ty = positions.y0 / TC_TILE; ty * TC_TILE < positions.y1; ty++)
-        for (int64_t tx = positions.x0 / TC_TILE; tx * TC_TILE < positions.x1; tx++) {
-            tc_block *block = tc_block_pin(&p->tiles, (uint64_t)l << 56 | (uint64_t)(ty * across + tx));
-            if (!block)
-                return TC_ERR_MEMORY;
-            tc_decoded_tile *tile = (tc_decoded_tile *)block->bytes;
-            tc_status status = TC_OK;
-            if (!block->made) {
-                status = make_tile(p, l, tx, ty, tile, s);
-                tc_block_made(&p->tiles, block);
-            }
-            copy_tile(coder, tx, ty, tile, to);
-            tc_block_release(&p->tiles, block);
-            if (status)
-                return status;
-        }
-    return TC_OK;
+    tc_rect t = {positions.x0 / TC_TILE, positions.y0 / TC_TILE, (positions.x1 - 1) / TC_TILE + 1,
+                 (positions.y1 - 1) / TC_TILE + 1};
+    wanted_tile *tile = scratch_take(s, (size_t)tc_rect_area(t) * sizeof *tile);
+    if (!tile)
+        return TC_ERR_MEMORY;
+    int count = 0;
+    tc_status status = TC_OK;
+    for (int64_t k = 0; k < tc_rect_area(t) && !status; k++) {
+        wanted_tile *w = &tile[count];
+        bool busy;
+        w->tx = t.x0 + k % (t.x1 - t.x0), w->ty = t.y0 + k / (t.x1 - t.x0);
+        w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
+        if (w->block || busy)
+            count++;
+        else
+            status = TC_ERR_MEMORY;
+    }
+    if (!status)
+        status = read_coarse(p, l, need, tile, count, coarse, s);
+    make_tiles(p, l, tile, count, status ? NULL : coarse, s);
+    for (int n = 0; n < count; n++) {
+        if (!tile[n].block && !status)
+            status = await_tile(p, l, tile_key(l, across, &tile[n]), &tile[n], s);
+        if (!tile[n].block)
+            continue;
+        if (!status)
+            copy_tile(coder, tile[n].tx, tile[n].ty, (const tc_decoded_tile *)tile[n].block->bytes, to);
+        tc_block_release(&p->tiles, tile[n].block);
+    }
+    return status;
 }
 
 /* Details and the coarser level make heights, which may then be corrected. */
@@ -232,15 +301,13 @@ static tc_status synthesise_lifting(packed_pyramid *p, int l, const tc_plane *to
     tc_rect need = tc_lifting_needs(&coder->level, to->rect);
     tile_planes planes = {0};
     tc_plane coarse = {0};
-    tc_status status = take_plane(s, need, &coarse);
+    tc_status status = TC_OK;
     for (int b = 0; b < TC_BANDS && !status; b++)
         status = take_plane(s, need, &planes.band[b]);
     if (!status && coder->correction)
         status = take_plane(s, to->rect, &planes.correction);
     if (!status)
-        status = read_units(p, l - 1, &coarse, s);
-    if (!status)
-        status = gather(p, l, need, &planes, s);
+        status = gather(p, l, need, need, &planes, &coarse, s);
     int32_t *work = NULL;
     if (!status && !(work = scratch_take(s, tc_lifting_synthesise_scratch(&coder->level, to->rect) * sizeof *work)))
         status = TC_ERR_MEMORY;
@@ -265,10 +332,10 @@ static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratc
         status = synthesise_lifting(p, l, to, s);
     } else {
         tc_rect r = to->rect, positions = {r.x0 / 2, r.y0 / 2, (r.x1 + 1) / 2, (r.y1 + 1) / 2};
-        status = gather(p, l, positions, &(tile_planes){.sample = *to}, s);
+        tc_rect need = coder->lh04 ? tc_lh04_needs(&coder->level, r) : (tc_rect){0, 0, 0, 0};
         tc_plane coarse = {0};
-        if (!status && coder->lh04 && !(status = take_plane(s, tc_lh04_needs(&coder->level, r), &coarse)) &&
-            !(status = read_units(p, l - 1, &coarse, s)))
+        status = gather(p, l, positions, need, &(tile_planes){.sample = *to}, &coarse, s);
+        if (!status && coder->lh04)
             tc_lh04_assemble(&coder->level, &coarse, to, to);
     }
     scratch_return(s, m);
@@ -404,6 +471,12 @@ static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, ui
     return status;
 }
 
+/* Where a block from x on ends: at a multiple of `most`, but what is not longer stays whole. */
+static int64_t next_cut(int64_t x, int64_t end, int64_t most)
+{
+    return end - x <= most ? end : (x + most) / most * most;
+}
+
 static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
@@ -411,15 +484,17 @@ static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, flo
     if (!s)
         return TC_ERR_MEMORY;
     tc_status status = TC_OK;
-    for (int64_t y = rect.y0; y < rect.y1 && !status; y = (y / BLOCK + 1) * BLOCK)
-        for (int64_t x = rect.x0; x < rect.x1 && !status; x = (x / BLOCK + 1) * BLOCK) {
-            tc_rect part = {x, y, tc_min64(rect.x1, (x / BLOCK + 1) * BLOCK),
-                            tc_min64(rect.y1, (y / BLOCK + 1) * BLOCK)};
+    for (int64_t y = rect.y0, y1; y < rect.y1 && !status; y = y1) {
+        y1 = next_cut(y, rect.y1, BLOCK_HEIGHT);
+        for (int64_t x = rect.x0, x1; x < rect.x1 && !status; x = x1) {
+            x1 = next_cut(x, rect.x1, BLOCK_WIDTH);
+            tc_rect part = {x, y, x1, y1};
             ptrdiff_t at = (ptrdiff_t)(y - rect.y0) * stride + (x - rect.x0);
             status = read_block(p, l, part, z + at, voids ? voids + at : NULL, stride, s);
             for (int64_t j = 0; j < part.y1 - part.y0 && voids && p->file.container.voids == 0; j++)
                 memset(voids + at + j * stride, 0, (size_t)(part.x1 - part.x0));
         }
+    }
     give_back(p, s);
     return status;
 }
