@@ -11,6 +11,7 @@
 #include "common/core/base/status.h"
 #include "level_coder.h"
 #include "packed_file.h"
+#include "prefetch.h"
 
 enum {
     WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
@@ -108,6 +109,7 @@ typedef struct packed_pyramid {
     level_state level[TC_MAX_PYRAMID_LEVELS];
     pthread_mutex_t mutex;
     scratch *idle;
+    tc_prefetch prefetch;
     tc_void_policy voids;
     float void_height; /* metres above z_base */
     _Atomic int64_t damaged, decoded;
@@ -224,8 +226,7 @@ static void make_tile(packed_pyramid *p, int l, const wanted_tile *t, const tc_p
 }
 
 /* Makes those tiles that nobody else has made or is making. Where the coarser level cannot be had they are empty. */
-static void make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse,
-                       scratch *s)
+static void make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse, scratch *s)
 {
     for (int n = 0; n < count; n++) {
         if (!tile[n].block || tile[n].block->made)
@@ -537,6 +538,42 @@ static void packed_bounds(const tc_pyramid *pyramid, int l, tc_rect rect, float 
     }
 }
 
+/* Reads ahead: what it decodes stays in the caches. */
+static void read_ahead(void *context, int l, tc_rect rect)
+{
+    packed_pyramid *p = context;
+    size_t samples = (size_t)tc_rect_area(rect);
+    float *z = malloc(samples * sizeof *z);
+    uint8_t *voids = p->file.container.voids > 0 ? malloc(samples) : NULL;
+    if (z)
+        (void)packed_read(&p->head, l, rect, z, voids, rect.x1 - rect.x0); /* who reads it next learns of failures */
+    free(z), free(voids);
+}
+
+/* Whether all tiles are decoded from level l down to one that is held whole. */
+static bool is_decoded(packed_pyramid *p, int l, tc_rect rect)
+{
+    for (; !is_whole(p, l); l--) {
+        if (!p->level[l - 1].ready || p->level[l - 1].status)
+            return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
+        const tc_level_coder *coder = &p->level[l - 1].coder;
+        tc_rect need = tc_lifting_needs(&coder->level, rect);
+        int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
+        for (int64_t ty = need.y0 / TC_TILE; ty * TC_TILE < need.y1; ty++)
+            for (int64_t tx = need.x0 / TC_TILE; tx * TC_TILE < need.x1; tx++)
+                if (!tc_block_has(&p->tiles, tile_key(l, across, &(wanted_tile){tx, ty, NULL})))
+                    return false;
+        rect = need;
+    }
+    return p->level[l - 1].ready;
+}
+
+static bool packed_ready(const tc_pyramid *pyramid, int l, tc_rect rect)
+{
+    packed_pyramid *p = (packed_pyramid *)pyramid;
+    return is_decoded(p, l, rect) || !tc_prefetch_ask(&p->prefetch, l, rect);
+}
+
 static size_t packed_bytes(const tc_pyramid *pyramid)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
@@ -556,6 +593,7 @@ static size_t packed_bytes(const tc_pyramid *pyramid)
 static void packed_destroy(tc_pyramid *pyramid)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
+    tc_prefetch_free(&p->prefetch);
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++) {
         tc_level_coder_free(&p->level[l].coder);
         free(p->level[l].whole);
@@ -572,7 +610,7 @@ static void packed_destroy(tc_pyramid *pyramid)
     free(p);
 }
 
-static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed_bytes, packed_destroy};
+static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed_ready, packed_bytes, packed_destroy};
 
 /* ---- Opening ------------------------------------------------------------------------------------------------------
  */
@@ -656,6 +694,7 @@ tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_p
                                  options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
     tc_status masks = tc_block_cache_init(&p->masks, MASK_SIDE * MASK_SIDE, MASK_BYTES);
     status = status ? status : masks;
+    tc_prefetch_init(&p->prefetch, read_ahead, p);
     set_info(p, options);
     if (!status)
         status = make_base(p);

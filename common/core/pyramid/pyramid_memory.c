@@ -86,7 +86,7 @@ static void memory_destroy(tc_pyramid *pyramid)
     free(p);
 }
 
-static const tc_pyramid_class memory_class = {memory_read, memory_bounds, memory_bytes, memory_destroy};
+static const tc_pyramid_class memory_class = {memory_read, memory_bounds, NULL, memory_bytes, memory_destroy};
 
 /* Building: each level from the next finer one, in bands of rows. */
 typedef struct step {
