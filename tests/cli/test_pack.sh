@@ -380,6 +380,14 @@ shows again.ppm holes.tclip --voids constant=0
 same constant.ppm again.ppm 'constant voids whatever the file says'
 accepts '' $viewer hills.tclip --explain $picture
 grep -q '^left out: GDAL: not loaded' stdout.txt || fail 'the viewer loads GDAL for a packed terrain'
+# What the dynamic linker says that it loaded.
+for command in "$terraclip info hills.tclip" "$terraclip height hills.tclip 100 100" \
+    "$viewer hills.tclip --frames 2 --size 64x48 --backend osmesa"; do
+    cases=$((cases + 1))
+    LD_DEBUG=files LD_DEBUG_OUTPUT=loaded.txt $command >stdout.txt 2>stderr.txt
+    [ -n "$(cat loaded.txt.*)" ] && ! grep -Eq 'libgdal|libOpenImageIO' loaded.txt.* || report 'loads GDAL or OpenImageIO' $command
+    rm -f loaded.txt.*
+done
 accepts '' $viewer hills.tclip --json $picture
 [ "$(number bytes_decoded <stdout.txt)" -gt 0 ] || fail "--json: $(grep bytes_decoded stdout.txt)"
 for option in '--spacing 30' '--unit 2' '--nodata 0'; do
