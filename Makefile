@@ -142,6 +142,8 @@ $(eval $(call test_rule,bench))
 
 # Counts what our own objects allocate, not what the driver does.
 LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc aligned_alloc free)
+LDFLAGS_test_damage := $(LDFLAGS_test_memory)
+LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
 
 # Makes elevation files for the command-line tests.
 $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o
