@@ -144,6 +144,8 @@ $(eval $(call test_rule,bench))
 
 # Counts what our own objects allocate, not what the driver does.
 LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc aligned_alloc free)
+LDFLAGS_test_damage := $(LDFLAGS_test_memory)
+LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
 
 # Codecs to compare with; nothing else is linked with them.
 $(O)/tests/bench_pack: $(call obj,tests/bench/jpeg2000 tests/bench/lerc)

@@ -211,6 +211,9 @@ static tc_status put_in_place(tc_packer *p, tc_error *error)
     if (file < 0)
         return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
     tc_status status = assemble(p, file, error);
+    /* Now rather than while a name stands beside the target, which a kill would leave there. */
+    if (!status && fsync(file) != 0)
+        status = tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
     tc_outfile outfile;
     if (!status && !(status = tc_outfile_begin(p->path, &outfile, error)))
         status = tc_outfile_end(&outfile, tc_outfile_adopt(&outfile, file, error), error);
