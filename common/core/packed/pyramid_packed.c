@@ -445,6 +445,32 @@ static tc_status read_mask(packed_pyramid *p, int l, const tc_mask_plane *to, sc
 
 /* ---- Interface --------------------------------------------------------------------------------------------------- */
 
+static inline __attribute__((always_inline)) void metres(double origin, double unit, const int32_t *restrict k,
+                                                         int64_t count, float *restrict z)
+{
+    for (int64_t i = 0; i < count; i++)
+        z[i] = (float)(origin + unit * k[i]);
+}
+
+#if defined __x86_64__ && defined __GNUC__
+__attribute__((target("avx2"))) static void metres_avx2(double origin, double unit, const int32_t *k, int64_t count,
+                                                        float *z)
+{
+    metres(origin, unit, k, count, z);
+}
+#endif
+
+static void to_metres_row(double origin, double unit, const int32_t *k, int64_t count, float *z)
+{
+#if defined __x86_64__ && defined __GNUC__
+    if (__builtin_cpu_supports("avx2")) {
+        metres_avx2(origin, unit, k, count, z);
+        return;
+    }
+#endif
+    metres(origin, unit, k, count, z);
+}
+
 static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
                             scratch *s)
 {
@@ -455,8 +481,7 @@ static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, ui
     if (!status)
         status = read_units(p, l, &units, s);
     for (int64_t j = 0; j < rect.y1 - rect.y0 && !status; j++)
-        for (int64_t i = 0; i < rect.x1 - rect.x0; i++)
-            z[j * stride + i] = (float)(c->z_origin + c->z_unit * units.z[j * units.stride + i]);
+        to_metres_row(c->z_origin, c->z_unit, units.z + j * units.stride, rect.x1 - rect.x0, z + j * stride);
     bool flat = p->voids == TC_VOIDS_CONSTANT;
     if (!status && c->voids > 0 && (voids || flat)) {
         tc_mask_plane mask = {voids, stride, rect};
