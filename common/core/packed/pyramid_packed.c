@@ -700,23 +700,21 @@ static void set_info(packed_pyramid *p, const tc_open_options *o)
     }
 }
 
-tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error)
+/* Makes the pyramid p whose file was opened with `opened`; p is freed where anything has failed. */
+static tc_status make_pyramid(packed_pyramid *p, tc_status opened, const tc_open_options *options,
+                              tc_pyramid **pyramid_ret, tc_error *error)
 {
     static const tc_open_options none = {0};
     options = options ? options : &none;
-    packed_pyramid *p = calloc(1, sizeof *p);
-    if (!p)
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
-    tc_status status = tc_packed_file_open(path, &p->file, error);
-    if (status) {
+    if (opened) {
         free(p);
-        return status;
+        return opened;
     }
     pthread_mutex_init(&p->mutex, NULL);
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
         pthread_mutex_init(&p->level[l].mutex, NULL);
-    status = tc_block_cache_init(&p->tiles, largest_tile(&p->file.container),
-                                 options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
+    tc_status status = tc_block_cache_init(&p->tiles, largest_tile(&p->file.container),
+                                           options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
     tc_status masks = tc_block_cache_init(&p->masks, MASK_SIDE * MASK_SIDE, MASK_BYTES);
     status = status ? status : masks;
     tc_prefetch_init(&p->prefetch, read_ahead, p);
@@ -724,11 +722,32 @@ tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_p
     if (!status)
         status = make_base(p);
     if (status) {
+        tc_fail(error, status, "%s: not enough memory", p->file.path);
         packed_destroy(&p->head);
-        return tc_fail(error, status, "%s: not enough memory", path);
+        return status;
     }
     *pyramid_ret = &p->head;
     return TC_OK;
+}
+
+tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error)
+{
+    packed_pyramid *p = calloc(1, sizeof *p);
+    if (!p)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    return make_pyramid(p, tc_packed_file_open(path, &p->file, error), options, pyramid_ret, error);
+}
+
+tc_status tc_pyramid_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                                tc_pyramid **pyramid_ret, tc_error *error)
+{
+    packed_pyramid *p = calloc(1, sizeof *p);
+    if (!p) {
+        if (source->close)
+            source->close(source->context);
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    }
+    return make_pyramid(p, tc_packed_file_open_bytes(name, source, &p->file, error), options, pyramid_ret, error);
 }
 
 /* ---- What a packed pyramid tells beside -----------------------------------------------------------------------------
