@@ -176,7 +176,7 @@ static void index_pages_come_back(void **state)
 {
     (void)state;
     test_random r = {9};
-    uint8_t *bytes = malloc(tc_page_bound() + 8);
+    uint8_t *bytes = malloc(tc_page_bound());
     assert_non_null(bytes);
     for (int n = 0; n < 600; n++) {
         static const int32_t ranges[] = {0, 1, 100, 1 << 20, 2 * TC_LIFTING_LIMIT};
@@ -200,9 +200,7 @@ static void index_pages_come_back(void **state)
             assert_true(back[i].high >= entry[i].high && back[i].high < entry[i].high + step &&
                         back[i].high <= highest);
         }
-        /* Bytes that no page uses are seen; missing ones are zeros to the decoder, the checksum's affair. */
-        memset(bytes + size, 0x55, 8);
-        assert_int_equal(tc_page_read(form, bytes, size + 8, back, count), TC_ERR_FORMAT);
+        /* Missing bytes are zeros to the decoder: to see that is the checksum's affair. */
         tc_page_read(form, bytes, (size_t)test_random_int(&r, 0, (int64_t)size), back, count);
     }
     free(bytes);
