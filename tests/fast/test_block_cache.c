@@ -135,7 +135,8 @@ static void threads_share_blocks(void **state)
         assert_int_equal(tc_block_cache_init(&c, BYTES, k ? 1 : 100 * BYTES), TC_OK);
         pthread_t thread[THREADS];
         user users[THREADS];
-        made = 0, slow = !k;
+        made = 0;
+        slow = !k;
         for (int n = 0; n < THREADS; n++) {
             users[n] = (user){&c, (uint64_t)n + 10, 0};
             assert_int_equal(pthread_create(&thread[n], NULL, use, &users[n]), 0);
