@@ -17,10 +17,13 @@
 enum { BYTES = 1000, KEYS = 60, SMALLEST = 8 /* blocks that a cache of no bytes holds */ };
 
 static atomic_int made;
+static bool slow; /* making takes so long that others come to wait for it */
 
 static void fill(tc_block *b, uint64_t key)
 {
     made++;
+    if (slow)
+        usleep(1000);
     memset(b->bytes, (int)(key * 31 % 251), BYTES);
 }
 
@@ -133,6 +136,7 @@ static void threads_share_blocks(void **state)
         pthread_t thread[THREADS];
         user users[THREADS];
         made = 0;
+        slow = !k;
         for (int n = 0; n < THREADS; n++) {
             users[n] = (user){&c, (uint64_t)n + 10, 0};
             assert_int_equal(pthread_create(&thread[n], NULL, use, &users[n]), 0);

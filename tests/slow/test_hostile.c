@@ -238,7 +238,7 @@ static void impossible_values_are_refused(void **state)
         REFUSED(c.info.bytes, c.info.bytes + 1);
         REFUSED(c.info.bytes, INT64_MAX);
         REFUSED(c.base_z[0], TC_LIFTING_LIMIT + 1);
-        REFUSED(c.base_z[1], INT32_MIN);
+        REFUSED(c.base_z[1], -TC_LIFTING_LIMIT - 1);
         for (int l = c.base; l < c.levels; l++) {
             tc_level_record *r = &c.record[l];
             REFUSED(r->begin, r->begin + 1);
