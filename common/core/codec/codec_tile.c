@@ -434,7 +434,7 @@ TC_INLINE bool raw_finished(const raw_bits *r)
 TC_INLINE bool decode_streams(const tc_codec *c, tc_rect tile, int64_t shift, const uint8_t *bytes, size_t size,
                               uint8_t payload[TC_RANS_PAYLOAD], raw_bits *raw, tc_tile_work *w, bool simd)
 {
-    int flags = bytes[0], lanes = 4 << (flags >> TC_TILE_LANES);
+    int flags = bytes[0], lanes = 4 << (flags >> TC_TILE_LANES & 3);
     tc_rans_decoder d;
     if (flags % (1 << TC_TILE_LANES) == 0 || flags >= 3 << TC_TILE_LANES ||
         !tc_rans_decode_begin(&d, lanes, bytes + 1, size - 1))

@@ -15,6 +15,10 @@
 
 #include "common/core/base/rect.h"
 
+#if defined __x86_64__ && defined __GNUC__
+#include <immintrin.h>
+#endif
+
 #define ALWAYS_INLINE static inline __attribute__((always_inline))
 
 /* Sums that wrap. */
@@ -185,52 +189,95 @@ void tc_lifting_analyse(const tc_lifting_level *level, const tc_plane *fine, int
 
 /* ---- Synthesis ----------------------------------------------------------------------------------------------- */
 
-/* Evens j0 - 1 .. j1 + 1 of the columns from low and high, into rows of `count` columns; row of even j at
- * even[(j - j0 + 1) * count]. */
-ALWAYS_INLINE void restore_evens(const tc_plane *low, const tc_plane *high, int64_t x0, int64_t count, int64_t j0,
-                                 int64_t j1, int64_t evens, int64_t odds, const int32_t *zero, int32_t *even)
+/* Columns of the evens of either half: of rows j - 1 .. j + 2 those last made, row j in ring[j & 3]. */
+typedef struct even_rows {
+    const tc_plane *low, *high;
+    int64_t x0, count, evens, odds;
+    const int32_t *zero;
+    int32_t *ring[4];
+} even_rows;
+
+/* Evens of row j, which lies within the level. */
+ALWAYS_INLINE void restore_inner(const even_rows *r, int64_t j)
 {
-    int64_t first = tc_max64(j0 - 1, 0), last = tc_min64(j1 + 2, evens);
-    for (int64_t j = first; j < last; j++) {
-        const int32_t *d[4];
-        for (int k = 0; k < 4; k++) {
-            int64_t row = j - 2 + k;
-            d[k] = row >= 0 && row < odds ? tc_plane_at(high, x0, row) : zero;
-        }
-        const int32_t *restrict s = tc_plane_at(low, x0, j);
-        int32_t *restrict e = even + (j - j0 + 1) * count;
-        for (int64_t i = 0; i < count; i++)
-            e[i] = minus(s[i], update(d[0][i], d[1][i], d[2][i], d[3][i]));
+    const int32_t *d[4];
+    for (int k = 0; k < 4; k++) {
+        int64_t row = j - 2 + k;
+        d[k] = row >= 0 && row < r->odds ? tc_plane_at(r->high, r->x0, row) : r->zero;
     }
-    for (int64_t j = j0 - 1; j < j1 + 2; j++) {
-        if (j >= first && j < last)
-            continue;
-        int64_t edge = j < 0 ? 0 : evens - 1, inner = j < 0 ? evens > 1 : evens - 1 - (evens > 1);
-        int steps = (int)(j < 0 ? -j : j - edge);
-        const int32_t *r0 = even + (edge - j0 + 1) * count, *r1 = even + (inner - j0 + 1) * count;
-        int32_t *e = even + (j - j0 + 1) * count;
-        for (int64_t i = 0; i < count; i++)
-            e[i] = beyond(r0[i], r1[i], steps);
-    }
+    const int32_t *restrict s = tc_plane_at(r->low, r->x0, j);
+    int32_t *restrict e = r->ring[j & 3];
+    for (int64_t i = 0; i < r->count; i++)
+        e[i] = minus(s[i], update(d[0][i], d[1][i], d[2][i], d[3][i]));
 }
 
-/* Row y of the columns: an even itself, or its prediction plus the detail. */
-ALWAYS_INLINE const int32_t *restore_row(const tc_plane *high, int64_t x0, int64_t count, int64_t j0, int64_t y,
-                                         const int32_t *even, int32_t *restrict row)
+/* Evens of row j; beyond a border from the two rows on its inner side, which must be there. */
+ALWAYS_INLINE void restore_even(const even_rows *r, int64_t j)
 {
-    const int32_t *e = even + ((y >> 1) - j0) * count;
-    if (y % 2 == 0)
-        return e + count;
-    const int32_t *restrict d = tc_plane_at(high, x0, y >> 1);
-    for (int64_t i = 0; i < count; i++)
-        row[i] = plus(d[i], predict(e[i], e[count + i], e[2 * count + i], e[3 * count + i]));
+    if (j >= 0 && j < r->evens) {
+        restore_inner(r, j);
+        return;
+    }
+    int64_t edge = j < 0 ? 0 : r->evens - 1, inner = j < 0 ? r->evens > 1 : edge - (r->evens > 1);
+    int steps = (int)(j < 0 ? -j : j - edge);
+    const int32_t *r0 = r->ring[edge & 3], *r1 = r->ring[inner & 3];
+    int32_t *e = r->ring[j & 3];
+    for (int64_t i = 0; i < r->count; i++)
+        e[i] = beyond(r0[i], r1[i], steps);
+}
+
+/* Rows j0 - 1 .. j0 + 1. */
+ALWAYS_INLINE void restore_first(const even_rows *r, int64_t j0)
+{
+    if (j0 > 0)
+        restore_even(r, j0 - 1);
+    restore_even(r, j0);
+    restore_even(r, j0 + 1);
+    if (j0 == 0)
+        restore_even(r, -1);
+}
+
+/* Row 2 j + odd of the columns: an even itself, or its prediction plus the detail. */
+ALWAYS_INLINE const int32_t *restore_row(const even_rows *r, int64_t j, int odd, int32_t *restrict row)
+{
+    if (!odd)
+        return r->ring[j & 3];
+    const int32_t *a = r->ring[(j - 1) & 3], *b = r->ring[j & 3], *c = r->ring[(j + 1) & 3], *e = r->ring[(j + 2) & 3];
+    const int32_t *restrict d = tc_plane_at(r->high, r->x0, j);
+    for (int64_t i = 0; i < r->count; i++)
+        row[i] = plus(d[i], predict(a[i], b[i], c[i], e[i]));
     return row;
 }
 
-/* Fine samples 2 i0 .. 2 i1 - 1 of a row from low and high samples, low[0] and high[0] being those of column x0. */
-ALWAYS_INLINE void restore_samples(const int32_t *low, const int32_t *high, int64_t x0, int64_t x1, int64_t i0,
-                                   int64_t i1, const tc_lifting_level *level, int32_t *restrict e, int32_t *restrict d,
-                                   int32_t *restrict out)
+#if defined __x86_64__ && defined __GNUC__
+/* Pairs of an even and the odd behind it: out[2 k], out[2 k + 1] of e[k + 1] and d[k]. Eight at a time, and returns how
+ * many are done. */
+__attribute__((target("avx2"))) static inline int64_t interleave_avx2(const int32_t *e, const int32_t *d, int64_t count,
+                                                                      int32_t *out)
+{
+    int64_t k = 0;
+    for (; k + 8 <= count; k += 8) {
+        __m256i e0 = _mm256_loadu_si256((const __m256i *)(e + k)),
+                e1 = _mm256_loadu_si256((const __m256i *)(e + k + 1));
+        __m256i e2 = _mm256_loadu_si256((const __m256i *)(e + k + 2)),
+                e3 = _mm256_loadu_si256((const __m256i *)(e + k + 3));
+        __m256i near = _mm256_add_epi32(e1, e2), far = _mm256_add_epi32(e0, e3);
+        __m256i sum = _mm256_add_epi32(_mm256_slli_epi32(near, 3), _mm256_sub_epi32(near, far));
+        sum = _mm256_srai_epi32(_mm256_add_epi32(sum, _mm256_set1_epi32(8)), 4);
+        __m256i odd = _mm256_add_epi32(sum, _mm256_loadu_si256((const __m256i *)(d + k)));
+        __m256i low = _mm256_unpacklo_epi32(e1, odd), high = _mm256_unpackhi_epi32(e1, odd);
+        _mm256_storeu_si256((__m256i *)(out + 2 * k), _mm256_permute2x128_si256(low, high, 0x20));
+        _mm256_storeu_si256((__m256i *)(out + 2 * k + 8), _mm256_permute2x128_si256(low, high, 0x31));
+    }
+    return k;
+}
+#endif
+
+/* Fine samples 2 i0 .. 2 i1 - 1 of a row from low and high samples, low[0] and high[0] being those of column x0. simd:
+ * a constant, whether there is AVX2. */
+ALWAYS_INLINE void restore_samples(const int32_t *restrict low, const int32_t *restrict high, int64_t x0, int64_t x1,
+                                   int64_t i0, int64_t i1, const tc_lifting_level *level, int32_t *restrict e,
+                                   int32_t *restrict padded, int32_t *restrict out, bool simd)
 {
     int64_t evens = level->wrap_x ? INT64_MAX : tc_coarse_size(level->width);
     int64_t odds = level->wrap_x ? INT64_MAX : level->width / 2, start = level->wrap_x ? INT64_MIN : 0;
@@ -238,21 +285,34 @@ ALWAYS_INLINE void restore_samples(const int32_t *low, const int32_t *high, int6
     int64_t need = i1 + TC_LIFTING_REACH - (i0 - TC_LIFTING_REACH);
     int64_t d0 = tc_max64(i0 - TC_LIFTING_REACH, x0), d1 = tc_min64(tc_min64(i1 + TC_LIFTING_REACH, x1), odds);
     int64_t before = d0 - (i0 - TC_LIFTING_REACH), have = tc_max64(d1 - d0, 0);
-    for (int64_t k = 0; k < before; k++)
-        d[k] = 0;
-    memcpy(d + before, high + (d0 - x0), (size_t)have * sizeof *d);
-    for (int64_t k = before + have; k < need; k++)
-        d[k] = 0;
+    const int32_t *d = high + (d0 - x0);
+    if (have < need) {
+        for (int64_t k = 0; k < before; k++)
+            padded[k] = 0;
+        memcpy(padded + before, d, (size_t)have * sizeof *d);
+        for (int64_t k = before + have; k < need; k++)
+            padded[k] = 0;
+        d = padded;
+    }
     int64_t first = tc_max64(i0 - 1, start), last = tc_min64(i1 + 2, evens);
+    const int32_t *s = low + (i0 - 1 - x0);
     for (int64_t k = first - (i0 - 1); k < last - (i0 - 1); k++)
-        e[k] = minus(low[i0 - 1 + k - x0], update(d[k], d[k + 1], d[k + 2], d[k + 3]));
+        e[k] = minus(s[k], update(d[k], d[k + 1], d[k + 2], d[k + 3]));
     for (int64_t i = i0 - 1; i < i1 + 2; i++) {
-        if (i >= first && i < last)
-            continue;
+        if (i == first && last > i)
+            i = last;
+        if (i >= i1 + 2)
+            break;
         int64_t edge = i < 0 ? 0 : evens - 1, inner = i < 0 ? evens > 1 : evens - 1 - (evens > 1);
         e[i - (i0 - 1)] = beyond(e[edge - (i0 - 1)], e[inner - (i0 - 1)], (int)(i < 0 ? -i : i - edge));
     }
-    for (int64_t k = 0; k < i1 - i0; k++) {
+    int64_t k = 0;
+#if defined __x86_64__ && defined __GNUC__
+    if (simd)
+        k = interleave_avx2(e, d + TC_LIFTING_REACH, i1 - i0, out);
+#endif
+    (void)simd;
+    for (; k < i1 - i0; k++) {
         out[2 * k] = e[k + 1];
         out[2 * k + 1] = plus(d[k + TC_LIFTING_REACH], predict(e[k], e[k + 1], e[k + 2], e[k + 3]));
     }
@@ -262,35 +322,41 @@ size_t tc_lifting_synthesise_scratch(const tc_lifting_level *level, tc_rect rect
 {
     (void)level;
     size_t columns = (size_t)((rect.x1 - rect.x0) / 2 + 2 + 2 * TC_LIFTING_REACH);
-    size_t rows = (size_t)((rect.y1 - rect.y0) / 2 + 2 + 3 + 4);
-    return columns * (2 * rows + 8) + 32;
+    return 15 * columns + 32;
 }
 
 ALWAYS_INLINE void synthesise(const tc_lifting_level *level, const tc_plane *ll, const tc_plane bands[TC_BANDS],
-                              const tc_plane *fine, int32_t *scratch)
+                              const tc_plane *fine, int32_t *scratch, bool simd)
 {
     tc_rect r = fine->rect;
     if (tc_rect_empty(r))
         return;
     tc_rect need = tc_lifting_needs(level, r);
     int64_t count = need.x1 - need.x0, evens = tc_coarse_size(level->height), odds = level->height / 2;
-    int64_t i0 = tc_floor_shift(r.x0, 1), i1 = tc_ceil_shift(r.x1, 1);
-    int64_t j0 = tc_floor_shift(r.y0, 1), j1 = tc_ceil_shift(r.y1, 1);
-    int64_t columns = (r.x1 - r.x0) / 2 + 2 + 2 * TC_LIFTING_REACH, rows = j1 - j0 + 3;
+    int64_t i0 = tc_floor_shift(r.x0, 1), i1 = tc_ceil_shift(r.x1, 1), j0 = tc_floor_shift(r.y0, 1);
+    int64_t columns = (r.x1 - r.x0) / 2 + 2 + 2 * TC_LIFTING_REACH;
     int32_t *zero = scratch, *row_low = zero + columns, *row_high = row_low + columns, *e = row_high + columns + 4;
-    int32_t *d = e + columns + 4, *out = d + columns + 4;
-    int32_t *even_low = out + 2 * columns, *even_high = even_low + rows * count;
+    int32_t *d = e + columns + 4, *out = d + columns + 4, *ring = out + 2 * columns;
     memset(zero, 0, (size_t)count * sizeof *zero);
-    restore_evens(ll, &bands[TC_LH], need.x0, count, j0, j1, evens, odds, zero, even_low);
-    restore_evens(&bands[TC_HL], &bands[TC_HH], need.x0, count, j0, j1, evens, odds, zero, even_high);
+    even_rows of_low = {ll, &bands[TC_LH], need.x0, count, evens, odds, zero, {NULL}};
+    even_rows of_high = {&bands[TC_HL], &bands[TC_HH], need.x0, count, evens, odds, zero, {NULL}};
+    for (int k = 0; k < 4; k++, ring += 2 * columns)
+        of_low.ring[k] = ring, of_high.ring[k] = ring + columns;
+    restore_first(&of_low, j0);
+    restore_first(&of_high, j0);
     for (int64_t y = r.y0; y < r.y1; y++) {
-        const int32_t *low = restore_row(&bands[TC_LH], need.x0, count, j0, y, even_low, row_low);
-        const int32_t *high = restore_row(&bands[TC_HH], need.x0, count, j0, y, even_high, row_high);
+        int64_t j = y >> 1;
+        int odd = (int)(y & 1);
+        if (odd) {
+            restore_even(&of_low, j + 2);
+            restore_even(&of_high, j + 2);
+        }
+        const int32_t *low = restore_row(&of_low, j, odd, row_low), *high = restore_row(&of_high, j, odd, row_high);
         int32_t *z = tc_plane_at(fine, r.x0, y);
         if (r.x0 % 2 == 0 && r.x1 % 2 == 0) {
-            restore_samples(low, high, need.x0, need.x1, i0, i1, level, e, d, z);
+            restore_samples(low, high, need.x0, need.x1, i0, i1, level, e, d, z, simd);
         } else {
-            restore_samples(low, high, need.x0, need.x1, i0, i1, level, e, d, out);
+            restore_samples(low, high, need.x0, need.x1, i0, i1, level, e, d, out, simd);
             memcpy(z, out + (r.x0 - 2 * i0), (size_t)(r.x1 - r.x0) * sizeof *z);
         }
     }
@@ -302,7 +368,7 @@ __attribute__((target("avx2"), noinline)) static void synthesise_avx2(const tc_l
                                                                       const tc_plane bands[TC_BANDS],
                                                                       const tc_plane *fine, int32_t *scratch)
 {
-    synthesise(level, ll, bands, fine, scratch);
+    synthesise(level, ll, bands, fine, scratch, true);
 }
 #endif
 
@@ -316,7 +382,7 @@ void tc_lifting_synthesise(const tc_lifting_level *level, const tc_plane *ll, co
     }
 #endif
     (void)simd;
-    synthesise(level, ll, bands, fine, scratch);
+    synthesise(level, ll, bands, fine, scratch, false);
 }
 
 double tc_lifting_norm(int band, int depth)

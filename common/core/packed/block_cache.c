@@ -70,13 +70,16 @@ static tc_block *take_block(tc_block_cache *c)
     return b;
 }
 
-tc_block *tc_block_pin(tc_block_cache *c, uint64_t key)
+/* busy: NULL to wait. */
+static tc_block *pin(tc_block_cache *c, uint64_t key, bool *busy)
 {
     pthread_mutex_lock(&c->mutex);
     tc_block *b = *bucket_of(c, key);
     while (b && b->key != key)
         b = b->same_hash;
-    if (b) {
+    if (b && !b->made && busy) {
+        *busy = true, b = NULL;
+    } else if (b) {
         b->users++;
         while (!b->made)
             pthread_cond_wait(&c->made, &c->mutex);
@@ -88,6 +91,17 @@ tc_block *tc_block_pin(tc_block_cache *c, uint64_t key)
     }
     pthread_mutex_unlock(&c->mutex);
     return b;
+}
+
+tc_block *tc_block_pin(tc_block_cache *c, uint64_t key)
+{
+    return pin(c, key, NULL);
+}
+
+tc_block *tc_block_try(tc_block_cache *c, uint64_t key, bool *busy)
+{
+    *busy = false;
+    return pin(c, key, busy);
 }
 
 void tc_block_made(tc_block_cache *c, tc_block *b)
@@ -111,4 +125,15 @@ size_t tc_block_cache_bytes(tc_block_cache *c)
     size_t bytes = (size_t)c->count * (sizeof(tc_block) + c->block_bytes) + (size_t)c->buckets * sizeof *c->bucket;
     pthread_mutex_unlock(&c->mutex);
     return bytes;
+}
+
+bool tc_block_has(tc_block_cache *c, uint64_t key)
+{
+    pthread_mutex_lock(&c->mutex);
+    const tc_block *b = *bucket_of(c, key);
+    while (b && b->key != key)
+        b = b->same_hash;
+    bool has = b && b->made;
+    pthread_mutex_unlock(&c->mutex);
+    return has;
 }

@@ -152,7 +152,7 @@ tc_status tc_level_coder_decode(const tc_level_coder *c, int64_t tx, int64_t ty,
     tc_plane samples = {tile->sample[0], TC_TILE_SIDE, tc_level_coder_samples(c, tx, ty)};
     tc_status status = TC_ERR_FORMAT;
     if (!bytes) {
-        memset(tile, 0, tc_decoded_tile_bytes(c->coder));
+        /* As damaged. */
     } else if (c->coder == TC_CODER_EXACT) {
         status = tc_exact_decode_tile(c->exact, tx, ty, bytes, entry->size[TC_STREAM_HEIGHTS], coarse, &samples, work);
     } else if (c->coder == TC_CODER_LH04) {
@@ -161,6 +161,8 @@ tc_status tc_level_coder_decode(const tc_level_coder *c, int64_t tx, int64_t ty,
     } else {
         status = decode_lifting(c, tx, ty, entry, bytes, coarse, tile, work);
     }
+    if (status)
+        memset(tile, 0, tc_decoded_tile_bytes(c->coder));
     if (status && c->coder == TC_CODER_EXACT)
         upsample_tile(coarse, &samples);
     return status;

@@ -11,13 +11,16 @@
 #include "common/core/base/status.h"
 #include "level_coder.h"
 #include "packed_file.h"
+#include "prefetch.h"
 
 enum {
     WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
     CACHE_BYTES = 32 << 20,
     MASK_SIDE = 2 * TC_TILE,
     MASK_BYTES = 8 << 20,
-    BLOCK = 1024, /* samples along a side that are read at once */
+    /* Samples that are read at once: what they take fits into the second cache. */
+    BLOCK_WIDTH = 256,
+    BLOCK_HEIGHT = 256,
     CHUNK_BYTES = 1 << 20
 };
 
@@ -106,6 +109,7 @@ typedef struct packed_pyramid {
     level_state level[TC_MAX_PYRAMID_LEVELS];
     pthread_mutex_t mutex;
     scratch *idle;
+    tc_prefetch prefetch;
     tc_void_policy voids;
     float void_height; /* metres above z_base */
     _Atomic int64_t damaged, decoded;
@@ -151,30 +155,6 @@ static tc_status take_plane(scratch *s, tc_rect rect, tc_plane *plane_ret)
     return plane_ret->z ? TC_OK : TC_ERR_MEMORY;
 }
 
-/* The level's tile, read and decoded. What is wrong with it is counted, and it counts as empty. */
-static tc_status make_tile(packed_pyramid *p, int l, int64_t tx, int64_t ty, tc_decoded_tile *tile, scratch *s)
-{
-    const tc_level_coder *coder = &p->level[l - 1].coder;
-    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
-    tc_plane coarse = {0};
-    mark m = scratch_mark(s);
-    tc_status status = tc_packed_file_entry(&p->file, l, tx, ty, &entry);
-    /* The coarser level first: its own tiles pass through the same buffer. */
-    tc_status below = take_plane(s, tc_level_coder_needs(coder, tx, ty), &coarse);
-    if (!below)
-        below = read_units(p, l - 1, &coarse, s);
-    if (!below && !status)
-        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
-    if (below)
-        memset(tile, 0, tc_decoded_tile_bytes(coder->coder));
-    else if (tc_level_coder_decode(coder, tx, ty, &entry, status ? NULL : s->stream, &coarse, tile, s->work))
-        p->damaged++;
-    else
-        p->decoded += tc_tile_bytes(&entry);
-    scratch_return(s, m);
-    return below;
-}
-
 /* Where a level's tiles go: those of the planes that the coder makes use of. */
 typedef struct tile_planes {
     tc_plane band[TC_BANDS], sample, correction;
@@ -201,28 +181,118 @@ static void copy_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_
         copy_rect(tile->correction[0], TC_TILE_SIDE, samples, &to->correction);
 }
 
-/* Copies from all tiles that touch the positions. */
-static tc_status gather(packed_pyramid *p, int l, tc_rect positions, const tile_planes *to, scratch *s)
+/* The least rectangle that holds both. */
+static tc_rect rect_around(tc_rect a, tc_rect b)
+{
+    if (tc_rect_empty(a) || tc_rect_empty(b))
+        return tc_rect_empty(a) ? b : a;
+    return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
+}
+
+/* A tile of a gathering. */
+typedef struct wanted_tile {
+    int64_t tx, ty;
+    tc_block *block; /* NULL: another thread is making it */
+} wanted_tile;
+
+static uint64_t tile_key(int l, int64_t across, const wanted_tile *t)
+{
+    return (uint64_t)l << 56 | (uint64_t)(t->ty * across + t->tx);
+}
+
+/* Reads the part of the coarser level that `need` and making the tiles take. */
+static tc_status read_coarse(packed_pyramid *p, int l, tc_rect need, const wanted_tile *tile, int count,
+                             tc_plane *coarse, scratch *s)
+{
+    for (int n = 0; n < count; n++)
+        if (tile[n].block && !tile[n].block->made)
+            need = rect_around(need, tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty));
+    tc_status status = take_plane(s, need, coarse);
+    return status ? status : read_units(p, l - 1, coarse, s);
+}
+
+/* The level's tile, read and decoded. What is wrong with it is counted, and it counts as empty. */
+static void make_tile(packed_pyramid *p, int l, const wanted_tile *t, const tc_plane *coarse, scratch *s)
+{
+    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
+    tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry);
+    if (!status)
+        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
+    if (tc_level_coder_decode(&p->level[l - 1].coder, t->tx, t->ty, &entry, status ? NULL : s->stream, coarse,
+                              (tc_decoded_tile *)t->block->bytes, s->work))
+        p->damaged++;
+    else
+        p->decoded += tc_tile_bytes(&entry);
+}
+
+/* Makes those tiles that nobody else has made or is making. Where the coarser level cannot be had they are empty. */
+static void make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse, scratch *s)
+{
+    for (int n = 0; n < count; n++) {
+        if (!tile[n].block || tile[n].block->made)
+            continue;
+        if (coarse)
+            make_tile(p, l, &tile[n], coarse, s);
+        else
+            memset(tile[n].block->bytes, 0, tc_decoded_tile_bytes(p->level[l - 1].coder.coder));
+        tc_block_made(&p->tiles, tile[n].block);
+    }
+}
+
+/* A tile that another thread was making. */
+static tc_status await_tile(packed_pyramid *p, int l, uint64_t key, wanted_tile *t, scratch *s)
+{
+    if (!(t->block = tc_block_pin(&p->tiles, key)))
+        return TC_ERR_MEMORY;
+    if (t->block->made)
+        return TC_OK;
+    mark m = scratch_mark(s);
+    tc_plane coarse = {0};
+    tc_status status = read_coarse(p, l, (tc_rect){0, 0, 0, 0}, t, 1, &coarse, s);
+    make_tiles(p, l, t, 1, status ? NULL : &coarse, s);
+    scratch_return(s, m);
+    return status;
+}
+
+/* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions. First it takes the
+ * tiles that nobody is making, makes what is missing of them from one reading of the coarser level, and only then waits
+ * for others: who waits for a tile holds no unmade one of its level or a coarser one, so that somebody always goes
+ * on. */
+static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect need, const tile_planes *to,
+                        tc_plane *coarse, scratch *s)
 {
     const tc_level_coder *coder = &p->level[l - 1].coder;
     int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
-    for (int64_t ty = positions.y0 / TC_TILE; ty * TC_TILE < positions.y1; ty++)
-        for (int64_t tx = positions.x0 / TC_TILE; tx * TC_TILE < positions.x1; tx++) {
-            tc_block *block = tc_block_pin(&p->tiles, (uint64_t)l << 56 | (uint64_t)(ty * across + tx));
-            if (!block)
-                return TC_ERR_MEMORY;
-            tc_decoded_tile *tile = (tc_decoded_tile *)block->bytes;
-            tc_status status = TC_OK;
-            if (!block->made) {
-                status = make_tile(p, l, tx, ty, tile, s);
-                tc_block_made(&p->tiles, block);
-            }
-            copy_tile(coder, tx, ty, tile, to);
-            tc_block_release(&p->tiles, block);
-            if (status)
-                return status;
-        }
-    return TC_OK;
+    tc_rect t = {positions.x0 / TC_TILE, positions.y0 / TC_TILE, (positions.x1 - 1) / TC_TILE + 1,
+                 (positions.y1 - 1) / TC_TILE + 1};
+    wanted_tile *tile = scratch_take(s, (size_t)tc_rect_area(t) * sizeof *tile);
+    if (!tile)
+        return TC_ERR_MEMORY;
+    int count = 0;
+    tc_status status = TC_OK;
+    for (int64_t k = 0; k < tc_rect_area(t) && !status; k++) {
+        wanted_tile *w = &tile[count];
+        bool busy;
+        w->tx = t.x0 + k % (t.x1 - t.x0), w->ty = t.y0 + k / (t.x1 - t.x0);
+        w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
+        if (w->block || busy)
+            count++;
+        else
+            status = TC_ERR_MEMORY;
+    }
+    if (!status)
+        status = read_coarse(p, l, need, tile, count, coarse, s);
+    make_tiles(p, l, tile, count, status ? NULL : coarse, s);
+    for (int n = 0; n < count; n++) {
+        if (!tile[n].block && !status)
+            status = await_tile(p, l, tile_key(l, across, &tile[n]), &tile[n], s);
+        if (!tile[n].block)
+            continue;
+        if (!status)
+            copy_tile(coder, tile[n].tx, tile[n].ty, (const tc_decoded_tile *)tile[n].block->bytes, to);
+        tc_block_release(&p->tiles, tile[n].block);
+    }
+    return status;
 }
 
 /* Details and the coarser level make heights, which may then be corrected. */
@@ -232,15 +302,13 @@ static tc_status synthesise_lifting(packed_pyramid *p, int l, const tc_plane *to
     tc_rect need = tc_lifting_needs(&coder->level, to->rect);
     tile_planes planes = {0};
     tc_plane coarse = {0};
-    tc_status status = take_plane(s, need, &coarse);
+    tc_status status = TC_OK;
     for (int b = 0; b < TC_BANDS && !status; b++)
         status = take_plane(s, need, &planes.band[b]);
     if (!status && coder->correction)
         status = take_plane(s, to->rect, &planes.correction);
     if (!status)
-        status = read_units(p, l - 1, &coarse, s);
-    if (!status)
-        status = gather(p, l, need, &planes, s);
+        status = gather(p, l, need, need, &planes, &coarse, s);
     int32_t *work = NULL;
     if (!status && !(work = scratch_take(s, tc_lifting_synthesise_scratch(&coder->level, to->rect) * sizeof *work)))
         status = TC_ERR_MEMORY;
@@ -265,10 +333,10 @@ static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratc
         status = synthesise_lifting(p, l, to, s);
     } else {
         tc_rect r = to->rect, positions = {r.x0 / 2, r.y0 / 2, (r.x1 + 1) / 2, (r.y1 + 1) / 2};
-        status = gather(p, l, positions, &(tile_planes){.sample = *to}, s);
+        tc_rect need = coder->lh04 ? tc_lh04_needs(&coder->level, r) : (tc_rect){0, 0, 0, 0};
         tc_plane coarse = {0};
-        if (!status && coder->lh04 && !(status = take_plane(s, tc_lh04_needs(&coder->level, r), &coarse)) &&
-            !(status = read_units(p, l - 1, &coarse, s)))
+        status = gather(p, l, positions, need, &(tile_planes){.sample = *to}, &coarse, s);
+        if (!status && coder->lh04)
             tc_lh04_assemble(&coder->level, &coarse, to, to);
     }
     scratch_return(s, m);
@@ -377,6 +445,32 @@ static tc_status read_mask(packed_pyramid *p, int l, const tc_mask_plane *to, sc
 
 /* ---- Interface --------------------------------------------------------------------------------------------------- */
 
+static inline __attribute__((always_inline)) void metres(double origin, double unit, const int32_t *restrict k,
+                                                         int64_t count, float *restrict z)
+{
+    for (int64_t i = 0; i < count; i++)
+        z[i] = (float)(origin + unit * k[i]);
+}
+
+#if defined __x86_64__ && defined __GNUC__
+__attribute__((target("avx2"))) static void metres_avx2(double origin, double unit, const int32_t *k, int64_t count,
+                                                        float *z)
+{
+    metres(origin, unit, k, count, z);
+}
+#endif
+
+static void to_metres_row(double origin, double unit, const int32_t *k, int64_t count, float *z)
+{
+#if defined __x86_64__ && defined __GNUC__
+    if (__builtin_cpu_supports("avx2")) {
+        metres_avx2(origin, unit, k, count, z);
+        return;
+    }
+#endif
+    metres(origin, unit, k, count, z);
+}
+
 static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
                             scratch *s)
 {
@@ -387,8 +481,7 @@ static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, ui
     if (!status)
         status = read_units(p, l, &units, s);
     for (int64_t j = 0; j < rect.y1 - rect.y0 && !status; j++)
-        for (int64_t i = 0; i < rect.x1 - rect.x0; i++)
-            z[j * stride + i] = (float)(c->z_origin + c->z_unit * units.z[j * units.stride + i]);
+        to_metres_row(c->z_origin, c->z_unit, units.z + j * units.stride, rect.x1 - rect.x0, z + j * stride);
     bool flat = p->voids == TC_VOIDS_CONSTANT;
     if (!status && c->voids > 0 && (voids || flat)) {
         tc_mask_plane mask = {voids, stride, rect};
@@ -404,6 +497,12 @@ static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, ui
     return status;
 }
 
+/* Where a block from x on ends: at a multiple of `most`, but what is not longer stays whole. */
+static int64_t next_cut(int64_t x, int64_t end, int64_t most)
+{
+    return end - x <= most ? end : (x + most) / most * most;
+}
+
 static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
@@ -411,15 +510,17 @@ static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, flo
     if (!s)
         return TC_ERR_MEMORY;
     tc_status status = TC_OK;
-    for (int64_t y = rect.y0; y < rect.y1 && !status; y = (y / BLOCK + 1) * BLOCK)
-        for (int64_t x = rect.x0; x < rect.x1 && !status; x = (x / BLOCK + 1) * BLOCK) {
-            tc_rect part = {x, y, tc_min64(rect.x1, (x / BLOCK + 1) * BLOCK),
-                            tc_min64(rect.y1, (y / BLOCK + 1) * BLOCK)};
+    for (int64_t y = rect.y0, y1; y < rect.y1 && !status; y = y1) {
+        y1 = next_cut(y, rect.y1, BLOCK_HEIGHT);
+        for (int64_t x = rect.x0, x1; x < rect.x1 && !status; x = x1) {
+            x1 = next_cut(x, rect.x1, BLOCK_WIDTH);
+            tc_rect part = {x, y, x1, y1};
             ptrdiff_t at = (ptrdiff_t)(y - rect.y0) * stride + (x - rect.x0);
             status = read_block(p, l, part, z + at, voids ? voids + at : NULL, stride, s);
             for (int64_t j = 0; j < part.y1 - part.y0 && voids && p->file.container.voids == 0; j++)
                 memset(voids + at + j * stride, 0, (size_t)(part.x1 - part.x0));
         }
+    }
     give_back(p, s);
     return status;
 }
@@ -462,6 +563,42 @@ static void packed_bounds(const tc_pyramid *pyramid, int l, tc_rect rect, float 
     }
 }
 
+/* Reads ahead: what it decodes stays in the caches. */
+static void read_ahead(void *context, int l, tc_rect rect)
+{
+    packed_pyramid *p = context;
+    size_t samples = (size_t)tc_rect_area(rect);
+    float *z = malloc(samples * sizeof *z);
+    uint8_t *voids = p->file.container.voids > 0 ? malloc(samples) : NULL;
+    if (z)
+        (void)packed_read(&p->head, l, rect, z, voids, rect.x1 - rect.x0); /* who reads it next learns of failures */
+    free(z), free(voids);
+}
+
+/* Whether all tiles are decoded from level l down to one that is held whole. */
+static bool is_decoded(packed_pyramid *p, int l, tc_rect rect)
+{
+    for (; !is_whole(p, l); l--) {
+        if (!p->level[l - 1].ready || p->level[l - 1].status)
+            return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
+        const tc_level_coder *coder = &p->level[l - 1].coder;
+        tc_rect need = tc_lifting_needs(&coder->level, rect);
+        int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
+        for (int64_t ty = need.y0 / TC_TILE; ty * TC_TILE < need.y1; ty++)
+            for (int64_t tx = need.x0 / TC_TILE; tx * TC_TILE < need.x1; tx++)
+                if (!tc_block_has(&p->tiles, tile_key(l, across, &(wanted_tile){tx, ty, NULL})))
+                    return false;
+        rect = need;
+    }
+    return p->level[l - 1].ready;
+}
+
+static bool packed_ready(const tc_pyramid *pyramid, int l, tc_rect rect)
+{
+    packed_pyramid *p = (packed_pyramid *)pyramid;
+    return is_decoded(p, l, rect) || !tc_prefetch_ask(&p->prefetch, l, rect);
+}
+
 static size_t packed_bytes(const tc_pyramid *pyramid)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
@@ -481,6 +618,7 @@ static size_t packed_bytes(const tc_pyramid *pyramid)
 static void packed_destroy(tc_pyramid *pyramid)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
+    tc_prefetch_free(&p->prefetch);
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++) {
         tc_level_coder_free(&p->level[l].coder);
         free(p->level[l].whole);
@@ -497,7 +635,7 @@ static void packed_destroy(tc_pyramid *pyramid)
     free(p);
 }
 
-static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed_bytes, packed_destroy};
+static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed_ready, packed_bytes, packed_destroy};
 
 /* ---- Opening ------------------------------------------------------------------------------------------------------
  */
@@ -508,7 +646,7 @@ static size_t largest_tile(const tc_container *c)
     size_t most = 0;
     for (int l = c->base; l < c->levels; l++)
         most = tc_decoded_tile_bytes(c->record[l].coder) > most ? tc_decoded_tile_bytes(c->record[l].coder) : most;
-    return most ? most : 1;
+    return most ? most : tc_decoded_tile_bytes(TC_CODER_LIFTING); /* one byte each would make for a huge table */
 }
 
 /* Heights of the base level from the head, of coarser ones by the transform's low band. */
@@ -562,34 +700,54 @@ static void set_info(packed_pyramid *p, const tc_open_options *o)
     }
 }
 
-tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error)
+/* Makes the pyramid p whose file was opened with `opened`; p is freed where anything has failed. */
+static tc_status make_pyramid(packed_pyramid *p, tc_status opened, const tc_open_options *options,
+                              tc_pyramid **pyramid_ret, tc_error *error)
 {
     static const tc_open_options none = {0};
     options = options ? options : &none;
-    packed_pyramid *p = calloc(1, sizeof *p);
-    if (!p)
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
-    tc_status status = tc_packed_file_open(path, &p->file, error);
-    if (status) {
+    if (opened) {
         free(p);
-        return status;
+        return opened;
     }
     pthread_mutex_init(&p->mutex, NULL);
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
         pthread_mutex_init(&p->level[l].mutex, NULL);
-    status = tc_block_cache_init(&p->tiles, largest_tile(&p->file.container),
-                                 options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
+    tc_status status = tc_block_cache_init(&p->tiles, largest_tile(&p->file.container),
+                                           options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
     tc_status masks = tc_block_cache_init(&p->masks, MASK_SIDE * MASK_SIDE, MASK_BYTES);
     status = status ? status : masks;
+    tc_prefetch_init(&p->prefetch, read_ahead, p);
     set_info(p, options);
     if (!status)
         status = make_base(p);
     if (status) {
+        tc_fail(error, status, "%s: not enough memory", p->file.path);
         packed_destroy(&p->head);
-        return tc_fail(error, status, "%s: not enough memory", path);
+        return status;
     }
     *pyramid_ret = &p->head;
     return TC_OK;
+}
+
+tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error)
+{
+    packed_pyramid *p = calloc(1, sizeof *p);
+    if (!p)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    return make_pyramid(p, tc_packed_file_open(path, &p->file, error), options, pyramid_ret, error);
+}
+
+tc_status tc_pyramid_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                                tc_pyramid **pyramid_ret, tc_error *error)
+{
+    packed_pyramid *p = calloc(1, sizeof *p);
+    if (!p) {
+        if (source->close)
+            source->close(source->context);
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    }
+    return make_pyramid(p, tc_packed_file_open_bytes(name, source, &p->file, error), options, pyramid_ret, error);
 }
 
 /* ---- What a packed pyramid tells beside -----------------------------------------------------------------------------
