@@ -77,16 +77,57 @@ static void slide(tc_plane *plane, int64_t y0, int64_t width)
         plane->rect.y0 = plane->rect.y1 = y0;
 }
 
+/* Rows that are read and converted, by all threads in chunks. */
+typedef struct row_load {
+    level_state *s;
+    enum { LOAD_TRUTH, LOAD_SOURCE, LOAD_MASK } what;
+    int64_t y0, y1;
+    void *to;
+    pthread_mutex_t mutex;
+    tc_status status;
+    tc_error error;
+} row_load;
+
+static void load_chunk(void *context, int64_t n)
+{
+    row_load *load = context;
+    const level_state *s = load->s;
+    int64_t y0 = load->y0 + n * CHUNK, y1 = tc_min64(y0 + CHUNK, load->y1), w = s->level.width;
+    int64_t at = (y0 - load->y0) * w;
+    tc_error error = {TC_OK, ""};
+    tc_status status =
+        load->what == LOAD_TRUTH
+            ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, w, &error)
+        : load->what == LOAD_SOURCE ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
+                                    : tc_pack_mask_rows(s->p, s->coding->l, y0, y1, (uint8_t *)load->to + at, &error);
+    if (!status)
+        return;
+    pthread_mutex_lock(&load->mutex);
+    if (!load->status)
+        load->status = status, load->error = error;
+    pthread_mutex_unlock(&load->mutex);
+}
+
+static tc_status load_rows(level_state *s, int what, int64_t y0, int64_t y1, void *to, tc_error *error)
+{
+    row_load load = {.s = s, .what = what, .y0 = y0, .y1 = y1, .to = to};
+    pthread_mutex_init(&load.mutex, NULL);
+    tc_parallel_for(s->p->options.threads, (y1 - y0 + CHUNK - 1) / CHUNK, load_chunk, &load);
+    pthread_mutex_destroy(&load.mutex);
+    if (load.status && error)
+        *error = load.error;
+    return load.status;
+}
+
 /* Brings in what rows t0 .. t1 - 1 of tiles need. */
 static tc_status load_group(level_state *s, tc_error *error)
 {
     int64_t w = s->level.width, h = s->level.height;
     int64_t j0 = s->t0 * TC_TILE, j1 = tc_min64(s->t1 * TC_TILE, s->ch);
     slide(&s->truth, tc_min64(s->finished * FINE, tc_max64(2 * (j0 - MARGIN), 0)), w);
-    tc_rect fresh = {0, s->truth.rect.y1, w, tc_min64(2 * (j1 + MARGIN), h)};
-    tc_status status =
-        tc_pack_truth(s->p, s->coding->l, fresh, s->truth.z + (fresh.y0 - s->truth.rect.y0) * w, w, error);
-    s->truth.rect.y1 = fresh.y1;
+    int64_t from = s->truth.rect.y1, until = tc_min64(2 * (j1 + MARGIN), h);
+    tc_status status = load_rows(s, LOAD_TRUTH, from, until, s->truth.z + (from - s->truth.rect.y0) * w, error);
+    s->truth.rect.y1 = tc_max64(from, until);
     s->coarse.stride = s->cw;
     s->coarse.rect = (tc_rect){0, tc_max64(j0 - BEFORE, 0), s->cw, tc_min64(j1 + BEFORE, s->ch)};
     if (!status)
@@ -178,11 +219,11 @@ static tc_status finish_rows(level_state *s, tc_error *error)
     int64_t y0 = s->finished * FINE, y1 = tc_min64(s->finish_to * FINE, h);
     tc_status status = TC_OK;
     if (s->source)
-        status = tc_pack_source_rows(s->p, y0, y1, s->source, error);
+        status = load_rows(s, LOAD_SOURCE, y0, y1, s->source, error);
     if (!status && s->voids.v) {
         s->voids.stride = w;
         s->voids.rect = (tc_rect){0, tc_max64(y0 - 2 * TC_MASK_MARGIN, 0), w, tc_min64(y1 + 2 * TC_MASK_MARGIN, h)};
-        status = tc_pack_mask_rows(s->p, s->coding->l, s->voids.rect.y0, s->voids.rect.y1, s->voids.v, error);
+        status = load_rows(s, LOAD_MASK, s->voids.rect.y0, s->voids.rect.y1, s->voids.v, error);
     }
     if (status)
         return status;

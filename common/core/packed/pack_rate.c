@@ -7,6 +7,7 @@
  * it. Seldom is a level coded twice. */
 #include <math.h>
 
+#include "common/core/base/parallel.h"
 #include "common/core/base/rect.h"
 #include "common/core/base/status.h"
 #include "pack_internal.h"
@@ -114,26 +115,47 @@ typedef struct search {
     double last_q, last_fine;       /* what the packer holds */
 } search;
 
-/* Square error that coding a sample of the finest level's tiles leaves in each sample of the level, by the model's
- * steps scaled to q. The sample is corrected by what the quantiser's model says of all details and of those of the
+/* The price of each tile of a sample, found by all threads. */
+typedef struct pricing {
+    const tc_sample *sample;
+    const tc_detail_model *model;
+    double seen[TC_SAMPLE_TILES], modelled[TC_SAMPLE_TILES]; /* square errors, by the bands' norms */
+    tc_status status[TC_SAMPLE_TILES];
+} pricing;
+
+static void price_tile(void *context, int64_t n)
+{
+    pricing *p = context;
+    const tc_training_tile *tile = &p->sample->tile[n];
+    double bits[TC_BANDS], errors[TC_BANDS];
+    p->status[n] = tc_codec_price(&p->sample->level, tile, 1, 0, p->model, bits, errors);
+    p->seen[n] = p->modelled[n] = 0;
+    for (int b = 0; b < TC_BANDS && !p->status[n]; b++) {
+        tc_detail_histogram h = {0};
+        tc_pack_count(&tile->band[b], &h);
+        double norm = tc_lifting_norm(b, 0);
+        p->seen[n] += norm * norm * errors[b];
+        p->modelled[n] += norm * norm * histogram_error(&h, p->model->step[b]);
+    }
+}
+
+/* Square error that coding the finest level leaves in each of its samples, by the last model with its steps scaled to
+ * q: that of the sample of tiles, corrected by what the quantiser's model says of all details and of those of the
  * sample. */
-static tc_status estimate(const search *s, const tc_sample *tiles, double q, double *error_ret, tc_error *error)
+static tc_status estimate(const search *s, const tc_sample *sample, double q, double *error_ret, tc_error *error)
 {
     const tc_packer *p = s->coding.p;
     int l = p->container.levels;
     tc_detail_model model = s->coding.model;
-    double bits[TC_BANDS], errors[TC_BANDS], seen = 0, modelled = 0;
     tc_coding_steps(p, l, q, model.step);
-    tc_status status = tc_codec_price(&tiles->level, tiles->tile, tiles->count, 0, &model, bits, errors);
-    if (status)
-        return tc_fail(error, status, "%s: level %d cannot be coded: %s", p->path, l, tc_status_text(status));
-    for (int b = 0; b < TC_BANDS; b++) {
-        tc_detail_histogram h = {0};
-        for (int i = 0; i < tiles->count; i++)
-            tc_pack_count(&tiles->tile[i].band[b], &h);
-        double norm = tc_lifting_norm(b, 0);
-        seen += norm * norm * errors[b];
-        modelled += norm * norm * histogram_error(&h, model.step[b]);
+    pricing all = {.sample = sample, .model = &model};
+    tc_parallel_for(p->options.threads, sample->count, price_tile, &all);
+    double seen = 0, modelled = 0;
+    for (int n = 0; n < sample->count; n++) {
+        if (all.status[n])
+            return tc_fail(error, all.status[n], "%s: level %d cannot be coded: %s", p->path, l,
+                           tc_status_text(all.status[n]));
+        seen += all.seen[n], modelled += all.modelled[n];
     }
     *error_ret = level_error(p, l, q) * (modelled > 0 ? seen / modelled : 1);
     return TC_OK;
