@@ -4,6 +4,7 @@
 #   make demo       default terrain and pictures, into build/demo/
 #   make check      fast tests (seconds)          make test    all tests (minutes)
 #   make bench      measurements                  make format  clang-format over the sources
+#   make fuzz       TIME=seconds, all fuzzers together
 #   make install    PREFIX=/usr/local DESTDIR=    make clean
 
 config ?= release
@@ -80,6 +81,8 @@ $(OBJ)/%.o: %.cpp | build/.packages
 CPPFLAGS_plugin_gdal = $(shell pkg-config --cflags gdal)
 CPPFLAGS_plugin_gdal_write = $(CPPFLAGS_plugin_gdal)
 CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
+CPPFLAGS_jpeg2000 = $(shell pkg-config --cflags libopenjp2)
+CPPFLAGS_lerc = $(CPPFLAGS_plugin_gdal)
 
 # Shaders as strings: build/gen/shaders.c defines tc_shader_files[].
 $(O)/gen/shaders.c: shaders/embed.sh $(SHADERS)
@@ -132,7 +135,7 @@ define test_rule
 $(O)/tests/%: $(OBJ)/tests/$(1)/%.o $(TEST_OBJ)
 	@mkdir -p $$(@D)
 	@echo "  LINK  $$@"
-	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(LDFLAGS_$$*) $$^ -o $$@ -lcmocka $$(LIBS)
+	$$(Q)$$(CC) $$(LDFLAGS_ALL) $$(LDFLAGS_$$*) $$^ -o $$@ $$(LIBS_$$*) -lcmocka $$(LIBS)
 endef
 $(eval $(call test_rule,fast))
 $(eval $(call test_rule,slow))
@@ -141,6 +144,12 @@ $(eval $(call test_rule,bench))
 
 # Counts what our own objects allocate, not what the driver does.
 LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc aligned_alloc free)
+LDFLAGS_test_damage := $(LDFLAGS_test_memory)
+LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
+
+# Codecs to compare with; nothing else is linked with them.
+$(O)/tests/bench_pack: $(call obj,tests/bench/jpeg2000 tests/bench/lerc)
+LIBS_bench_pack = $(shell pkg-config --libs gdal libopenjp2)
 
 # Makes elevation files for the command-line tests.
 $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o
@@ -161,6 +170,36 @@ test: all $(FAST) $(SLOW) $(O)/tests/make-file $(O)/tests/compare-heights
 
 bench: all $(BENCH)
 	@for b in $(BENCH); do $$b || exit 1; done
+
+# ---- Fuzzing -----------------------------------------------------------------------------------------------------
+
+# With clang, apart from all other objects. What the fuzzers find new goes to build/fuzz/, not into the tree's corpus;
+# `make fuzz-corpus` packs the seeds anew.
+TIME ?= 60
+FUZZ_O := build/fuzz
+FUZZ_CC ?= clang
+FUZZ_CFLAGS := -std=c11 -D_GNU_SOURCE -g -O1 -pthread -ffp-contract=off -MMD -MP -I. -DTC_VERSION='"$(VERSION)"' \
+               -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
+FUZZ_OBJ := $(patsubst %.c,$(FUZZ_O)/%.o,$(filter-out common/core/packed/crc32c.c,$(CORE)) tests/fuzz/no_crc.c)
+FUZZERS := $(FUZZ_O)/reader $(FUZZ_O)/tile
+
+$(FUZZ_O)/%.o: %.c
+	@mkdir -p $(@D)
+	@echo "  FUZZ  $<"
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer-no-link -c $< -o $@
+$(FUZZERS): $(FUZZ_O)/%: $(FUZZ_O)/tests/fuzz/fuzz_%.o $(FUZZ_OBJ)
+	@echo "  LINK  $@"
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer $^ -o $@ $(LIBS)
+$(FUZZ_O)/make-corpus: $(FUZZ_O)/tests/fuzz/make_corpus.o $(FUZZ_OBJ)
+	@echo "  LINK  $@"
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) $^ -o $@ $(LIBS)
+
+.PHONY: fuzz fuzz-corpus
+fuzz:
+	@sh tests/fuzz/run.sh $(FUZZ_O) $(TIME) $(FUZZ_CC) || exit 1
+
+fuzz-corpus: $(FUZZ_O)/make-corpus
+	$(FUZZ_O)/make-corpus tests/fuzz/corpus
 
 # ---- Demo --------------------------------------------------------------------------------------------------------
 
@@ -186,4 +225,4 @@ install: all
 clean:
 	rm -rf build
 
--include $(shell find $(OBJ) -name '*.d' 2>/dev/null)
+-include $(shell find $(OBJ) $(FUZZ_O) -name '*.d' 2>/dev/null)

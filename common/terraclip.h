@@ -251,6 +251,20 @@ typedef struct tc_open_options {
 /* Opens a packed terrain; reads its header only. A file that was cut short opens with the levels that are whole. */
 tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error);
 
+/* Where a packed terrain's bytes come from, if not from a file: an archive, a server that gives ranges. */
+typedef struct tc_byte_source {
+    void *context;
+    int64_t size; /* of the whole */
+    /* Reads exactly `size` bytes from `offset` on, which lie within the whole; TC_ERR_IO where that fails. Called from
+     * any thread, from several at once. */
+    tc_status (*read)(void *context, int64_t offset, void *bytes, size_t size);
+    void (*close)(void *context); /* when nothing will be read any more, also after a failure to open; may be NULL */
+} tc_byte_source;
+
+/* The same from any bytes; name is what errors call it. */
+tc_status tc_pyramid_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                                tc_pyramid **pyramid_ret, tc_error *error);
+
 /* NULL for a pyramid that is not packed; lives as long as the pyramid. */
 const tc_packed_info *tc_pyramid_packed_info(const tc_pyramid *pyramid);
 tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level);

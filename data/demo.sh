@@ -3,12 +3,17 @@
 set -eu
 build=${1:?usage: demo.sh BUILD_DIR}
 out=$build/demo
-terrain=$out/terrain.tif
+source=$out/terrain.tif
+terrain=$out/terrain.tclip
 mkdir -p "$out"
 
-if [ ! -f "$terrain" ]; then
-    echo "  SYNTH $terrain"
-    "$build/terraclip" synth --kind planar --size 4097 --seed 4 -o "$terrain"
+if [ ! -f "$source" ]; then
+    echo "  SYNTH $source"
+    "$build/terraclip" synth --kind planar --size 4097 --seed 4 -o "$source"
+fi
+if [ ! -f "$terrain" ] || [ "$source" -nt "$terrain" ]; then
+    echo "  PACK  $terrain"
+    "$build/terraclip" pack "$source" -o "$terrain" --rms 1
 fi
 
 # picture NAME VIEW [OPTION]...

@@ -55,7 +55,7 @@ tc_status tc_terrain_open_packed(const char *path, const tc_source_options *opti
     terrain.read_ms = tc_clock_ms() - start;
     if (packed->levels_missing > 0)
         tc_say(options, true,
-               "%s: damaged or truncated: expected %lld bytes, found fewer; levels missing, the finest: %d", path,
+               "%s: cut short: expected %lld bytes, found fewer; missing: the finest %d of its levels", path,
                (long long)packed->bytes, packed->levels_missing);
     terrain.georef.crs_wkt = NULL; /* the pyramid's */
     *terrain_ret = terrain;

@@ -3,11 +3,12 @@
  * Terrains of several sizes (odd, even, narrow, smaller than a window), window sizes and budgets share the moves.
  * After every move the constraints are checked on all levels and every height held is compared with the pyramid's; so
  * are the morph targets, normals and heights on the terrain's edge in some rows of one level, drawn anew for each move,
- * and all of them at the end. */
+ * and all of them at the end. Packed terrains, whose tiles a thread decodes meanwhile, take part. */
 #include "tests/support/test.h"
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "planar/square_internal.h"
 #include "tests/support/regions.h"
@@ -21,6 +22,7 @@ typedef struct tour {
     int64_t budget;
     bool normals;
     int moves;
+    bool packed; /* decoded by a thread of its own */
 } tour;
 
 static void check(const char *broken, int move)
@@ -31,9 +33,43 @@ static void check(const char *broken, int move)
     }
 }
 
+/* The terrain packed into a file and opened again; the file's name is gone by then. */
+static tc_pyramid *packed(tc_pyramid *p)
+{
+    char path[] = "/tmp/terraclip-regions-XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    int m = tc_pyramid_info(p)->levels;
+    tc_level top = tc_pyramid_level(p, m);
+    tc_rect all = {0, 0, top.width, top.height};
+    float *z = malloc((size_t)(top.width * top.height) * sizeof *z);
+    assert_int_equal(tc_pyramid_read(p, m, all, z, NULL, top.width), TC_OK);
+    tc_pack_terrain about = {.width = top.width,
+                             .height = top.height,
+                             .spacing_x = top.spacing_x,
+                             .spacing_y = top.spacing_y,
+                             .sample_type = TC_SAMPLE_FLOAT32,
+                             .unit = 1};
+    tc_pack_options how = {.mode = TC_PACK_RMS, .error = 2};
+    tc_packer *packer;
+    tc_pack_result result;
+    assert_int_equal(tc_packer_create(path, &about, &how, &packer, NULL), TC_OK);
+    assert_int_equal(tc_packer_put(packer, all, z, NULL, top.width, NULL), TC_OK);
+    assert_int_equal(tc_packer_finish(packer, &result, NULL), TC_OK);
+    tc_packer_destroy(packer);
+    tc_pyramid_destroy(p);
+    free(z);
+    assert_int_equal(tc_pyramid_open(path, NULL, &p, NULL), TC_OK);
+    unlink(path);
+    return p;
+}
+
 static int64_t run(const tour *t, uint64_t seed)
 {
     tc_pyramid *p = terrain_pyramid(t->kind, t->width, t->height, 30, seed);
+    if (t->packed)
+        p = packed(p);
     tc_clipmap *c;
     tc_clipmap_options options = {.n = t->n, .normals = t->normals};
     assert_int_equal(tc_clipmap_create(p, &options, &c, NULL), TC_OK);
@@ -52,6 +88,8 @@ static int64_t run(const tour *t, uint64_t seed)
     }
     for (int frames = 0; !tc_clipmap_resident(c); frames++) { /* it catches up once the viewer stands still */
         assert_true(frames < 10000);
+        if (t->packed)
+            usleep(1000); /* for the thread that decodes */
         tc_clipmap_update(c, wanted, t->budget);
     }
     for (int level = 1; level <= tc_clipmap_levels(c); level++)
@@ -65,17 +103,24 @@ static void constraints_and_content_hold(void **state)
 {
     (void)state;
     const tour tours[] = {
-        {TERRAIN_CLIFF, 1025, 1025, 63, 63 * 63, false, 25000}, {TERRAIN_CLIFF, 1500, 1001, 31, -1, false, 20000},
-        {TERRAIN_CLIFF, 3001, 2000, 63, 1000, false, 20000},    {TERRAIN_SMOOTH, 777, 778, 31, 400, true, 10000},
-        {TERRAIN_CLIFF, 20, 500, 15, 225, true, 10000},         {TERRAIN_CLIFF, 2, 4099, 15, 60, false, 5000},
-        {TERRAIN_CLIFF, 9, 13, 31, 1000, true, 4000},           {TERRAIN_CLIFF, 2600, 2600, 255, 255 * 255, true, 6000},
+        {TERRAIN_CLIFF, 1025, 1025, 63, 63 * 63, false, 25000, false},
+        {TERRAIN_CLIFF, 1500, 1001, 31, -1, false, 20000, false},
+        {TERRAIN_CLIFF, 3001, 2000, 63, 1000, false, 20000, false},
+        {TERRAIN_SMOOTH, 777, 778, 31, 400, true, 10000, false},
+        {TERRAIN_CLIFF, 20, 500, 15, 225, true, 10000, false},
+        {TERRAIN_CLIFF, 2, 4099, 15, 60, false, 5000, false},
+        {TERRAIN_CLIFF, 9, 13, 31, 1000, true, 4000, false},
+        {TERRAIN_CLIFF, 2600, 2600, 255, 255 * 255, true, 6000, false},
+        {TERRAIN_SMOOTH, 1500, 1301, 63, 63 * 63, true, 3000, true},
+        {TERRAIN_CLIFF, 2600, 700, 31, 800, false, 3000, true},
     };
     int moves = 0;
     for (size_t i = 0; i < sizeof tours / sizeof *tours; i++) {
         int64_t samples = run(&tours[i], i + 1);
         moves += tours[i].moves;
-        printf("regions: %lldx%lld n %d: %d moves, %lld samples read\n", (long long)tours[i].width,
-               (long long)tours[i].height, tours[i].n, tours[i].moves, (long long)samples);
+        printf("regions: %lldx%lld%s n %d: %d moves, %lld samples read\n", (long long)tours[i].width,
+               (long long)tours[i].height, tours[i].packed ? " packed" : "", tours[i].n, tours[i].moves,
+               (long long)samples);
     }
     assert_true(moves >= MOVES);
 }

@@ -13,6 +13,7 @@
 #include "camera.h"
 #include "clipmap_internal.h"
 #include "common/core/base/rect.h"
+#include "common/core/pyramid/pyramid.h"
 #include "common/core/base/status.h"
 
 static const tc_clip_state *state(const tc_clipmap *clipmap, int level)
@@ -196,7 +197,20 @@ static tc_rect seed(tc_rect target, int64_t budget)
     return tc_rect_intersect(target, (tc_rect){x, y, x + side, y + side});
 }
 
-/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. */
+/* Whether filling rect need not wait for the pyramid. */
+static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
+{
+    enum { REACH = 3 }; /* of normals and of the terrain's edge, at least */
+    const tc_clip_state *s = &c->level[level - 1];
+    tc_rect own = {rect.x0 - REACH, rect.y0 - REACH, rect.x1 + REACH, rect.y1 + REACH};
+    bool ready = tc_pyramid_ready(c->pyramid, s->pyramid_level, own);
+    if (s->normals && s->pyramid_level < tc_pyramid_info(c->pyramid)->levels)
+        ready &= tc_pyramid_ready(c->pyramid, s->pyramid_level + 1, refine(own));
+    return ready;
+}
+
+/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. With a budget, what the
+ * pyramid would have to decode first is left to a later call. */
 static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget)
 {
     tc_clip_state *s = &c->level[level - 1];
@@ -204,6 +218,8 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget)
     int64_t spent = 0;
     if (tc_rect_empty(*clip) && !tc_rect_empty(target)) {
         tc_rect first = seed(target, budget);
+        if (budget >= 0 && !is_ready(c, level, first))
+            return 0;
         tc_clipmap_fill(c, level, first);
         *clip = first;
         spent += tc_rect_area(first);
@@ -226,7 +242,7 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget)
             break;
         default: grown.y1 += affordable(target.y1 - clip->y1, w, left); add.y0 = clip->y1, add.y1 = grown.y1;
         }
-        if (tc_rect_empty(add))
+        if (tc_rect_empty(add) || (budget >= 0 && !is_ready(c, level, add)))
             continue;
         tc_clipmap_fill(c, level, add);
         *clip = grown;

@@ -366,7 +366,7 @@ decode_phases(const tc_codec *c, int band, const int columns[2], int j, int phas
 
 /* A band of two tiles at a time: the one waits while the other's states become known. */
 TC_TARGET_AVX2 static inline __attribute__((always_inline)) void decode_symbols_pair(const tc_codec *c, int band,
-                                                                                    tile_state t[2])
+                                                                                     tile_state t[2])
 {
     int columns[2], rows[2];
     for (int n = 0; n < 2; n++)
@@ -431,18 +431,23 @@ TC_INLINE bool decode_values(raw_bits *raw, int band, int j, int phase, const tc
     return true;
 }
 
-/* Adds what was coded of row j to its prediction. */
+/* Adds what was coded of one phase of row j to its prediction. */
+TC_INLINE void add_phase_any(const tc_codec *c, raw_bits *raw, int band, int j, int phase, const tc_tile_work *w,
+                             int32_t out[TC_TILE])
+{
+    uint32_t step = (uint32_t)c->model.step[band];
+    int32_t value[HALF];
+    if (decode_values(raw, band, j, phase, w, value))
+        for (int k = 0; k < HALF; k++)
+            out[TC_PHASES * k + phase] = (int32_t)((uint32_t)out[TC_PHASES * k + phase] + (uint32_t)value[k] * step);
+}
+
+/* Adds what was coded of row j. */
 TC_INLINE void add_row_any(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
                            int32_t out[TC_TILE])
 {
-    uint32_t step = (uint32_t)c->model.step[band];
-    for (int phase = 0; phase < TC_PHASES; phase++) {
-        int32_t value[HALF];
-        if (decode_values(raw, band, j, phase, w, value))
-            for (int k = 0; k < HALF; k++)
-                out[TC_PHASES * k + phase] =
-                    (int32_t)((uint32_t)out[TC_PHASES * k + phase] + (uint32_t)value[k] * step);
-    }
+    for (int phase = 0; phase < TC_PHASES; phase++)
+        add_phase_any(c, raw, band, j, phase, w, out);
 }
 
 #if TC_AVX2
@@ -468,9 +473,46 @@ TC_TARGET_AVX2 static inline void add_8_avx2(__m128i value, __m256i step, int32_
     _mm256_storeu_si256((__m256i *)out, _mm256_add_epi32(load_avx2(out), v));
 }
 
-/* add_row_any() for a row without escapes and low bits; false where it has some. */
-TC_TARGET_AVX2 static inline bool add_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
-                                               int32_t out[TC_TILE])
+/* Signed multiples of one phase of a row, as 16-bit numbers; false, and nothing taken, where an escape is among them.
+ */
+TC_TARGET_AVX2 static inline bool decode_values_avx2(raw_bits *raw, int band, int j, int phase, const tc_tile_work *w,
+                                                     __m256i value[2])
+{
+    __m256i symbol = load_avx2(w->symbol[band][j][phase]), last = _mm256_set1_epi8(TC_RANS_SYMBOLS - 1);
+    __m256i zero = _mm256_setzero_si256(), low = zero;
+    if (_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, last)))
+        return false;
+    __m256i by = _mm256_set1_epi8(1);
+    if (!w->plain[band][j][phase]) {
+        uint64_t masks[HALF / 8], bits[HALF / 8];
+        by = power_avx2(load_avx2(w->bin[band][j][phase]));
+        _mm256_storeu_si256((__m256i *)masks, _mm256_sub_epi8(by, _mm256_set1_epi8(1)));
+        for (int n = 0; n < HALF / 8; n++) /* 4 bits each at most, which makes 32 */
+            bits[n] = _pdep_u64(take(raw, __builtin_popcountll(masks[n])), masks[n]);
+        low = load_avx2(bits);
+    }
+    value[0] = _mm256_mullo_epi16(_mm256_unpacklo_epi8(symbol, zero), _mm256_unpacklo_epi8(by, zero));
+    value[1] = _mm256_mullo_epi16(_mm256_unpackhi_epi8(symbol, zero), _mm256_unpackhi_epi8(by, zero));
+    value[0] = _mm256_or_si256(value[0], _mm256_unpacklo_epi8(low, zero));
+    value[1] = _mm256_or_si256(value[1], _mm256_unpackhi_epi8(low, zero));
+    uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_packus_epi16(value[0], value[1]), zero));
+    if (mask == 0)
+        return true;
+    uint32_t negative = _pdep_u32(take(raw, __builtin_popcount(mask)), mask);
+    __m256i byte =
+        _mm256_shuffle_epi8(_mm256_set1_epi32((int32_t)negative),
+                            _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303));
+    __m256i bit = _mm256_set1_epi64x((int64_t)0x8040201008040201);
+    __m256i minus = _mm256_cmpeq_epi8(_mm256_and_si256(byte, bit), bit);
+    __m256i minus0 = _mm256_unpacklo_epi8(minus, minus), minus1 = _mm256_unpackhi_epi8(minus, minus);
+    value[0] = _mm256_sub_epi16(_mm256_xor_si256(value[0], minus0), minus0);
+    value[1] = _mm256_sub_epi16(_mm256_xor_si256(value[1], minus1), minus1);
+    return true;
+}
+
+/* add_row_any() for a row that has neither escapes nor low bits; false where it has some. */
+TC_TARGET_AVX2 static inline bool add_plain_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j,
+                                                     const tc_tile_work *w, int32_t out[TC_TILE])
 {
     __m256i even = load_avx2(w->symbol[band][j][0]), odd = load_avx2(w->symbol[band][j][1]);
     __m256i any = _mm256_or_si256(even, odd), last = _mm256_set1_epi8(TC_RANS_SYMBOLS - 1);
@@ -490,14 +532,46 @@ TC_TARGET_AVX2 static inline bool add_row_avx2(const tc_codec *c, raw_bits *raw,
     }
     return true;
 }
+
+/* Adds one phase of a row; false where it has escapes. */
+TC_TARGET_AVX2 static inline bool add_phase_avx2(const tc_codec *c, raw_bits *raw, int band, int j, int phase,
+                                                 const tc_tile_work *w, int32_t out[TC_TILE])
+{
+    __m256i value[2], step = _mm256_set1_epi32(c->model.step[band]), zero = _mm256_setzero_si256();
+    if (!decode_values_avx2(raw, band, j, phase, w, value))
+        return false;
+    __m128i part[4] = {_mm256_castsi256_si128(value[0]), _mm256_castsi256_si128(value[1]),
+                       _mm256_extracti128_si256(value[0], 1), _mm256_extracti128_si256(value[1], 1)};
+    for (int n = 0; n < 4; n++) {
+        /* Eight columns of the phase, spread over sixteen. */
+        __m256i v = _mm256_permute4x64_epi64(_mm256_mullo_epi32(_mm256_cvtepi16_epi32(part[n]), step), 0xd8);
+        __m256i low = phase ? _mm256_unpacklo_epi32(zero, v) : _mm256_unpacklo_epi32(v, zero);
+        __m256i high = phase ? _mm256_unpackhi_epi32(zero, v) : _mm256_unpackhi_epi32(v, zero);
+        int32_t *to = out + 16 * n;
+        _mm256_storeu_si256((__m256i *)to, _mm256_add_epi32(load_avx2(to), low));
+        _mm256_storeu_si256((__m256i *)(to + 8), _mm256_add_epi32(load_avx2(to + 8), high));
+    }
+    return true;
+}
+
+TC_TARGET_AVX2 static inline void add_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
+                                               int32_t out[TC_TILE])
+{
+    if (!add_plain_row_avx2(c, raw, band, j, w, out))
+        for (int phase = 0; phase < TC_PHASES; phase++)
+            if (!add_phase_avx2(c, raw, band, j, phase, w, out))
+                add_phase_any(c, raw, band, j, phase, w, out);
+}
 #endif
 
 TC_INLINE void add_row(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w, int32_t out[TC_TILE],
                        bool simd)
 {
 #if TC_AVX2
-    if (simd && add_row_avx2(c, raw, band, j, w, out))
+    if (simd) {
+        add_row_avx2(c, raw, band, j, w, out);
         return;
+    }
 #endif
     (void)simd;
     add_row_any(c, raw, band, j, w, out);
@@ -561,7 +635,7 @@ TC_INLINE void begin_tile(const tc_codec *c, const tc_tile_job *job, const tc_pl
     tc_tile_load(c, t->rect, coarse, t->w);
     if (job->size == 0)
         return;
-    int flags = job->bytes[0], lanes = 4 << (flags >> TC_TILE_LANES);
+    int flags = job->bytes[0], lanes = 4 << (flags >> TC_TILE_LANES & 3);
     if (flags % (1 << TC_TILE_LANES) == 0 || flags >= 3 << TC_TILE_LANES ||
         !tc_rans_decode_begin(&t->rans, lanes, job->bytes + 1, job->size - 1)) {
         t->status = TC_ERR_FORMAT;
@@ -582,10 +656,8 @@ TC_INLINE void begin_tile(const tc_codec *c, const tc_tile_job *job, const tc_pl
 TC_INLINE tc_status end_tile(const tc_codec *c, const tc_plane band[TC_BANDS], tile_state *t, bool simd)
 {
     if (t->coded) {
-        t->raw = (raw_bits){.at = t->payload,
-                            .end = t->payload + 2 * t->rans.lanes,
-                            .next = t->rans.at,
-                            .next_end = t->rans.end};
+        t->raw = (raw_bits){
+            .at = t->payload, .end = t->payload + 2 * t->rans.lanes, .next = t->rans.at, .next_end = t->rans.end};
         if (!tc_rans_decode_end(&t->rans, t->payload))
             t->coded = 0, t->status = TC_ERR_FORMAT;
     }

@@ -257,7 +257,8 @@ __attribute__((target("avx2"))) static inline int64_t interleave_avx2(const int3
 {
     int64_t k = 0;
     for (; k + 8 <= count; k += 8) {
-        __m256i e0 = _mm256_loadu_si256((const __m256i *)(e + k)), e1 = _mm256_loadu_si256((const __m256i *)(e + k + 1));
+        __m256i e0 = _mm256_loadu_si256((const __m256i *)(e + k)),
+                e1 = _mm256_loadu_si256((const __m256i *)(e + k + 1));
         __m256i e2 = _mm256_loadu_si256((const __m256i *)(e + k + 2)),
                 e3 = _mm256_loadu_si256((const __m256i *)(e + k + 3));
         __m256i near = _mm256_add_epi32(e1, e2), far = _mm256_add_epi32(e0, e3);

@@ -126,3 +126,14 @@ size_t tc_block_cache_bytes(tc_block_cache *c)
     pthread_mutex_unlock(&c->mutex);
     return bytes;
 }
+
+bool tc_block_has(tc_block_cache *c, uint64_t key)
+{
+    pthread_mutex_lock(&c->mutex);
+    const tc_block *b = *bucket_of(c, key);
+    while (b && b->key != key)
+        b = b->same_hash;
+    bool has = b && b->made;
+    pthread_mutex_unlock(&c->mutex);
+    return has;
+}

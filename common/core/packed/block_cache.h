@@ -36,6 +36,9 @@ tc_block *tc_block_pin(tc_block_cache *cache, uint64_t key);
  * it has not made yet must take others of the cache this way only, or two threads could wait for each other. */
 tc_block *tc_block_try(tc_block_cache *cache, uint64_t key, bool *busy);
 void tc_block_made(tc_block_cache *cache, tc_block *block);
+/* Whether the block of a key is there and made. */
+bool tc_block_has(tc_block_cache *cache, uint64_t key);
+
 void tc_block_release(tc_block_cache *cache, tc_block *block);
 
 /* Bytes of memory held. */

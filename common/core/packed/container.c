@@ -1,6 +1,7 @@
 /* container.c - the head of a packed file, to and from bytes. docs/format.md is the specification. */
 #include "container.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 
@@ -263,13 +264,27 @@ static bool check_layout(const tc_container *c, size_t head)
     return at == c->info.bytes;
 }
 
+static bool is_float(double v)
+{
+    return fabs(v) <= FLT_MAX; /* false for NaN */
+}
+
+/* Heights are given as floats; whatever the tiles hold, it is an int32. */
+static bool check_heights(const tc_container *c)
+{
+    const tc_pack_terrain *t = &c->info.terrain;
+    return positive(c->z_unit) && is_float(fabs(c->z_origin) + ldexp(c->z_unit, 31)) && is_float(c->z_min) &&
+           is_float(c->z_max) && c->z_min <= c->z_max && isfinite(c->info.mean) && not_negative(c->info.deviation) &&
+           is_float(t->void_constant - t->z_base);
+}
+
 static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
 {
     bool bad = false;
     c->info.bytes = (int64_t)tc_get(r, 8);
     *unknown_atlas = tc_get(r, 1) != 0;
     *unknown_atlas |= tc_get(r, 1) != 1;
-    c->wrap_x = get_choice(r, 2, &bad);
+    *unknown_atlas |= (c->wrap_x = get_choice(r, 2, &bad)); /* pyramid_packed.c does not read beyond the sides */
     c->info.mode = (tc_pack_mode)get_choice(r, TC_PACK_LOSSLESS + 1, &bad);
     c->info.codec = (tc_pack_codec)get_choice(r, TC_CODEC_LH04 + 1, &bad);
     c->info.error = tc_get_f64(r);
@@ -278,8 +293,8 @@ static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
     c->z_unit = tc_get_f64(r), c->z_origin = tc_get_f64(r);
     c->z_min = tc_get_f64(r), c->z_max = tc_get_f64(r), c->info.mean = tc_get_f64(r), c->info.deviation = tc_get_f64(r);
     c->voids = (int64_t)tc_get(r, 8);
-    if (r->failed || !positive(c->z_unit) || !isfinite(c->z_origin) || !isfinite(c->z_min) || !isfinite(c->z_max) ||
-        c->z_min > c->z_max || !isfinite(c->info.mean) || !not_negative(c->info.deviation) || c->voids < 0)
+    const tc_pack_terrain *t = &c->info.terrain;
+    if (r->failed || !check_heights(c) || c->voids < 0 || (double)c->voids >= (double)t->width * (double)t->height)
         return false;
     tc_container_set_levels(c);
     if (!read_base(c, r))

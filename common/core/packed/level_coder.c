@@ -124,8 +124,7 @@ static void decode_lifting(const tc_level_coder *c, tc_level_tile *tile, int cou
         tc_rect rect = tc_level_coder_positions(c, t->tx, t->ty);
         for (int b = 0; b < TC_BANDS; b++)
             band[n][b] = (tc_plane){t->to->band[b][0], TC_TILE, rect};
-        job[n] = (tc_tile_job){t->tx,   t->ty,   0,    t->bytes, t->entry.size[TC_STREAM_HEIGHTS],
-                               band[n], t->work, TC_OK};
+        job[n] = (tc_tile_job){t->tx, t->ty, 0, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], band[n], t->work, TC_OK};
     }
     if (count == 2)
         tc_codec_decode_pair(c->codec, job, coarse, TC_SIMD_AUTO);
@@ -167,25 +166,32 @@ static void decode_tile(const tc_level_coder *c, tc_level_tile *t, const tc_plan
 {
     tc_plane samples = {t->to->sample[0], TC_TILE_SIDE, tc_level_coder_samples(c, t->tx, t->ty)};
     t->status = TC_ERR_FORMAT;
-    if (!t->bytes)
-        memset(t->to, 0, tc_decoded_tile_bytes(c->coder));
-    else if (c->coder == TC_CODER_EXACT)
+    if (!t->bytes) {
+        /* As damaged. */
+    } else if (c->coder == TC_CODER_EXACT) {
         t->status = tc_exact_decode_tile(c->exact, t->tx, t->ty, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], coarse,
                                          &samples, t->work);
-    else if (c->coder == TC_CODER_LH04)
+    } else if (c->coder == TC_CODER_LH04) {
         t->status = tc_lh04_decode_tile(c->lh04, t->tx, t->ty, 0, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], &samples,
                                         t->work, TC_SIMD_AUTO);
-    else
+    } else {
         decode_lifting(c, t, 1, coarse);
+    }
+    if (t->status)
+        memset(t->to, 0, tc_decoded_tile_bytes(c->coder));
     if (t->status && c->coder == TC_CODER_EXACT)
         upsample_tile(coarse, &samples);
 }
 
 void tc_level_coder_decode(const tc_level_coder *c, tc_level_tile *tile, int count, const tc_plane *coarse)
 {
-    if (count == 2 && is_lifting(c) && tile[0].bytes && tile[1].bytes)
-        decode_lifting(c, tile, 2, coarse);
-    else
+    if (count < 2 || !is_lifting(c) || !tile[0].bytes || !tile[1].bytes) {
         for (int n = 0; n < count; n++)
             decode_tile(c, &tile[n], coarse);
+        return;
+    }
+    decode_lifting(c, tile, 2, coarse);
+    for (int n = 0; n < count; n++)
+        if (tile[n].status)
+            memset(tile[n].to, 0, tc_decoded_tile_bytes(c->coder));
 }

@@ -193,9 +193,12 @@ static tc_status assemble(tc_packer *p, int file, tc_error *error)
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     for (int64_t done = 0; done < p->body_size && !status;) {
         ssize_t n = pread(p->body, block, (size_t)tc_min64(BLOCK, p->body_size - done), done);
+        if (n < 0 && errno == EINTR)
+            continue;
         if (n <= 0)
-            return tc_fail(error, TC_ERR_IO, "%s: its temporary file cannot be read", p->path);
-        status = write_all(file, block, (size_t)n, at + done, p->path, error);
+            status = tc_fail(error, TC_ERR_IO, "%s: its temporary file cannot be read", p->path);
+        else
+            status = write_all(file, block, (size_t)n, at + done, p->path, error);
         done += n;
     }
     free(block);
@@ -208,6 +211,9 @@ static tc_status put_in_place(tc_packer *p, tc_error *error)
     if (file < 0)
         return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
     tc_status status = assemble(p, file, error);
+    /* Now rather than while a name stands beside the target, which a kill would leave there. */
+    if (!status && fsync(file) != 0)
+        status = tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
     tc_outfile outfile;
     if (!status && !(status = tc_outfile_begin(p->path, &outfile, error)))
         status = tc_outfile_end(&outfile, tc_outfile_adopt(&outfile, file, error), error);
@@ -224,11 +230,11 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
         return tc_fail(error, TC_ERR_FORMAT, "%s: expected heights, found samples that are all void", p->path);
     p->result.samples = t->width * t->height;
     p->result.voids = c->voids = p->result.samples - valid;
-    double mean = p->sum / (double)valid;
-    c->info.mean = mean + p->sum_base + t->z_base;
-    c->info.deviation = sqrt(fmax(p->square_sum / (double)valid - mean * mean, 0));
     c->z_min = p->z_min, c->z_max = p->z_max;
-    tc_status status = c->voids ? tc_pack_fill(p, error) : TC_OK;
+    tc_status status = tc_pack_moments(p, &c->info.mean, &c->info.deviation, error);
+    c->info.mean += t->z_base;
+    if (!status && c->voids)
+        status = tc_pack_fill(p, error);
     int32_t bound = 0, lattice = 1;
     if (!status)
         status = set_unit(p, &bound, &lattice, error);

@@ -38,7 +38,6 @@ struct tc_packer {
     tc_spool mask;   /* bytes, 1 void; none where no sample is */
     tc_rect *given;  /* rectangles so far, where not of whole rows in order */
     size_t given_count, given_room;
-    double sum, square_sum, sum_base; /* of heights less sum_base */
     float z_min, z_max;
     unsigned lattices; /* of pack_source.c's candidates, those that all heights are multiples of */
     double done;       /* share of the work */
@@ -54,6 +53,9 @@ struct tc_packer {
 
 /* Rows of the finest level as they were given, or filled: metres above z_base; NaN where void and not filled. */
 tc_status tc_pack_source_rows(const tc_packer *p, int64_t y0, int64_t y1, float *z, tc_error *error);
+
+/* Mean and standard deviation of the heights as they were given; the same in whatever order that was. */
+tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret, tc_error *error);
 
 /* Makes the mask and fills the voids of the source. */
 tc_status tc_pack_fill(tc_packer *p, tc_error *error);

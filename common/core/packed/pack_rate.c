@@ -13,7 +13,7 @@
 
 static const double AIM = 0.986, LEAST = 0.97; /* of the target */
 enum { MOST_TRIES = 12 };
-static const double LARGEST_STEP = 64.0 * TC_MAX_STEP;
+static const double LARGEST_STEP = 64.0 * TC_MAX_STEP, SMALLER = 0.7;
 
 /* Square error that quantising a detail leaves: small ones vanish, others are off by an even share of the step. */
 static double quantiser_error(double detail, double step)
@@ -162,23 +162,31 @@ static tc_status code_finest(search *s, const tc_sample *sample, int64_t body, d
     return TC_OK;
 }
 
+static tc_status sample_finest(const search *s, tc_sample **sample_ret, tc_error *error)
+{
+    enum { SHARE = 16 };
+    const tc_packer *p = s->coding.p;
+    tc_pages pages = tc_level_pages(&p->container.level[p->container.levels - 1]);
+    int64_t wanted = pages.tiles_x * pages.tiles_y / SHARE;
+    return tc_pack_sample(p, p->container.levels, &s->coding.coarse,
+                          (int)tc_clamp64(wanted, TC_TRAINING_TILES, TC_SAMPLE_TILES), sample_ret, error);
+}
+
 /* Codes the finest level with steps near s->q that may bring the whole to the target, given what coarser levels leave
  * in its samples. Sets *error_ret to what all levels come to; where a step near s->q is foreseen not to reach the
  * target, and `foresee` allows it, the level is not coded, and *coded_ret false. */
 static tc_status tune_finest(search *s, double carried, bool foresee, double *error_ret, bool *coded_ret,
                              tc_error *error)
 {
-    enum { MOST_CODINGS = 4, SHARE = 16 };
+    enum { MOST_CODINGS = 4 };
     const double near = 1.25, far = 1.08;
     tc_packer *p = s->coding.p;
     int l = p->container.levels;
-    const tc_level *level = &p->container.level[l - 1];
-    double tiles = (double)level->width * (double)level->height / (TC_TILE_SIDE * TC_TILE_SIDE), foreseen = 0;
     double aim = AIM * AIM * s->target, own = fmax(aim - carried, 0.01 * aim),
            own_most = fmax(s->target - carried, own);
+    double foreseen = 0;
     tc_sample *sample = NULL;
-    tc_status status = tc_pack_sample(
-        p, l, &s->coding.coarse, (int)fmin(fmax(tiles / SHARE, TC_TRAINING_TILES), TC_SAMPLE_TILES), &sample, error);
+    tc_status status = sample_finest(s, &sample, error);
     s->fine = s->q;
     if (!status && !(status = tc_coding_choose(&s->coding, l, s->q, sample, error)))
         status = estimate(s, sample, s->q, &foreseen, error);
@@ -211,15 +219,15 @@ static tc_status code_below(search *s, tc_packer *p, tc_error *error)
     return status ? status : tc_coding_below(&s->coding, p->container.levels - 1, s->q, error);
 }
 
-/* Codes everything as in the best try. */
-static tc_status repeat_best(search *s, tc_packer *p, tc_error *error)
+/* Codes everything with these two steps. */
+static tc_status code_with(search *s, tc_packer *p, double q, double fine, tc_error *error)
 {
     double found = 0;
     tc_sample *sample = NULL;
-    s->q = s->best_q, s->fine = s->best_fine;
+    s->q = q, s->fine = fine;
     tc_status status = code_below(s, p, error);
     if (!status)
-        status = tc_pack_sample(p, p->container.levels, &s->coding.coarse, TC_TRAINING_TILES, &sample, error);
+        status = sample_finest(s, &sample, error);
     if (!status)
         status = code_finest(s, sample, p->body_size, &found, error);
     tc_sample_free(sample);
@@ -256,10 +264,13 @@ tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
         if (s.q < 0.1)
             break;
     }
+    /* An error that goes in leaps: well below the target rather than above. */
+    for (double q = s.q * SMALLER; !status && s.best < 0 && q > 0.1; q *= SMALLER)
+        status = code_with(&s, p, q, q, error);
     if (!status && s.best < 0)
         status = too_fine(p, error);
     if (!status && (s.last_q != s.best_q || s.last_fine != s.best_fine))
-        status = repeat_best(&s, p, error);
+        status = code_with(&s, p, s.best_q, s.best_fine, error);
     return status;
 }
 
@@ -315,8 +326,8 @@ tc_status tc_pack_lh04(tc_packer *p, tc_error *error)
     curve whole = CURVE(1.5);
     s.q = 3 * sqrt(s.target);
     tc_status status = TC_OK;
+    double found = 0;
     for (int tries = 0; tries < MOST_TRIES && !status; tries++) {
-        double found = 0;
         status = code_lh04(p, s.q, &found, error);
         s.last_q = s.q;
         if (!status && found <= s.target && found > s.best)
@@ -325,6 +336,9 @@ tc_status tc_pack_lh04(tc_packer *p, tc_error *error)
             break;
         s.q = fmin(next_step(&whole, s.q, found, aim, s.target, true), TC_MAX_STEP);
     }
+    for (double q = s.q * SMALLER; !status && s.best < 0 && q >= 0.5; q *= SMALLER)
+        if (!(status = code_lh04(p, s.last_q = q, &found, error)) && found <= s.target)
+            s.best = found, s.best_q = q;
     if (!status && s.best < 0)
         status = too_fine(p, error);
     if (!status && s.last_q != s.best_q)

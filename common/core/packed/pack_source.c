@@ -101,7 +101,6 @@ static bool was_given(const tc_packer *p, tc_rect rect)
 /* One row: bits holds what is there already (where `old`), and gets what shall be. */
 static void merge_row(tc_packer *p, const float *z, const uint8_t *voids, int64_t count, bool old, uint32_t *bits)
 {
-    double sum = 0, square = 0;
     float lo = p->z_min, hi = p->z_max;
     int64_t valid = 0;
     for (int64_t i = 0; i < count; i++) {
@@ -118,11 +117,10 @@ static void merge_row(tc_packer *p, const float *z, const uint8_t *voids, int64_
         bits[i] = is_void ? VOID_BITS : to_bits(z[i]);
         if (is_void)
             continue;
-        double d = z[i] - p->sum_base;
-        sum += d, square += d * d, valid++;
+        valid++;
         lo = z[i] < lo ? z[i] : lo, hi = z[i] > hi ? z[i] : hi;
     }
-    p->sum += sum, p->square_sum += square, p->result.samples += valid;
+    p->result.samples += valid;
     p->z_min = lo, p->z_max = hi;
 }
 
@@ -143,12 +141,6 @@ tc_status tc_packer_put(tc_packer *p, tc_rect rect, const float *z, const uint8_
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     tc_status status = TC_OK;
     bool old = was_given(p, rect);
-    if (p->result.samples == 0)
-        for (int64_t i = 0; i < count; i++)
-            if (isfinite(z[i]) && !(voids && voids[i])) {
-                p->sum_base = z[i]; /* near the mean: sums of squares stay exact enough */
-                break;
-            }
     for (int64_t y = rect.y0; y < rect.y1 && !status; y += rows) {
         tc_rect part = {rect.x0, y, rect.x1, tc_min64(y + rows, rect.y1)};
         if (old)
@@ -179,6 +171,31 @@ tc_status tc_pack_source_rows(const tc_packer *p, int64_t y0, int64_t y1, float 
         memcpy(&bits, &z[i], sizeof bits);
         z[i] = from_bits(bits);
     }
+    return status;
+}
+
+tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret, tc_error *error)
+{
+    const tc_pack_terrain *t = &p->container.info.terrain;
+    int64_t w = t->width, h = t->height, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, h), valid = 0;
+    double base = 0.5 * ((double)p->z_min + p->z_max), sum = 0, square = 0;
+    float *z = malloc((size_t)(rows * w) * sizeof *z);
+    tc_status status = z ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    for (int64_t y = 0; y < h && !status; y++) {
+        if (y % rows == 0)
+            status = tc_pack_source_rows(p, y, tc_min64(y + rows, h), z, error);
+        double row_sum = 0, row_square = 0;
+        for (int64_t i = y % rows * w; i < (y % rows + 1) * w && !status; i++)
+            if (!isnan(z[i])) {
+                double d = z[i] - base;
+                row_sum += d, row_square += d * d, valid++;
+            }
+        sum += row_sum, square += row_square;
+    }
+    free(z);
+    double mean = valid ? sum / (double)valid : 0;
+    *mean_ret = mean + base;
+    *deviation_ret = valid ? sqrt(fmax(square / (double)valid - mean * mean, 0)) : 0;
     return status;
 }
 

@@ -23,13 +23,13 @@ typedef struct page {
     tc_tile_entry entry[TC_PAGE_TILES];
 } page;
 
-static tc_status read_at(const tc_packed_file *f, int64_t offset, void *bytes, size_t size)
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
+
+static tc_status read_from_file(void *context, int64_t offset, void *bytes, size_t size)
 {
     char *to = bytes;
-    if (offset < 0 || (uint64_t)offset > (uint64_t)f->size || size > (uint64_t)(f->size - offset))
-        return TC_ERR_FORMAT;
     while (size > 0) {
-        ssize_t n = pread(f->file, to, size, offset);
+        ssize_t n = pread(*(const int *)context, to, size, offset);
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
@@ -39,16 +39,55 @@ static tc_status read_at(const tc_packed_file *f, int64_t offset, void *bytes, s
     return TC_OK;
 }
 
+static void close_file(void *context)
+{
+    close(*(const int *)context);
+    free(context);
+}
+
+static tc_status file_source(const char *path, tc_byte_source *source_ret, tc_error *error)
+{
+    int *file = malloc(sizeof *file);
+    struct stat about;
+    if (!file)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    *file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe shall not hold us up */
+    tc_status status = TC_OK;
+    if (*file < 0 || fstat(*file, &about) != 0)
+        status = tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
+    else if (!S_ISREG(about.st_mode))
+        status = tc_fail(error, TC_ERR_IO, "%s: expected a file, found a %s", path,
+                         S_ISDIR(about.st_mode) ? "directory" : "device or pipe");
+    else
+        *source_ret = (tc_byte_source){file, about.st_size, read_from_file, close_file};
+    if (status && *file >= 0)
+        close(*file);
+    if (status)
+        free(file);
+    return status;
+}
+
+/* ---- Opening ------------------------------------------------------------------------------------------------------
+ */
+
+static tc_status read_at(const tc_packed_file *f, int64_t offset, void *bytes, size_t size)
+{
+    const tc_byte_source *s = &f->source;
+    if (offset < 0 || offset > s->size || size > (uint64_t)(s->size - offset))
+        return TC_ERR_FORMAT;
+    return size ? s->read(s->context, offset, bytes, size) : TC_OK;
+}
+
 static tc_status read_head(tc_packed_file *f, tc_error *error)
 {
-    size_t size = (size_t)tc_min64(FIRST_READ, f->size), needed = 0;
+    size_t size = (size_t)tc_min64(FIRST_READ, f->source.size), needed = 0;
     uint8_t *bytes = malloc(size + 1);
     tc_status status = bytes ? read_at(f, 0, bytes, size) : TC_ERR_MEMORY;
     if (!status)
         status = tc_container_read(f->path, bytes, size, &f->container, &needed, error);
     else
         tc_fail(error, status, "%s: cannot be read: %s", f->path, tc_status_text(status));
-    if (status == TC_ERR_FORMAT && needed > size && (int64_t)needed <= f->size) {
+    if (status == TC_ERR_FORMAT && needed > size && (int64_t)needed <= f->source.size) {
         free(bytes);
         bytes = malloc(needed);
         status = bytes ? read_at(f, 0, bytes, needed) : TC_ERR_MEMORY;
@@ -61,44 +100,44 @@ static tc_status read_head(tc_packed_file *f, tc_error *error)
     return status;
 }
 
-tc_status tc_packed_file_open(const char *path, tc_packed_file *f, tc_error *error)
+static void close_source(const tc_byte_source *source)
 {
-    *f = (tc_packed_file){.path = strdup(path), .file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-    struct stat about;
-    tc_status status = TC_OK;
-    if (!f->path)
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
-    else if (f->file < 0 || fstat(f->file, &about) != 0)
-        status = tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    else if (!S_ISREG(about.st_mode))
-        status = tc_fail(error, TC_ERR_IO, "%s: expected a file, found a %s", path,
-                         S_ISDIR(about.st_mode) ? "directory" : "device or pipe");
-    else {
-        f->size = about.st_size;
-        status = read_head(f, error);
-    }
+    if (source->close)
+        source->close(source->context);
+}
+
+tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *source, tc_packed_file *f, tc_error *error)
+{
+    *f = (tc_packed_file){.path = strdup(name), .source = *source};
+    tc_status status = f->path ? read_head(f, error) : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     if (!status && tc_block_cache_init(&f->pages, sizeof(page), PAGE_CACHE)) {
         tc_block_cache_free(&f->pages);
         tc_container_free(&f->container);
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     }
     if (status) {
-        if (f->file >= 0)
-            close(f->file);
+        close_source(source);
         free(f->path);
         return status;
     }
     tc_container *c = &f->container;
-    while (c->levels > c->base && c->record[c->levels - 1].end > f->size)
+    while (c->levels > c->base && c->record[c->levels - 1].end > source->size)
         c->levels--, c->info.levels_missing++;
     return TC_OK;
+}
+
+tc_status tc_packed_file_open(const char *path, tc_packed_file *f, tc_error *error)
+{
+    tc_byte_source source;
+    tc_status status = file_source(path, &source, error);
+    return status ? status : tc_packed_file_open_bytes(path, &source, f, error);
 }
 
 void tc_packed_file_close(tc_packed_file *f)
 {
     tc_block_cache_free(&f->pages);
     tc_container_free(&f->container);
-    close(f->file);
+    close_source(&f->source);
     free(f->path);
 }
 

@@ -8,14 +8,16 @@
 
 typedef struct tc_packed_file {
     char *path;
-    int file;
-    int64_t size;
+    tc_byte_source source;
     tc_container container; /* levels: as far as the file is whole */
     tc_block_cache pages;
 } tc_packed_file;
 
-/* The finest levels that are missing are taken off container.levels and counted in info.levels_missing. */
+/* The finest levels that are missing are taken off container.levels and counted in info.levels_missing. The second one
+ * takes over the source, also where it fails. */
 tc_status tc_packed_file_open(const char *path, tc_packed_file *file_ret, tc_error *error);
+tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *source, tc_packed_file *file_ret,
+                                    tc_error *error);
 void tc_packed_file_close(tc_packed_file *file);
 
 /* Entry of tile (tx, ty) of level l. TC_ERR_FORMAT where the index is damaged there, TC_ERR_IO, TC_ERR_MEMORY. */

@@ -11,6 +11,7 @@
 #include "common/core/base/status.h"
 #include "level_coder.h"
 #include "packed_file.h"
+#include "prefetch.h"
 
 enum {
     WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
@@ -111,6 +112,7 @@ typedef struct packed_pyramid {
     level_state level[TC_MAX_PYRAMID_LEVELS];
     pthread_mutex_t mutex;
     scratch *idle;
+    tc_prefetch prefetch;
     tc_void_policy voids;
     float void_height; /* metres above z_base */
     _Atomic int64_t damaged, decoded;
@@ -223,10 +225,8 @@ static void make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, i
     tc_level_tile job[AT_ONCE];
     for (int n = 0; n < count; n++) {
         tc_level_tile *t = &job[n];
-        *t = (tc_level_tile){.tx = tile[n]->tx,
-                             .ty = tile[n]->ty,
-                             .to = (tc_decoded_tile *)tile[n]->block->bytes,
-                             .work = s->work[n]};
+        *t = (tc_level_tile){
+            .tx = tile[n]->tx, .ty = tile[n]->ty, .to = (tc_decoded_tile *)tile[n]->block->bytes, .work = s->work[n]};
         tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &t->entry);
         if (!status)
             status = tc_packed_file_tile(&p->file, &t->entry, s->stream[n], tc_level_coder_bound());
@@ -584,6 +584,42 @@ static void packed_bounds(const tc_pyramid *pyramid, int l, tc_rect rect, float 
     }
 }
 
+/* Reads ahead: what it decodes stays in the caches. */
+static void read_ahead(void *context, int l, tc_rect rect)
+{
+    packed_pyramid *p = context;
+    size_t samples = (size_t)tc_rect_area(rect);
+    float *z = malloc(samples * sizeof *z);
+    uint8_t *voids = p->file.container.voids > 0 ? malloc(samples) : NULL;
+    if (z)
+        (void)packed_read(&p->head, l, rect, z, voids, rect.x1 - rect.x0); /* who reads it next learns of failures */
+    free(z), free(voids);
+}
+
+/* Whether all tiles are decoded from level l down to one that is held whole. */
+static bool is_decoded(packed_pyramid *p, int l, tc_rect rect)
+{
+    for (; !is_whole(p, l); l--) {
+        if (!p->level[l - 1].ready || p->level[l - 1].status)
+            return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
+        const tc_level_coder *coder = &p->level[l - 1].coder;
+        tc_rect need = tc_lifting_needs(&coder->level, rect);
+        int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
+        for (int64_t ty = need.y0 / TC_TILE; ty * TC_TILE < need.y1; ty++)
+            for (int64_t tx = need.x0 / TC_TILE; tx * TC_TILE < need.x1; tx++)
+                if (!tc_block_has(&p->tiles, tile_key(l, across, &(wanted_tile){tx, ty, NULL})))
+                    return false;
+        rect = need;
+    }
+    return p->level[l - 1].ready;
+}
+
+static bool packed_ready(const tc_pyramid *pyramid, int l, tc_rect rect)
+{
+    packed_pyramid *p = (packed_pyramid *)pyramid;
+    return is_decoded(p, l, rect) || !tc_prefetch_ask(&p->prefetch, l, rect);
+}
+
 static size_t packed_bytes(const tc_pyramid *pyramid)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
@@ -603,6 +639,7 @@ static size_t packed_bytes(const tc_pyramid *pyramid)
 static void packed_destroy(tc_pyramid *pyramid)
 {
     packed_pyramid *p = (packed_pyramid *)pyramid;
+    tc_prefetch_free(&p->prefetch);
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++) {
         tc_level_coder_free(&p->level[l].coder);
         free(p->level[l].whole);
@@ -619,7 +656,7 @@ static void packed_destroy(tc_pyramid *pyramid)
     free(p);
 }
 
-static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed_bytes, packed_destroy};
+static const tc_pyramid_class packed_class = {packed_read, packed_bounds, packed_ready, packed_bytes, packed_destroy};
 
 /* ---- Opening ------------------------------------------------------------------------------------------------------
  */
@@ -630,7 +667,7 @@ static size_t largest_tile(const tc_container *c)
     size_t most = 0;
     for (int l = c->base; l < c->levels; l++)
         most = tc_decoded_tile_bytes(c->record[l].coder) > most ? tc_decoded_tile_bytes(c->record[l].coder) : most;
-    return most ? most : 1;
+    return most ? most : tc_decoded_tile_bytes(TC_CODER_LIFTING); /* one byte each would make for a huge table */
 }
 
 /* Heights of the base level from the head, of coarser ones by the transform's low band. */
@@ -684,34 +721,54 @@ static void set_info(packed_pyramid *p, const tc_open_options *o)
     }
 }
 
-tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error)
+/* Makes the pyramid p whose file was opened with `opened`; p is freed where anything has failed. */
+static tc_status make_pyramid(packed_pyramid *p, tc_status opened, const tc_open_options *options,
+                              tc_pyramid **pyramid_ret, tc_error *error)
 {
     static const tc_open_options none = {0};
     options = options ? options : &none;
-    packed_pyramid *p = calloc(1, sizeof *p);
-    if (!p)
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
-    tc_status status = tc_packed_file_open(path, &p->file, error);
-    if (status) {
+    if (opened) {
         free(p);
-        return status;
+        return opened;
     }
     pthread_mutex_init(&p->mutex, NULL);
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
         pthread_mutex_init(&p->level[l].mutex, NULL);
-    status = tc_block_cache_init(&p->tiles, largest_tile(&p->file.container),
-                                 options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
+    tc_status status = tc_block_cache_init(&p->tiles, largest_tile(&p->file.container),
+                                           options->cache_bytes ? options->cache_bytes : CACHE_BYTES);
     tc_status masks = tc_block_cache_init(&p->masks, MASK_SIDE * MASK_SIDE, MASK_BYTES);
     status = status ? status : masks;
+    tc_prefetch_init(&p->prefetch, read_ahead, p);
     set_info(p, options);
     if (!status)
         status = make_base(p);
     if (status) {
+        tc_fail(error, status, "%s: not enough memory", p->file.path);
         packed_destroy(&p->head);
-        return tc_fail(error, status, "%s: not enough memory", path);
+        return status;
     }
     *pyramid_ret = &p->head;
     return TC_OK;
+}
+
+tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error)
+{
+    packed_pyramid *p = calloc(1, sizeof *p);
+    if (!p)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    return make_pyramid(p, tc_packed_file_open(path, &p->file, error), options, pyramid_ret, error);
+}
+
+tc_status tc_pyramid_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                                tc_pyramid **pyramid_ret, tc_error *error)
+{
+    packed_pyramid *p = calloc(1, sizeof *p);
+    if (!p) {
+        if (source->close)
+            source->close(source->context);
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    }
+    return make_pyramid(p, tc_packed_file_open_bytes(name, source, &p->file, error), options, pyramid_ret, error);
 }
 
 /* ---- What a packed pyramid tells beside -----------------------------------------------------------------------------

@@ -12,12 +12,16 @@
 tc_status tc_spool_create(const char *path, int64_t width, int64_t height, size_t element, tc_spool *spool_ret,
                           tc_error *error)
 {
+    double size = (double)width * (double)height * (double)element;
+    if (size > 0x1p62)
+        return tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made beside it", path,
+                       size / (1 << 30));
     int file = tc_outfile_nameless(path);
     if (file < 0)
         return tc_fail(error, TC_ERR_IO, "%s: no temporary file can be made beside it: %s", path, strerror(errno));
     if (ftruncate(file, width * height * (off_t)element) != 0) {
         tc_status status = tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made beside it: %s",
-                                   path, (double)width * (double)height * (double)element / (1 << 30), strerror(errno));
+                                   path, size / (1 << 30), strerror(errno));
         close(file);
         return status;
     }

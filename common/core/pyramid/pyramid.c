@@ -51,6 +51,12 @@ tc_status tc_pyramid_read(const tc_pyramid *pyramid, int level, tc_rect rect, fl
     return tc_rect_empty(rect) ? TC_OK : pyramid->class->read(pyramid, level, rect, z, voids, stride);
 }
 
+bool tc_pyramid_ready(const tc_pyramid *pyramid, int level, tc_rect rect)
+{
+    rect = tc_rect_intersect(rect, level_rect(pyramid, level));
+    return !pyramid->class->ready || tc_rect_empty(rect) || pyramid->class->ready(pyramid, level, rect);
+}
+
 void tc_pyramid_bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
 {
     rect = tc_rect_intersect(rect, level_rect(pyramid, level));

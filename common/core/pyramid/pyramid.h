@@ -7,6 +7,7 @@
 typedef struct tc_pyramid_class {
     tc_status (*read)(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
     void (*bounds)(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
+    bool (*ready)(const tc_pyramid *pyramid, int level, tc_rect rect); /* NULL: always */
     size_t (*bytes)(const tc_pyramid *pyramid);
     void (*destroy)(tc_pyramid *pyramid);
 } tc_pyramid_class;
@@ -22,5 +23,9 @@ struct tc_pyramid {
 
 /* Fills in the sizes and spacings of all levels and info.levels from the finest. */
 void tc_pyramid_set_levels(tc_pyramid *pyramid, tc_level finest);
+
+/* Whether reading rect (cut to the level) would take no time to speak of. Where it would, a thread begins to see to it
+ * that it soon does not. */
+bool tc_pyramid_ready(const tc_pyramid *pyramid, int level, tc_rect rect);
 
 #endif

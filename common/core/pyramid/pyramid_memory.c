@@ -86,7 +86,7 @@ static void memory_destroy(tc_pyramid *pyramid)
     free(p);
 }
 
-static const tc_pyramid_class memory_class = {memory_read, memory_bounds, memory_bytes, memory_destroy};
+static const tc_pyramid_class memory_class = {memory_read, memory_bounds, NULL, memory_bytes, memory_destroy};
 
 /* Building: each level from the next finer one, in bands of rows. */
 typedef struct step {
@@ -185,7 +185,9 @@ static void take_grid(memory_pyramid *p, tc_grid *grid)
     info->other_body = is_other_body(&grid->georef);
     p->georef = grid->georef;
     p->level[info->levels - 1].z = grid->z;
-    p->level[info->levels - 1].voids = grid->voids;
+    p->level[info->levels - 1].voids = grid->void_count > 0 ? grid->voids : NULL;
+    if (grid->void_count <= 0)
+        free(grid->voids);
     memset(grid, 0, sizeof *grid);
 }
 

@@ -1,0 +1,218 @@
+/* test_container.c - heads and index pages: what is written comes back; the checksum and the parts of a file. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/packed/container.h"
+#include "common/core/packed/crc32c.h"
+#include "tests/support/terrains.h"
+
+/* ---- Checksum ---------------------------------------------------------------------------------------------------- */
+
+static void checksum_is_crc32c(void **state)
+{
+    (void)state;
+    uint8_t bytes[100];
+    assert_true(tc_crc32c(0, "123456789", 9) == 0xe3069283); /* the catalogue's check value */
+    memset(bytes, 0, sizeof bytes);
+    assert_true(tc_crc32c(0, bytes, 32) == 0x8a9136aa); /* RFC 3720, B.4 */
+    memset(bytes, 0xff, sizeof bytes);
+    assert_true(tc_crc32c(0, bytes, 32) == 0x62a8ab43);
+    for (size_t i = 0; i < sizeof bytes; i++)
+        bytes[i] = (uint8_t)(7 * i);
+    for (size_t cut = 0; cut <= sizeof bytes; cut++)
+        for (size_t from = 0; from < 9; from++) {
+            size_t at = cut < from ? from : cut;
+            uint32_t whole = tc_crc32c(0, bytes + from, sizeof bytes - from);
+            uint32_t first = tc_crc32c(0, bytes + from, at - from);
+            assert_true(tc_crc32c(first, bytes + at, sizeof bytes - at) == whole);
+        }
+}
+
+/* ---- Heads ------------------------------------------------------------------------------------------------------- */
+
+/* A container whose levels follow each other; models of some random bytes. */
+static tc_container make_container(test_random *r)
+{
+    tc_container c = {0};
+    tc_pack_terrain *t = &c.info.terrain;
+    c.info.mode = (tc_pack_mode)test_random_int(r, 0, 2), c.info.codec = (tc_pack_codec)test_random_int(r, 0, 1);
+    c.info.error = test_random_unit(r);
+    *t = (tc_pack_terrain){.width = test_random_int(r, 1, 3000), .height = test_random_int(r, 1, 3000)};
+    t->spacing_x = test_random_range(r, 0.1, 90), t->spacing_y = test_random_range(r, 0.1, 90);
+    t->z_base = test_random_range(r, -1e6, 1e6), t->sample_type = (tc_sample_type)test_random_int(r, 0, 7);
+    t->area_registered = test_random_int(r, 0, 1), t->unit = test_random_range(r, 0.01, 3);
+    t->offset = test_random_range(r, -100, 100), t->has_nodata = test_random_int(r, 0, 1);
+    t->nodata = test_random_int(r, 0, 1) ? NAN : -32768, t->voids = (tc_void_policy)test_random_int(r, 0, 2);
+    t->void_constant = test_random_range(r, -9, 9), t->georef.known = test_random_int(r, 0, 1);
+    t->georef.geographic = test_random_int(r, 0, 1), t->georef.semi_major = test_random_range(r, 0, 7e6);
+    for (int i = 0; i < 6; i++)
+        t->georef.transform[i] = test_random_range(r, -1e6, 1e6);
+    size_t length = (size_t)test_random_int(r, 0, 40000);
+    if (length && (t->georef.crs_wkt = calloc(length + 1, 1)))
+        memset(t->georef.crs_wkt, 'x', length);
+    c.z_unit = exp2((double)test_random_int(r, -12, 5)), c.z_origin = test_random_range(r, -1e5, 1e5);
+    c.z_min = -17.25, c.z_max = 1e4, c.info.mean = 3, c.info.deviation = 4;
+    c.voids = test_random_int(r, 0, t->width * t->height - 1);
+    tc_container_set_levels(&c);
+    const tc_level *base = &c.level[c.base - 1];
+    int32_t most = test_random_int(r, 0, 1) ? TC_LIFTING_LIMIT : 100;
+    for (int64_t i = 0; i < base->width * base->height; i++) {
+        c.base_z[i] = (int32_t)test_random_int(r, -most, most);
+        c.base_void[i] = c.voids > 0 && test_random_int(r, 0, 1);
+    }
+    for (int l = c.base; l < c.levels; l++) {
+        tc_level_record *record = &c.record[l];
+        *record = (tc_level_record){.coder = (tc_coder)test_random_int(r, 0, TC_CODERS - 1)};
+        record->mask = test_random_int(r, 0, 1), record->lowest = (int32_t)test_random_int(r, -9000, 0);
+        record->highest = (int32_t)test_random_int(r, 0, 9000), record->rms = (float)test_random_unit(r);
+        record->max_error = (float)test_random_unit(r), record->residual_variance = (float)test_random_unit(r);
+        record->correction_snap = (int32_t)test_random_int(r, 0, 9);
+        record->correction_step = (int32_t)test_random_int(r, 0, 99);
+        record->model_size = (size_t)test_random_int(r, 0, 3000);
+        record->model = calloc(record->model_size + 1, 1);
+        assert_non_null(record->model);
+        for (size_t i = 0; i < record->model_size; i++)
+            record->model[i] = (uint8_t)test_random_bits(r);
+    }
+    tc_byte_writer w = {0};
+    assert_int_equal(tc_container_write(&c, &w), TC_OK);
+    int64_t at = (int64_t)w.size;
+    for (int l = c.base; l < c.levels; l++) {
+        tc_pages pages = tc_level_pages(&c.level[l]);
+        c.record[l].begin = at;
+        c.record[l].end = at += tc_directory_bytes(&pages) + test_random_int(r, 0, 1000);
+    }
+    c.info.bytes = at;
+    free(w.bytes);
+    return c;
+}
+
+static void heads_come_back(void **state)
+{
+    (void)state;
+    test_random r = {3};
+    for (int n = 0; n < 300; n++) {
+        tc_container c = make_container(&r), back;
+        tc_byte_writer w = {0};
+        size_t needed = 0;
+        tc_error error = {TC_OK, ""};
+        assert_int_equal(tc_container_write(&c, &w), TC_OK);
+        if (tc_container_read("test", w.bytes, w.size, &back, &needed, &error))
+            fail_msg("%s", error.text);
+        assert_true(needed == w.size && tc_container_is(w.bytes, w.size) && back.info.version == 1);
+        /* Bytes say all: what is read is written again as it was. */
+        tc_byte_writer again = {0};
+        assert_int_equal(tc_container_write(&back, &again), TC_OK);
+        assert_true(again.size == w.size && !memcmp(again.bytes, w.bytes, w.size));
+        size_t base = (size_t)(c.level[c.base - 1].width * c.level[c.base - 1].height);
+        assert_true(back.levels == c.levels && back.base == c.base && back.voids == c.voids);
+        assert_memory_equal(back.base_z, c.base_z, base * sizeof *c.base_z);
+        assert_true(c.voids == 0 || !memcmp(back.base_void, c.base_void, base));
+        assert_true(back.info.terrain.width == c.info.terrain.width && back.z_unit == c.z_unit);
+        tc_container_free(&back);
+        /* Cut, at the end or elsewhere: how much is needed is told where it is known. */
+        size_t cut = (size_t)test_random_int(&r, 0, (int64_t)w.size - 1);
+        assert_int_equal(tc_container_read("test", w.bytes, cut, &back, &needed, &error), TC_ERR_FORMAT);
+        assert_true(needed == (cut < 20 ? 0 : w.size));
+        /* Every kind of other file. */
+        w.bytes[8] = 2;
+        assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_ERR_UNSUPPORTED);
+        w.bytes[8] = 1, w.bytes[(size_t)n % 8] ^= 1;
+        assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_ERR_FORMAT);
+        assert_true(!tc_container_is(w.bytes, w.size) && strstr(error.text, "something else"));
+        free(w.bytes), free(again.bytes);
+        tc_container_free(&c);
+    }
+}
+
+/* Tiles are in exactly one page each, and the directory has room for all. */
+static void pages_cover_a_level(void **state)
+{
+    (void)state;
+    test_random r = {5};
+    for (int n = 0; n < 200; n++) {
+        tc_level level = {test_random_int(&r, 1, 30000), test_random_int(&r, 1, 30000), 1, 1};
+        tc_pages p = tc_level_pages(&level);
+        assert_true(p.tiles_x == (level.width + 127) / 128 && p.tiles_y == (level.height + 127) / 128);
+        int64_t tiles = 0;
+        for (int64_t py = 0; py < p.pages_y; py++)
+            for (int64_t px = 0; px < p.pages_x; px++) {
+                tc_rect t = tc_page_tiles(&p, px, py);
+                assert_true(!tc_rect_empty(t) && tc_rect_area(t) <= TC_PAGE_TILES);
+                assert_true(t.x0 == px * TC_PAGE_COLUMNS && t.y0 == py * TC_PAGE_ROWS);
+                tiles += tc_rect_area(t);
+            }
+        assert_true(tiles == p.tiles_x * p.tiles_y);
+        int64_t pages = p.pages_x * p.pages_y, last = pages - 1;
+        int64_t end = tc_directory_chunk_offset(last / TC_DIRECTORY_CHUNK) +
+                      (last % TC_DIRECTORY_CHUNK + 1) * TC_DIRECTORY_ENTRY + 4;
+        assert_true(end == tc_directory_bytes(&p));
+    }
+}
+
+/* ---- Index pages ------------------------------------------------------------------------------------------------- */
+
+static tc_tile_entry make_entry(test_random *r, tc_page_form form, int32_t range)
+{
+    tc_tile_entry e = {{0}, 0, TC_MASK_VALID, 0, 0, 0};
+    if (test_random_int(r, 0, 3))
+        e.size[0] = (uint32_t)test_random_int(r, 1, test_random_int(r, 0, 1) ? 200 : 100000);
+    if (form.corrections && test_random_int(r, 0, 1))
+        e.size[1] = (uint32_t)test_random_int(r, 0, 5000);
+    if (form.mask)
+        e.mask_class = (uint8_t)test_random_int(r, 0, 2);
+    if (e.mask_class == TC_MASK_CODED)
+        e.size[2] = (uint32_t)test_random_int(r, 0, TC_MASK_BOUND);
+    e.crc = tc_tile_bytes(&e) ? (uint32_t)test_random_bits(r) : 0;
+    e.low = (int32_t)test_random_int(r, -range, range), e.high = (int32_t)test_random_int(r, e.low, range);
+    return e;
+}
+
+static void index_pages_come_back(void **state)
+{
+    (void)state;
+    test_random r = {9};
+    uint8_t *bytes = malloc(tc_page_bound());
+    assert_non_null(bytes);
+    for (int n = 0; n < 600; n++) {
+        static const int32_t ranges[] = {0, 1, 100, 1 << 20, 2 * TC_LIFTING_LIMIT};
+        tc_page_form form = {n & 1, n & 2};
+        tc_tile_entry entry[TC_PAGE_TILES], back[TC_PAGE_TILES];
+        int count = (int)test_random_int(&r, 1, n % 3 ? 12 : TC_PAGE_TILES);
+        int32_t range = ranges[n % 5], lowest = INT32_MAX, highest = INT32_MIN;
+        for (int i = 0; i < count; i++) {
+            entry[i] = make_entry(&r, form, range);
+            lowest = entry[i].low < lowest ? entry[i].low : lowest;
+            highest = entry[i].high > highest ? entry[i].high : highest;
+        }
+        size_t size = tc_page_write(form, entry, count, bytes);
+        assert_true(size <= tc_page_bound());
+        assert_int_equal(tc_page_read(form, bytes, size, back, count), TC_OK);
+        int64_t step = ((int64_t)highest - lowest) / TC_BOUND_STEPS + 1;
+        for (int i = 0; i < count; i++) {
+            assert_memory_equal(back[i].size, entry[i].size, sizeof entry[i].size);
+            assert_true(back[i].crc == entry[i].crc && back[i].mask_class == entry[i].mask_class);
+            assert_true(back[i].low <= entry[i].low && back[i].low > entry[i].low - step && back[i].low >= lowest);
+            assert_true(back[i].high >= entry[i].high && back[i].high < entry[i].high + step &&
+                        back[i].high <= highest);
+        }
+        /* Missing bytes are zeros to the decoder: to see that is the checksum's affair. */
+        tc_page_read(form, bytes, (size_t)test_random_int(&r, 0, (int64_t)size), back, count);
+    }
+    free(bytes);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(checksum_is_crc32c),
+        cmocka_unit_test(heads_come_back),
+        cmocka_unit_test(pages_cover_a_level),
+        cmocka_unit_test(index_pages_come_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

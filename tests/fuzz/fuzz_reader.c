@@ -1,0 +1,95 @@
+/* fuzz_reader.c - a whole packed file of arbitrary bytes: opened, asked, read. Nothing may crash, hang or take much
+ * memory; heights are finite; a rectangle is the same part of the whole. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "common/core/base/rect.h"
+#include "common/terraclip.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+enum { WHOLE = 300, PART = 40 }; /* samples along a side that are read at once */
+
+static void expect(int good, const char *what)
+{
+    if (!good) {
+        fprintf(stderr, "fuzz_reader: %s\n", what);
+        abort();
+    }
+}
+
+/* NULL where the rectangle cannot be read, which is fine. */
+static float *read_rect(const tc_pyramid *p, int l, tc_rect r, uint8_t **voids_ret)
+{
+    size_t samples = (size_t)tc_rect_area(r);
+    float *z = malloc(samples * sizeof *z), low, high;
+    *voids_ret = malloc(samples);
+    expect(z && *voids_ret, "no memory");
+    tc_pyramid_bounds(p, l, r, &low, &high);
+    expect(isfinite(low) && isfinite(high) && low <= high, "bounds are nonsense");
+    if (tc_pyramid_read(p, l, r, z, *voids_ret, r.x1 - r.x0)) {
+        free(z);
+        return NULL;
+    }
+    for (size_t i = 0; i < samples; i++)
+        expect(isfinite(z[i]) && (*voids_ret)[i] <= 1, "a height that is not finite, or no mask");
+    return z;
+}
+
+static void check_part(const tc_pyramid *p, int l, tc_rect whole, const float *z, const uint8_t *voids)
+{
+    int64_t w = whole.x1 - whole.x0, h = whole.y1 - whole.y0;
+    tc_rect part = {whole.x0 + w / 3, whole.y0 + h / 2, whole.x0 + w / 3 + tc_min64(w - w / 3, 37),
+                    whole.y0 + h / 2 + tc_min64(h - h / 2, 21)};
+    uint8_t *v = NULL;
+    float *some = read_rect(p, l, part, &v);
+    for (int64_t y = part.y0; y < part.y1 && some; y++)
+        for (int64_t x = part.x0; x < part.x1; x++) {
+            int64_t at = (y - part.y0) * (part.x1 - part.x0) + x - part.x0;
+            int64_t of = (y - whole.y0) * w + x - whole.x0;
+            expect(some[at] == z[of] && v[at] == voids[of], "a part is not the part of the whole");
+        }
+    expect(some || !z, "a part cannot be read");
+    free(some), free(v);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    char path[64];
+    int file = memfd_create("fuzz", MFD_CLOEXEC);
+    expect(file >= 0 && write(file, data, size) == (ssize_t)size, "no file");
+    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
+    tc_pyramid *p = NULL;
+    tc_error error = {TC_OK, ""};
+    tc_open_options options = {.cache_bytes = size % 2 ? 1 : 0};
+    tc_status status = tc_pyramid_open(path, &options, &p, &error);
+    expect(!status == !error.text[0] && !strchr(error.text, '\n'), "no words for an error, or more than a line");
+    for (int l = 1; !status && l <= tc_pyramid_info(p)->levels; l++) {
+        tc_level level = tc_pyramid_level(p, l);
+        tc_rect all = {0, 0, level.width, level.height}, r = all;
+        if (level.width > WHOLE || level.height > WHOLE) /* the last corner, and one in the middle */
+            r = (tc_rect){tc_max64(all.x1 - PART, 0), tc_max64(all.y1 - PART, 0), all.x1, all.y1};
+        for (int k = 0; k < (tc_rect_area(r) == tc_rect_area(all) ? 1 : 2); k++) {
+            uint8_t *voids = NULL;
+            float *z = read_rect(p, l, r, &voids);
+            if (z)
+                check_part(p, l, r, z, voids);
+            free(z), free(voids);
+            r = (tc_rect){all.x1 / 2, all.y1 / 2, tc_min64(all.x1 / 2 + PART, all.x1),
+                          tc_min64(all.y1 / 2 + PART, all.y1)};
+        }
+        tc_pyramid_packed_level(p, l);
+    }
+    if (!status) {
+        double z;
+        tc_pyramid_height(p, 10, 10, &z);
+        tc_pyramid_packed_info(p), tc_pyramid_damaged(p), tc_pyramid_bytes_decoded(p), tc_pyramid_bytes(p);
+    }
+    tc_pyramid_destroy(p);
+    close(file);
+    return 0;
+}

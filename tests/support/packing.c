@@ -1,0 +1,153 @@
+/* packing.c - terrains for the tests of packed files. */
+#include "packing.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/pyramid/fill.h"
+#include "terrains.h"
+
+static void *get(size_t bytes)
+{
+    void *p = malloc(bytes + 1);
+    if (!p)
+        puts("packing: no memory"), exit(99);
+    return p;
+}
+
+static double unit_of(const packing *p)
+{
+    return p->unit > 0 ? p->unit : 1;
+}
+
+static double height(const packing *p, test_random *r, int64_t x, int64_t y)
+{
+    double hills = 300 * sin(0.05 * (double)x) * cos(0.04 * (double)y) + 40 * sin(0.31 * (double)(x + 2 * y));
+    double noise = test_random_range(r, -4, 4);
+    switch (p->kind) {
+    case PACKING_INTEGERS: return unit_of(p) * rint(hills + noise);
+    case PACKING_CONSTANT: return 1234.5;
+    case PACKING_SLOPE: return 0.5 * (double)x - 0.25 * (double)y;
+    case PACKING_NEEDLE: return x == p->width / 2 && y == p->height / 3 ? 5000 : 10;
+    case PACKING_WALLS: return (x / 5 + y / 3) % 2 ? 1e6 : -1e6;
+    case PACKING_NOISE: return 50 * noise;
+    case PACKING_DUST: return 1e-3 * rint(hills) / 300;
+    default: return hills + noise;
+    }
+}
+
+static bool is_void(const packing *p, int64_t x, int64_t y)
+{
+    switch (p->voids) {
+    case PACKING_LAKES:
+        return hypot((double)(x - p->width / 3), (double)(y - p->height / 2)) < 0.2 * (double)p->height ||
+               (x + 7 * y) % 53 == 5 || x == p->width - 2;
+    case PACKING_ONE_LEFT: return x != p->width / 2 || y != p->height / 2;
+    case PACKING_ALL_VOID: return true;
+    default: return false;
+    }
+}
+
+float *packing_heights(const packing *p, uint8_t **voids_ret)
+{
+    float *z = get((size_t)(p->width * p->height) * sizeof *z);
+    uint8_t *v = *voids_ret = get((size_t)(p->width * p->height));
+    test_random r = {(uint64_t)(p->width * 1000 + p->height)};
+    for (int64_t y = 0; y < p->height; y++)
+        for (int64_t x = 0; x < p->width; x++) {
+            z[y * p->width + x] = (float)(height(p, &r, x, y) + (p->based ? 0 : p->offset));
+            v[y * p->width + x] = is_void(p, x, y);
+        }
+    return z;
+}
+
+tc_pack_terrain packing_terrain(const packing *p)
+{
+    return (tc_pack_terrain){.width = p->width,
+                             .height = p->height,
+                             .spacing_x = 10,
+                             .spacing_y = 12,
+                             .z_base = p->based ? p->offset : 0,
+                             .georef = {.known = true, .transform = {5, 10, 0, 7, 0, -12}, .crs_wkt = (char *)"LOCAL"},
+                             .sample_type = p->type,
+                             .unit = unit_of(p),
+                             .offset = p->offset,
+                             .has_nodata = true,
+                             .nodata = -9999};
+}
+
+tc_pack_options packing_options(const packing *p)
+{
+    return (tc_pack_options){.mode = p->mode, .codec = p->codec, .error = p->error, .threads = p->threads};
+}
+
+tc_status packing_write(const packing *p, const char *path, tc_pack_result *result_ret, tc_error *error)
+{
+    uint8_t *voids;
+    float *z = packing_heights(p, &voids);
+    tc_pack_terrain terrain = packing_terrain(p);
+    tc_pack_options options = packing_options(p);
+    tc_packer *packer = NULL;
+    tc_status status = tc_packer_create(path, &terrain, &options, &packer, error);
+    if (!status)
+        status = tc_packer_put(packer, (tc_rect){0, 0, p->width, p->height}, z, voids, p->width, error);
+    if (!status)
+        status = tc_packer_finish(packer, result_ret, error);
+    tc_packer_destroy(packer);
+    free(z), free(voids);
+    return status;
+}
+
+tc_pyramid *packing_truth(const packing *p)
+{
+    tc_grid g = {.width = p->width, .height = p->height, .spacing_x = 10, .spacing_y = 12};
+    g.z = packing_heights(p, &g.voids);
+    g.z_min = INFINITY, g.z_max = -INFINITY;
+    for (int64_t i = 0; i < g.width * g.height; i++) {
+        g.void_count += g.voids[i];
+        if (!g.voids[i])
+            g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
+    }
+    if (g.void_count == 0)
+        free(g.voids), g.voids = NULL;
+    tc_pyramid *pyramid;
+    if ((g.void_count && tc_fill_voids(g.z, g.voids, g.width, g.height)) || tc_pyramid_build(&g, 1, &pyramid, NULL))
+        puts("packing: no truth"), exit(99);
+    return pyramid;
+}
+
+float *packing_read(const tc_pyramid *pyramid, int level, uint8_t **voids_ret)
+{
+    tc_level size = tc_pyramid_level(pyramid, level);
+    size_t samples = (size_t)(size.width * size.height);
+    float *z = get(samples * sizeof *z);
+    uint8_t *voids = get(samples);
+    tc_rect all = {0, 0, size.width, size.height};
+    if (tc_pyramid_read(pyramid, level, all, z, voids, size.width)) {
+        free(z), free(voids);
+        z = NULL, voids = NULL;
+    }
+    if (voids_ret)
+        *voids_ret = voids;
+    else
+        free(voids);
+    return z;
+}
+
+uint8_t *packing_bytes(const char *path, size_t *size_ret)
+{
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return NULL;
+    fseek(file, 0, SEEK_END);
+    *size_ret = (size_t)ftell(file);
+    rewind(file);
+    uint8_t *bytes = get(*size_ret);
+    if (fread(bytes, 1, *size_ret, file) != *size_ret)
+        puts("packing: cannot be read"), exit(99);
+    fclose(file);
+    return bytes;
+}
