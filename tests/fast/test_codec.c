@@ -245,6 +245,57 @@ static tc_status decode_damaged(const packed_level *l, const uint8_t *bytes, siz
     return a;
 }
 
+/* Tiles two at a time, of any sizes and lane counts, some of them damaged, come out as one after the other. */
+static void pairs_are_like_single_tiles(void **state)
+{
+    (void)state;
+    test_random r = {15};
+    tc_tile_work *work[2] = {malloc(tc_tile_work_bytes()), malloc(tc_tile_work_bytes())};
+    assert_true(work[0] && work[1]);
+    for (int k = 0; k < 2 * KINDS; k++) {
+        int64_t w = test_random_int(&r, 200, 420), h = test_random_int(&r, 200, 420);
+        int32_t *z = heights(&r, k % KINDS, w, h);
+        packed p = packed_new(
+            z, w, h, &(packed_options){.q = exp(test_random_range(&r, 0, 8)), .threads = 1, .training_tiles = 2});
+        const packed_level *l = &p.level[0];
+        int64_t tiles = l->codec->tiles_x * l->codec->tiles_y;
+        for (int n = 0; n < 60; n++) {
+            tc_plane band[2][TC_BANDS], also[TC_BANDS];
+            tc_tile_job job[2];
+            uint8_t *bytes[2];
+            for (int i = 0; i < 2; i++) {
+                int64_t at = test_random_int(&r, 0, tiles - 1), tx = at % l->codec->tiles_x;
+                size_t size = l->tile_size[at];
+                bytes[i] = malloc(size + !size);
+                assert_non_null(bytes[i]);
+                if (size)
+                    memcpy(bytes[i], l->tile[at], size);
+                if (size && n % 4 == 0)
+                    bytes[i][test_random_int(&r, 0, (int64_t)size - 1)] ^= (uint8_t)(1 << test_random_int(&r, 0, 7));
+                for (int b = 0; b < TC_BANDS; b++)
+                    band[i][b] = packed_plane(tc_codec_tile_rect(l->codec, tx, at / l->codec->tiles_x, 0));
+                job[i] = (tc_tile_job){tx, at / l->codec->tiles_x, 0, bytes[i], size, band[i], work[i], TC_ERR_IO};
+            }
+            tc_codec_decode_pair(l->codec, job, &l->coarse, n % 8 == 7 ? TC_SIMD_NONE : TC_SIMD_AUTO);
+            for (int i = 0; i < 2; i++) {
+                for (int b = 0; b < TC_BANDS; b++)
+                    also[b] = packed_plane(band[i][b].rect);
+                tc_status status = tc_codec_decode_tile(l->codec, job[i].tx, job[i].ty, 0, bytes[i], job[i].size,
+                                                        &l->coarse, also, work[0], TC_SIMD_NONE);
+                assert_int_equal(job[i].status, status);
+                for (int b = 0; b < TC_BANDS; b++) {
+                    assert_memory_equal(band[i][b].z, also[b].z, (size_t)tc_rect_area(also[b].rect) * sizeof(int32_t));
+                    free(band[i][b].z), free(also[b].z);
+                }
+                free(bytes[i]);
+            }
+        }
+        packed_free(&p);
+        free(z);
+    }
+    free(work[0]), free(work[1]);
+}
+
 static void damaged_tiles_do_no_harm(void **state)
 {
     (void)state;
@@ -358,6 +409,7 @@ int main(void)
         cmocka_unit_test(training_tiles_are_distinct_and_hold_what_they_must),
         cmocka_unit_test(prices_follow_the_step),
         cmocka_unit_test(any_processor_writes_the_same_bytes),
+        cmocka_unit_test(pairs_are_like_single_tiles),
         cmocka_unit_test(damaged_tiles_do_no_harm),
     };
     return cmocka_run_group_tests_name("codec", tests, NULL, NULL);

@@ -62,11 +62,28 @@ static void decode_tile(const fuzz_tile *f)
         }
         tc_plane coarse = coarse_plane(tc_level_coder_needs(&coder, tx, ty), f->seed);
         tc_decoded_tile *tile = get(tc_decoded_tile_bytes(coder.coder)), *empty = get(sizeof *empty);
-        void *work = get(tc_level_coder_work_bytes());
-        tc_status status = tc_level_coder_decode(&coder, tx, ty, &entry, f->bytes, &coarse, tile, work);
+        tc_decoded_tile *twin = get(tc_decoded_tile_bytes(coder.coder)), *other = get(sizeof *other);
+        void *work = get(tc_level_coder_work_bytes()), *more = get(tc_level_coder_work_bytes());
+        tc_level_tile one = {tx, ty, entry, f->bytes, tile, work, TC_OK}, none = {tx, ty, entry, NULL, empty, work, 0};
+        tc_level_coder_decode(&coder, &one, 1, &coarse);
+        tc_level_coder_decode(&coder, &none, 1, &coarse);
+        tc_status status = one.status;
         expect(!status || status == TC_ERR_FORMAT, "another status than FORMAT");
-        expect(tc_level_coder_decode(&coder, tx, ty, &entry, NULL, &coarse, empty, work) == TC_ERR_FORMAT,
-               "a tile without bytes is whole");
+        expect(none.status == TC_ERR_FORMAT, "a tile without bytes is whole");
+        tc_level_tile pair[2] = {one, one};
+        pair[0].to = twin, pair[1].to = other, pair[1].work = more;
+        tc_level_coder_decode(&coder, pair, 2, &coarse);
+        expect(pair[0].status == status && pair[1].status == status, "two at a time come to another status");
+        if (coder.codec) {
+            tc_rect r = tc_level_coder_positions(&coder, tx, ty);
+            for (int64_t y = 0; y < r.y1 - r.y0; y++)
+                for (int b = 0; b < TC_BANDS; b++) {
+                    size_t bytes = (size_t)(r.x1 - r.x0) * sizeof(int32_t);
+                    expect(!memcmp(tile->band[b][y], twin->band[b][y], bytes) &&
+                               !memcmp(tile->band[b][y], other->band[b][y], bytes),
+                           "two at a time come to other heights");
+                }
+        }
         if (status) {
             tc_rect r = tc_level_coder_positions(&coder, tx, ty), s = tc_level_coder_samples(&coder, tx, ty);
             for (int64_t y = 0; y < r.y1 - r.y0 && coder.codec; y++)
@@ -77,7 +94,7 @@ static void decode_tile(const fuzz_tile *f)
                 expect(!memcmp(tile->sample[y], empty->sample[y], (size_t)(s.x1 - s.x0) * sizeof(int32_t)),
                        "a damaged tile adds something");
         }
-        free(coarse.z), free(tile), free(empty), free(work);
+        free(coarse.z), free(tile), free(empty), free(twin), free(other), free(work), free(more);
     }
     tc_level_coder_free(&coder);
 }

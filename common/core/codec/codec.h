@@ -54,6 +54,20 @@ tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, in
                                size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *work,
                                tc_simd simd);
 
+/* A tile to decode, as tc_codec_decode_tile() does. */
+typedef struct tc_tile_job {
+    int64_t tx, ty, shift;
+    const uint8_t *bytes;
+    size_t size;
+    const tc_plane *band; /* [TC_BANDS] */
+    tc_tile_work *work;
+    tc_status status; /* set */
+} tc_tile_job;
+
+/* Decodes two tiles at a time, each with its own bytes, planes and work memory, which takes less than one after the
+ * other. */
+void tc_codec_decode_pair(const tc_codec *codec, tc_tile_job job[2], const tc_plane *coarse, tc_simd simd);
+
 /* Bytes that a tile can take at most. */
 size_t tc_codec_tile_bound(void);
 

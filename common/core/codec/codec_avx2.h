@@ -173,6 +173,32 @@ TC_TARGET_AVX2 static inline void context_bins_avx2(const tc_codec *c, tc_tile_w
 #undef CURVE
 }
 
+/* 2^shift of bins' low bits. */
+TC_TARGET_AVX2 static inline __m256i power_avx2(__m256i bin)
+{
+    const __m256i power = _mm256_broadcastsi128_si256(_mm_setr_epi8(1, 2, 2, 4, 4, 8, 8, 16, 0, 0, 0, 0, 0, 0, 0, 0));
+    return _mm256_shuffle_epi8(power, _mm256_subs_epu8(bin, _mm256_set1_epi8(TC_PLAIN_BINS - 1)));
+}
+
+/* tc_context_magnitude() of a run; whether no bin of it has low bits. */
+TC_TARGET_AVX2 static inline bool show_symbols_avx2(const uint8_t bin[HALF], const uint8_t symbol[HALF],
+                                                    uint8_t seen[HALF])
+{
+    __m256i s = load_avx2(symbol), b = load_avx2(bin);
+    __m256i above = _mm256_subs_epu8(b, _mm256_set1_epi8(TC_PLAIN_BINS - 1));
+    bool plain = _mm256_testz_si256(above, above);
+    if (!plain) {
+        __m256i by = power_avx2(b), zero = _mm256_setzero_si256();
+        __m256i half = _mm256_and_si256(_mm256_srli_epi16(by, 1), _mm256_set1_epi8(0x7f));
+        half = _mm256_andnot_si256(_mm256_cmpeq_epi8(s, zero), half);
+        __m256i low = _mm256_mullo_epi16(_mm256_unpacklo_epi8(s, zero), _mm256_unpacklo_epi8(by, zero));
+        __m256i high = _mm256_mullo_epi16(_mm256_unpackhi_epi8(s, zero), _mm256_unpackhi_epi8(by, zero));
+        s = _mm256_add_epi8(_mm256_packus_epi16(low, high), half);
+    }
+    _mm256_storeu_si256((__m256i *)seen, s);
+    return plain;
+}
+
 #else
 #define TC_AVX2 0
 #endif

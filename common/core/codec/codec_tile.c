@@ -160,28 +160,59 @@ TC_TARGET_AVX2 static inline __m256i decode_8_avx2(const tc_codec *c, __m256i *s
     return symbol;
 }
 
-/* A whole run on 8 or 16 lanes. Of 16, each half waits for nothing of the other but where its words start, so that the
- * processor works on both at a time. */
-TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF],
-                                                  uint8_t symbol[HALF])
+/* A run that is being decoded on 8 or 16 lanes. Of 16, each half waits for nothing of the other but where its words
+ * start, so that the processor works on both at a time. lanes: a constant. */
+typedef struct run_avx2 {
+    __m256i state[2], symbol[HALF / 8];
+    const uint8_t *at;
+} run_avx2;
+
+TC_TARGET_AVX2 static inline void run_begin_avx2(run_avx2 *r, const tc_rans_decoder *d)
 {
-    __m256i x = load_avx2(d->state), y = load_avx2(d->state + 8), s[HALF / 8];
-    const uint8_t *at = d->at;
-    if (d->lanes == 16) {
-        for (int k = 0; k < HALF / 8; k += 2) {
-            s[k] = decode_8_avx2(c, &x, &at, bin + 8 * k);
-            s[k + 1] = decode_8_avx2(c, &y, &at, bin + 8 * k + 8);
-        }
-        _mm256_storeu_si256((__m256i *)(d->state + 8), y);
-    } else {
-        for (int k = 0; k < HALF / 8; k++)
-            s[k] = decode_8_avx2(c, &x, &at, bin + 8 * k);
+    r->state[0] = load_avx2(d->state), r->state[1] = load_avx2(d->state + 8), r->at = d->at;
+}
+
+TC_TARGET_AVX2 static inline void run_step_avx2(const tc_codec *c, run_avx2 *r, int lanes, const uint8_t *bin, int k)
+{
+    r->symbol[k] = decode_8_avx2(c, &r->state[lanes == 16 ? k % 2 : 0], &r->at, bin + 8 * k);
+}
+
+TC_TARGET_AVX2 static inline void run_end_avx2(const run_avx2 *r, int lanes, tc_rans_decoder *d, uint8_t symbol[HALF])
+{
+    _mm256_storeu_si256((__m256i *)d->state, r->state[0]);
+    if (lanes == 16)
+        _mm256_storeu_si256((__m256i *)(d->state + 8), r->state[1]);
+    d->at = r->at;
+    __m256i all = _mm256_packus_epi16(_mm256_packus_epi32(r->symbol[0], r->symbol[1]),
+                                      _mm256_packus_epi32(r->symbol[2], r->symbol[3]));
+    all = _mm256_permutevar8x32_epi32(all, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
+    _mm256_storeu_si256((__m256i *)symbol, all);
+}
+
+TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d, int lanes,
+                                                  const uint8_t bin[HALF], uint8_t symbol[HALF])
+{
+    run_avx2 r;
+    run_begin_avx2(&r, d);
+    for (int k = 0; k < HALF / 8; k++)
+        run_step_avx2(c, &r, lanes, bin, k);
+    run_end_avx2(&r, lanes, d, symbol);
+}
+
+/* Runs of two streams in turn: neither waits for the other. */
+TC_TARGET_AVX2 static inline void decode_runs_avx2(const tc_codec *c, tc_rans_decoder *d0, tc_rans_decoder *d1,
+                                                   int lanes0, int lanes1, const uint8_t *bin0, const uint8_t *bin1,
+                                                   uint8_t *symbol0, uint8_t *symbol1)
+{
+    run_avx2 r0, r1;
+    run_begin_avx2(&r0, d0);
+    run_begin_avx2(&r1, d1);
+    for (int k = 0; k < HALF / 8; k++) {
+        run_step_avx2(c, &r0, lanes0, bin0, k);
+        run_step_avx2(c, &r1, lanes1, bin1, k);
     }
-    _mm256_storeu_si256((__m256i *)d->state, x);
-    d->at = at;
-    s[0] = _mm256_packus_epi16(_mm256_packus_epi32(s[0], s[1]), _mm256_packus_epi32(s[2], s[3]));
-    s[0] = _mm256_permutevar8x32_epi32(s[0], _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
-    _mm256_storeu_si256((__m256i *)symbol, s[0]);
+    run_end_avx2(&r0, lanes0, d0, symbol0);
+    run_end_avx2(&r1, lanes1, d1, symbol1);
 }
 #endif
 
@@ -199,13 +230,24 @@ TC_INLINE void decode_run_lanes(const tc_codec *c, tc_rans_decoder *d, const uin
     d->at = at;
 }
 
+#if TC_AVX2
+/* Whether a run can be decoded by vectors without looking where the stream ends. */
+TC_INLINE bool is_fast(const tc_rans_decoder *d, int count)
+{
+    return count == HALF && d->lanes > 4 && d->end - d->at >= 2 * HALF + AHEAD;
+}
+#endif
+
 /* Symbols of one phase of a row. simd: a constant, whether there is AVX2. */
 TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF], int count,
                           uint8_t symbol[HALF], bool simd)
 {
 #if TC_AVX2
-    if (simd && count == HALF && d->lanes > 4 && d->end - d->at >= 2 * HALF + AHEAD) {
-        decode_run_avx2(c, d, bin, symbol);
+    if (simd && is_fast(d, count)) {
+        if (d->lanes == 16)
+            decode_run_avx2(c, d, 16, bin, symbol);
+        else
+            decode_run_avx2(c, d, 8, bin, symbol);
         return;
     }
 #endif
@@ -224,42 +266,123 @@ TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t b
     }
 }
 
-/* Symbols of one phase of a row, and what the contexts of others see of them. */
-TC_INLINE void decode_phase(const tc_codec *c, tc_rans_decoder *d, int band, int columns, int j, int phase,
-                            tc_tile_work *w, bool simd)
+/* A tile that is being decoded. */
+typedef struct tile_state {
+    tc_rect rect;
+    int64_t shift;
+    tc_tile_work *w;
+    tc_rans_decoder rans;
+    raw_bits raw;
+    uint8_t payload[TC_RANS_PAYLOAD];
+    int coded; /* bands that are */
+    tc_status status;
+} tile_state;
+
+/* Bins of one phase of a row. */
+TC_INLINE void find_bins(const tc_codec *c, int band, int j, int phase, tc_tile_work *w, bool simd)
 {
-    uint8_t *bin = w->bin[band][j][phase], *symbol = w->symbol[band][j][phase], *seen = magnitude_at(w, band, j, phase);
+    uint8_t *bin = w->bin[band][j][phase];
 #if TC_AVX2
     if (simd)
         context_bins_avx2(c, w, band, j, phase, bin);
     else
 #endif
         tc_context_bins(c, w, band, j, phase, bin);
-    int count = tc_phase_columns(columns, phase);
-    decode_run(c, d, bin, count, symbol, simd);
+    (void)simd;
+}
+
+/* What the contexts of others see of one phase of a row. */
+TC_INLINE void show_symbols(int band, int count, int j, int phase, tc_tile_work *w, bool simd)
+{
+    uint8_t *bin = w->bin[band][j][phase], *symbol = w->symbol[band][j][phase], *seen = magnitude_at(w, band, j, phase);
     for (int k = count; k < HALF; k++)
         bin[k] = 0; /* columns that do not exist have no raw bits */
+#if TC_AVX2
+    if (simd) {
+        w->plain[band][j][phase] = show_symbols_avx2(bin, symbol, seen);
+        return;
+    }
+#endif
+    (void)simd;
     uint8_t most = 0;
     for (int k = 0; k < HALF; k++)
         most = bin[k] > most ? bin[k] : most;
+    w->plain[band][j][phase] = tc_bin_shift[most] == 0;
     if (tc_bin_shift[most] == 0)
         memcpy(seen, symbol, HALF);
     else
         for (int k = 0; k < HALF; k++)
             seen[k] = tc_context_magnitude(symbol[k], bin[k]);
-    w->plain[band][j][phase] = tc_bin_shift[most] == 0;
 }
 
-TC_INLINE void decode_symbols(const tc_codec *c, tc_rans_decoder *d, int band, tc_rect tile, int64_t shift,
-                              tc_tile_work *w, bool simd)
+/* Symbols of one phase of a row. */
+TC_INLINE void decode_phase(const tc_codec *c, int band, int columns, int j, int phase, tile_state *t, bool simd)
+{
+    tc_tile_work *w = t->w;
+    int count = tc_phase_columns(columns, phase);
+    find_bins(c, band, j, phase, w, simd);
+    decode_run(c, &t->rans, w->bin[band][j][phase], count, w->symbol[band][j][phase], simd);
+    show_symbols(band, count, j, phase, w, simd);
+}
+
+TC_INLINE void decode_symbols(const tc_codec *c, int band, tile_state *t, bool simd)
 {
     int columns, rows;
-    tc_tile_extent(c, band, tile, shift, &columns, &rows);
+    tc_tile_extent(c, band, t->rect, t->shift, &columns, &rows);
     for (int j = 0; j < rows; j++) {
-        decode_phase(c, d, band, columns, j, 0, w, simd);
-        decode_phase(c, d, band, columns, j, 1, w, simd);
+        decode_phase(c, band, columns, j, 0, t, simd);
+        decode_phase(c, band, columns, j, 1, t, simd);
     }
 }
+
+#if TC_AVX2
+/* One phase of a row of two tiles that are both there. */
+TC_TARGET_AVX2 static inline __attribute__((always_inline)) void
+decode_phases(const tc_codec *c, int band, const int columns[2], int j, int phase, tile_state t[2])
+{
+    tc_tile_work *w0 = t[0].w, *w1 = t[1].w;
+    int count[2] = {tc_phase_columns(columns[0], phase), tc_phase_columns(columns[1], phase)};
+    if (!is_fast(&t[0].rans, count[0]) || !is_fast(&t[1].rans, count[1])) {
+        decode_phase(c, band, columns[0], j, phase, &t[0], true);
+        decode_phase(c, band, columns[1], j, phase, &t[1], true);
+        return;
+    }
+    find_bins(c, band, j, phase, w0, true);
+    find_bins(c, band, j, phase, w1, true);
+    const uint8_t *bin0 = w0->bin[band][j][phase], *bin1 = w1->bin[band][j][phase];
+    uint8_t *symbol0 = w0->symbol[band][j][phase], *symbol1 = w1->symbol[band][j][phase];
+    int lanes0 = t[0].rans.lanes, lanes1 = t[1].rans.lanes;
+    if (lanes0 == 16 && lanes1 == 16)
+        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 16, 16, bin0, bin1, symbol0, symbol1);
+    else if (lanes0 == 16)
+        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 16, 8, bin0, bin1, symbol0, symbol1);
+    else if (lanes1 == 16)
+        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 8, 16, bin0, bin1, symbol0, symbol1);
+    else
+        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 8, 8, bin0, bin1, symbol0, symbol1);
+    show_symbols(band, HALF, j, phase, w0, true);
+    show_symbols(band, HALF, j, phase, w1, true);
+}
+
+/* A band of two tiles at a time: the one waits while the other's states become known. */
+TC_TARGET_AVX2 static inline __attribute__((always_inline)) void decode_symbols_pair(const tc_codec *c, int band,
+                                                                                     tile_state t[2])
+{
+    int columns[2], rows[2];
+    for (int n = 0; n < 2; n++)
+        tc_tile_extent(c, band, t[n].rect, t[n].shift, &columns[n], &rows[n]);
+    int both = rows[0] < rows[1] ? rows[0] : rows[1];
+    for (int j = 0; j < both; j++) {
+        decode_phases(c, band, columns, j, 0, t);
+        decode_phases(c, band, columns, j, 1, t);
+    }
+    for (int n = 0; n < 2; n++)
+        for (int j = both; j < rows[n]; j++) {
+            decode_phase(c, band, columns[n], j, 0, &t[n], true);
+            decode_phase(c, band, columns[n], j, 1, &t[n], true);
+        }
+}
+#endif
 
 /* Bit k is set where byte k, at most 127, is not zero. */
 TC_INLINE uint32_t nonzero_mask(const uint8_t symbol[HALF])
@@ -308,18 +431,23 @@ TC_INLINE bool decode_values(raw_bits *raw, int band, int j, int phase, const tc
     return true;
 }
 
-/* Adds what was coded of row j to its prediction. */
+/* Adds what was coded of one phase of row j to its prediction. */
+TC_INLINE void add_phase_any(const tc_codec *c, raw_bits *raw, int band, int j, int phase, const tc_tile_work *w,
+                             int32_t out[TC_TILE])
+{
+    uint32_t step = (uint32_t)c->model.step[band];
+    int32_t value[HALF];
+    if (decode_values(raw, band, j, phase, w, value))
+        for (int k = 0; k < HALF; k++)
+            out[TC_PHASES * k + phase] = (int32_t)((uint32_t)out[TC_PHASES * k + phase] + (uint32_t)value[k] * step);
+}
+
+/* Adds what was coded of row j. */
 TC_INLINE void add_row_any(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
                            int32_t out[TC_TILE])
 {
-    uint32_t step = (uint32_t)c->model.step[band];
-    for (int phase = 0; phase < TC_PHASES; phase++) {
-        int32_t value[HALF];
-        if (decode_values(raw, band, j, phase, w, value))
-            for (int k = 0; k < HALF; k++)
-                out[TC_PHASES * k + phase] =
-                    (int32_t)((uint32_t)out[TC_PHASES * k + phase] + (uint32_t)value[k] * step);
-    }
+    for (int phase = 0; phase < TC_PHASES; phase++)
+        add_phase_any(c, raw, band, j, phase, w, out);
 }
 
 #if TC_AVX2
@@ -345,9 +473,46 @@ TC_TARGET_AVX2 static inline void add_8_avx2(__m128i value, __m256i step, int32_
     _mm256_storeu_si256((__m256i *)out, _mm256_add_epi32(load_avx2(out), v));
 }
 
-/* add_row_any() for a row without escapes and low bits; false where it has some. */
-TC_TARGET_AVX2 static inline bool add_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
-                                               int32_t out[TC_TILE])
+/* Signed multiples of one phase of a row, as 16-bit numbers; false, and nothing taken, where an escape is among them.
+ */
+TC_TARGET_AVX2 static inline bool decode_values_avx2(raw_bits *raw, int band, int j, int phase, const tc_tile_work *w,
+                                                     __m256i value[2])
+{
+    __m256i symbol = load_avx2(w->symbol[band][j][phase]), last = _mm256_set1_epi8(TC_RANS_SYMBOLS - 1);
+    __m256i zero = _mm256_setzero_si256(), low = zero;
+    if (_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, last)))
+        return false;
+    __m256i by = _mm256_set1_epi8(1);
+    if (!w->plain[band][j][phase]) {
+        uint64_t masks[HALF / 8], bits[HALF / 8];
+        by = power_avx2(load_avx2(w->bin[band][j][phase]));
+        _mm256_storeu_si256((__m256i *)masks, _mm256_sub_epi8(by, _mm256_set1_epi8(1)));
+        for (int n = 0; n < HALF / 8; n++) /* 4 bits each at most, which makes 32 */
+            bits[n] = _pdep_u64(take(raw, __builtin_popcountll(masks[n])), masks[n]);
+        low = load_avx2(bits);
+    }
+    value[0] = _mm256_mullo_epi16(_mm256_unpacklo_epi8(symbol, zero), _mm256_unpacklo_epi8(by, zero));
+    value[1] = _mm256_mullo_epi16(_mm256_unpackhi_epi8(symbol, zero), _mm256_unpackhi_epi8(by, zero));
+    value[0] = _mm256_or_si256(value[0], _mm256_unpacklo_epi8(low, zero));
+    value[1] = _mm256_or_si256(value[1], _mm256_unpackhi_epi8(low, zero));
+    uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_packus_epi16(value[0], value[1]), zero));
+    if (mask == 0)
+        return true;
+    uint32_t negative = _pdep_u32(take(raw, __builtin_popcount(mask)), mask);
+    __m256i byte =
+        _mm256_shuffle_epi8(_mm256_set1_epi32((int32_t)negative),
+                            _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303));
+    __m256i bit = _mm256_set1_epi64x((int64_t)0x8040201008040201);
+    __m256i minus = _mm256_cmpeq_epi8(_mm256_and_si256(byte, bit), bit);
+    __m256i minus0 = _mm256_unpacklo_epi8(minus, minus), minus1 = _mm256_unpackhi_epi8(minus, minus);
+    value[0] = _mm256_sub_epi16(_mm256_xor_si256(value[0], minus0), minus0);
+    value[1] = _mm256_sub_epi16(_mm256_xor_si256(value[1], minus1), minus1);
+    return true;
+}
+
+/* add_row_any() for a row that has neither escapes nor low bits; false where it has some. */
+TC_TARGET_AVX2 static inline bool add_plain_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j,
+                                                     const tc_tile_work *w, int32_t out[TC_TILE])
 {
     __m256i even = load_avx2(w->symbol[band][j][0]), odd = load_avx2(w->symbol[band][j][1]);
     __m256i any = _mm256_or_si256(even, odd), last = _mm256_set1_epi8(TC_RANS_SYMBOLS - 1);
@@ -367,14 +532,46 @@ TC_TARGET_AVX2 static inline bool add_row_avx2(const tc_codec *c, raw_bits *raw,
     }
     return true;
 }
+
+/* Adds one phase of a row; false where it has escapes. */
+TC_TARGET_AVX2 static inline bool add_phase_avx2(const tc_codec *c, raw_bits *raw, int band, int j, int phase,
+                                                 const tc_tile_work *w, int32_t out[TC_TILE])
+{
+    __m256i value[2], step = _mm256_set1_epi32(c->model.step[band]), zero = _mm256_setzero_si256();
+    if (!decode_values_avx2(raw, band, j, phase, w, value))
+        return false;
+    __m128i part[4] = {_mm256_castsi256_si128(value[0]), _mm256_castsi256_si128(value[1]),
+                       _mm256_extracti128_si256(value[0], 1), _mm256_extracti128_si256(value[1], 1)};
+    for (int n = 0; n < 4; n++) {
+        /* Eight columns of the phase, spread over sixteen. */
+        __m256i v = _mm256_permute4x64_epi64(_mm256_mullo_epi32(_mm256_cvtepi16_epi32(part[n]), step), 0xd8);
+        __m256i low = phase ? _mm256_unpacklo_epi32(zero, v) : _mm256_unpacklo_epi32(v, zero);
+        __m256i high = phase ? _mm256_unpackhi_epi32(zero, v) : _mm256_unpackhi_epi32(v, zero);
+        int32_t *to = out + 16 * n;
+        _mm256_storeu_si256((__m256i *)to, _mm256_add_epi32(load_avx2(to), low));
+        _mm256_storeu_si256((__m256i *)(to + 8), _mm256_add_epi32(load_avx2(to + 8), high));
+    }
+    return true;
+}
+
+TC_TARGET_AVX2 static inline void add_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
+                                               int32_t out[TC_TILE])
+{
+    if (!add_plain_row_avx2(c, raw, band, j, w, out))
+        for (int phase = 0; phase < TC_PHASES; phase++)
+            if (!add_phase_avx2(c, raw, band, j, phase, w, out))
+                add_phase_any(c, raw, band, j, phase, w, out);
+}
 #endif
 
 TC_INLINE void add_row(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w, int32_t out[TC_TILE],
                        bool simd)
 {
 #if TC_AVX2
-    if (simd && add_row_avx2(c, raw, band, j, w, out))
+    if (simd) {
+        add_row_avx2(c, raw, band, j, w, out);
         return;
+    }
 #endif
     (void)simd;
     add_row_any(c, raw, band, j, w, out);
@@ -430,68 +627,142 @@ TC_INLINE bool raw_finished(const raw_bits *r)
     return r->next == r->next_end;
 }
 
-/* Decodes all symbols of a tile; false where its bytes are damaged. Raw bits then start at payload. */
-TC_INLINE bool decode_streams(const tc_codec *c, tc_rect tile, int64_t shift, const uint8_t *bytes, size_t size,
-                              uint8_t payload[TC_RANS_PAYLOAD], raw_bits *raw, tc_tile_work *w, bool simd)
+/* Starts a tile: what its contexts need, and its stream. */
+TC_INLINE void begin_tile(const tc_codec *c, const tc_tile_job *job, const tc_plane *coarse, tile_state *t, bool simd)
 {
-    int flags = bytes[0], lanes = 4 << (flags >> TC_TILE_LANES & 3);
-    tc_rans_decoder d;
+    t->rect = tc_codec_tile_rect(c, job->tx, job->ty, job->shift);
+    t->shift = job->shift, t->w = job->work, t->coded = 0, t->status = TC_OK;
+    tc_tile_load(c, t->rect, coarse, t->w);
+    if (job->size == 0)
+        return;
+    int flags = job->bytes[0], lanes = 4 << (flags >> TC_TILE_LANES & 3);
     if (flags % (1 << TC_TILE_LANES) == 0 || flags >= 3 << TC_TILE_LANES ||
-        !tc_rans_decode_begin(&d, lanes, bytes + 1, size - 1))
-        return false;
-    memset(w->magnitude, 0, sizeof w->magnitude);
+        !tc_rans_decode_begin(&t->rans, lanes, job->bytes + 1, job->size - 1)) {
+        t->status = TC_ERR_FORMAT;
+        return;
+    }
+    t->coded = flags % (1 << TC_TILE_LANES);
+    memset(t->w->magnitude, 0, sizeof t->w->magnitude);
 #if TC_AVX2
     if (simd)
-        tile_curves_avx2(c, w);
+        tile_curves_avx2(c, t->w);
     else
 #endif
-        tc_tile_curves(c, w);
-    if (flags >> TC_HL & 1)
-        decode_symbols(c, &d, TC_HL, tile, shift, w, simd);
-    if (flags >> TC_LH & 1)
-        decode_symbols(c, &d, TC_LH, tile, shift, w, simd);
-    if (flags >> TC_HH & 1)
-        decode_symbols(c, &d, TC_HH, tile, shift, w, simd);
-    *raw = (raw_bits){.at = payload, .end = payload + 2 * lanes, .next = d.at, .next_end = d.end};
-    return tc_rans_decode_end(&d, payload);
+        tc_tile_curves(c, t->w);
+    (void)simd;
 }
 
-TC_INLINE tc_status decode_tile(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes,
-                                size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *w,
-                                bool simd)
+/* Details, once all symbols are there; those of the empty tile where the bytes are damaged. */
+TC_INLINE tc_status end_tile(const tc_codec *c, const tc_plane band[TC_BANDS], tile_state *t, bool simd)
 {
-    tc_rect tile = tc_codec_tile_rect(c, tx, ty, shift);
-    tc_tile_load(c, tile, coarse, w);
-    uint8_t payload[TC_RANS_PAYLOAD];
-    raw_bits raw;
-    bool coded = size > 0 && decode_streams(c, tile, shift, bytes, size, payload, &raw, w, simd);
-    tc_status status = size > 0 && !coded ? TC_ERR_FORMAT : TC_OK;
-    for (;;) {
-        reconstruct(c, coded ? &raw : NULL, coded ? bytes[0] : 0, tile, shift, band, w, simd);
-        if (!coded || raw_finished(&raw))
-            return status;
-        coded = false, status = TC_ERR_FORMAT; /* once more, as the empty tile */
+    if (t->coded) {
+        t->raw = (raw_bits){
+            .at = t->payload, .end = t->payload + 2 * t->rans.lanes, .next = t->rans.at, .next_end = t->rans.end};
+        if (!tc_rans_decode_end(&t->rans, t->payload))
+            t->coded = 0, t->status = TC_ERR_FORMAT;
     }
+    for (;;) {
+        reconstruct(c, t->coded ? &t->raw : NULL, t->coded, t->rect, t->shift, band, t->w, simd);
+        if (!t->coded || raw_finished(&t->raw))
+            return t->status;
+        t->coded = 0, t->status = TC_ERR_FORMAT; /* once more */
+    }
+}
+
+TC_INLINE void decode_tile(const tc_codec *c, tc_tile_job *job, const tc_plane *coarse, bool simd)
+{
+    tile_state t;
+    begin_tile(c, job, coarse, &t, simd);
+    if (t.coded >> TC_HL & 1)
+        decode_symbols(c, TC_HL, &t, simd);
+    if (t.coded >> TC_LH & 1)
+        decode_symbols(c, TC_LH, &t, simd);
+    if (t.coded >> TC_HH & 1)
+        decode_symbols(c, TC_HH, &t, simd);
+    job->status = end_tile(c, job->band, &t, simd);
 }
 
 /* The same code for processors with AVX2 and without. */
 #if TC_AVX2
-TC_TARGET_AVX2 static tc_status decode_tile_avx2(const tc_codec *c, int64_t tx, int64_t ty, int64_t shift,
-                                                 const uint8_t *bytes, size_t size, const tc_plane *coarse,
-                                                 const tc_plane band[TC_BANDS], tc_tile_work *w)
+TC_TARGET_AVX2 static __attribute__((noinline)) void decode_tile_avx2(const tc_codec *c, tc_tile_job *job,
+                                                                      const tc_plane *coarse)
 {
-    return decode_tile(c, tx, ty, shift, bytes, size, coarse, band, w, true);
+    decode_tile(c, job, coarse, true);
+}
+
+TC_TARGET_AVX2 static __attribute__((noinline)) void begin_tile_avx2(const tc_codec *c, const tc_tile_job *job,
+                                                                     const tc_plane *coarse, tile_state *t)
+{
+    begin_tile(c, job, coarse, t, true);
+}
+
+TC_TARGET_AVX2 static __attribute__((noinline)) void decode_symbols_avx2(const tc_codec *c, int band, tile_state *t)
+{
+    if (band == TC_HL)
+        decode_symbols(c, TC_HL, t, true);
+    else if (band == TC_LH)
+        decode_symbols(c, TC_LH, t, true);
+    else
+        decode_symbols(c, TC_HH, t, true);
+}
+
+TC_TARGET_AVX2 static __attribute__((noinline)) tc_status end_tile_avx2(const tc_codec *c,
+                                                                        const tc_plane band[TC_BANDS], tile_state *t)
+{
+    return end_tile(c, band, t, true);
+}
+
+TC_TARGET_AVX2 static void decode_pair_avx2(const tc_codec *c, tc_tile_job job[2], const tc_plane *coarse)
+{
+    tile_state t[2];
+    for (int n = 0; n < 2; n++)
+        begin_tile_avx2(c, &job[n], coarse, &t[n]);
+    int both = t[0].coded & t[1].coded;
+    for (int n = 0; n < 2; n++)
+        if ((t[n].coded & ~both) >> TC_HL & 1)
+            decode_symbols_avx2(c, TC_HL, &t[n]);
+    if (both >> TC_HL & 1)
+        decode_symbols_pair(c, TC_HL, t);
+    for (int n = 0; n < 2; n++)
+        if ((t[n].coded & ~both) >> TC_LH & 1)
+            decode_symbols_avx2(c, TC_LH, &t[n]);
+    if (both >> TC_LH & 1)
+        decode_symbols_pair(c, TC_LH, t);
+    for (int n = 0; n < 2; n++)
+        if ((t[n].coded & ~both) >> TC_HH & 1)
+            decode_symbols_avx2(c, TC_HH, &t[n]);
+    if (both >> TC_HH & 1)
+        decode_symbols_pair(c, TC_HH, t);
+    for (int n = 0; n < 2; n++)
+        job[n].status = end_tile_avx2(c, job[n].band, &t[n]);
 }
 #endif
+
+void tc_codec_decode_pair(const tc_codec *codec, tc_tile_job job[2], const tc_plane *coarse, tc_simd simd)
+{
+#if TC_AVX2
+    if (simd == TC_SIMD_AUTO && tc_have_avx2()) {
+        decode_pair_avx2(codec, job, coarse);
+        return;
+    }
+#endif
+    (void)simd;
+    for (int n = 0; n < 2; n++)
+        decode_tile(codec, &job[n], coarse, false);
+}
 
 tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes,
                                size_t size, const tc_plane *coarse, const tc_plane band[TC_BANDS], tc_tile_work *work,
                                tc_simd simd)
 {
+    tc_tile_job job = {tx, ty, shift, bytes, size, band, work, TC_OK};
 #if TC_AVX2
-    if (simd == TC_SIMD_AUTO && tc_have_avx2())
-        return decode_tile_avx2(codec, tx, ty, shift, bytes, size, coarse, band, work);
+    if (simd == TC_SIMD_AUTO && tc_have_avx2()) {
+        decode_tile_avx2(codec, &job, coarse);
+        return job.status;
+    }
 #endif
     (void)simd;
-    return decode_tile(codec, tx, ty, shift, bytes, size, coarse, band, work, false);
+    decode_tile(codec, &job, coarse, false);
+    return job.status;
 }

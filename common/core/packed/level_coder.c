@@ -115,22 +115,33 @@ tc_rect tc_level_coder_needs(const tc_level_coder *c, int64_t tx, int64_t ty)
     }
 }
 
-static tc_status decode_lifting(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_tile_entry *entry,
-                                const uint8_t *bytes, const tc_plane *coarse, tc_decoded_tile *tile, void *work)
+static void decode_lifting(const tc_level_coder *c, tc_level_tile *tile, int count, const tc_plane *coarse)
 {
-    tc_rect rect = tc_level_coder_positions(c, tx, ty);
-    tc_plane band[TC_BANDS];
-    for (int b = 0; b < TC_BANDS; b++)
-        band[b] = (tc_plane){tile->band[b][0], TC_TILE, rect};
-    tc_status status = tc_codec_decode_tile(c->codec, tx, ty, 0, bytes, entry->size[TC_STREAM_HEIGHTS], coarse, band,
-                                            work, TC_SIMD_AUTO);
-    if (c->coder == TC_CODER_LIFTING)
-        return status;
-    tc_plane k = {tile->correction[0], TC_TILE_SIDE, tc_level_coder_samples(c, tx, ty)};
-    tc_status corrected =
-        tc_correction_decode(c->correction, band, c->codec->model.step, bytes + entry->size[TC_STREAM_HEIGHTS],
-                             status ? 0 : entry->size[TC_STREAM_CORRECTIONS], &k);
-    return status ? status : corrected;
+    tc_plane band[2][TC_BANDS];
+    tc_tile_job job[2];
+    for (int n = 0; n < count; n++) {
+        tc_level_tile *t = &tile[n];
+        tc_rect rect = tc_level_coder_positions(c, t->tx, t->ty);
+        for (int b = 0; b < TC_BANDS; b++)
+            band[n][b] = (tc_plane){t->to->band[b][0], TC_TILE, rect};
+        job[n] = (tc_tile_job){t->tx, t->ty, 0, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], band[n], t->work, TC_OK};
+    }
+    if (count == 2)
+        tc_codec_decode_pair(c->codec, job, coarse, TC_SIMD_AUTO);
+    else
+        job->status = tc_codec_decode_tile(c->codec, tile->tx, tile->ty, 0, job->bytes, job->size, coarse, band[0],
+                                           tile->work, TC_SIMD_AUTO);
+    for (int n = 0; n < count; n++) {
+        tc_level_tile *t = &tile[n];
+        t->status = job[n].status;
+        if (c->coder == TC_CODER_LIFTING)
+            continue;
+        tc_plane k = {t->to->correction[0], TC_TILE_SIDE, tc_level_coder_samples(c, t->tx, t->ty)};
+        tc_status corrected = tc_correction_decode(c->correction, band[n], c->codec->model.step,
+                                                   t->bytes + t->entry.size[TC_STREAM_HEIGHTS],
+                                                   t->status ? 0 : t->entry.size[TC_STREAM_CORRECTIONS], &k);
+        t->status = t->status ? t->status : corrected;
+    }
 }
 
 /* Heights of the coarser level's upsampling, for an exact tile that is lost. */
@@ -146,24 +157,41 @@ static void upsample_tile(const tc_plane *coarse, const tc_plane *fine)
         }
 }
 
-tc_status tc_level_coder_decode(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_tile_entry *entry,
-                                const uint8_t *bytes, const tc_plane *coarse, tc_decoded_tile *tile, void *work)
+static bool is_lifting(const tc_level_coder *c)
 {
-    tc_plane samples = {tile->sample[0], TC_TILE_SIDE, tc_level_coder_samples(c, tx, ty)};
-    tc_status status = TC_ERR_FORMAT;
-    if (!bytes) {
+    return c->coder == TC_CODER_LIFTING || c->coder == TC_CODER_CORRECTIONS;
+}
+
+static void decode_tile(const tc_level_coder *c, tc_level_tile *t, const tc_plane *coarse)
+{
+    tc_plane samples = {t->to->sample[0], TC_TILE_SIDE, tc_level_coder_samples(c, t->tx, t->ty)};
+    t->status = TC_ERR_FORMAT;
+    if (!t->bytes) {
         /* As damaged. */
     } else if (c->coder == TC_CODER_EXACT) {
-        status = tc_exact_decode_tile(c->exact, tx, ty, bytes, entry->size[TC_STREAM_HEIGHTS], coarse, &samples, work);
+        t->status = tc_exact_decode_tile(c->exact, t->tx, t->ty, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], coarse,
+                                         &samples, t->work);
     } else if (c->coder == TC_CODER_LH04) {
-        status = tc_lh04_decode_tile(c->lh04, tx, ty, 0, bytes, entry->size[TC_STREAM_HEIGHTS], &samples, work,
-                                     TC_SIMD_AUTO);
+        t->status = tc_lh04_decode_tile(c->lh04, t->tx, t->ty, 0, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], &samples,
+                                        t->work, TC_SIMD_AUTO);
     } else {
-        status = decode_lifting(c, tx, ty, entry, bytes, coarse, tile, work);
+        decode_lifting(c, t, 1, coarse);
     }
-    if (status)
-        memset(tile, 0, tc_decoded_tile_bytes(c->coder));
-    if (status && c->coder == TC_CODER_EXACT)
+    if (t->status)
+        memset(t->to, 0, tc_decoded_tile_bytes(c->coder));
+    if (t->status && c->coder == TC_CODER_EXACT)
         upsample_tile(coarse, &samples);
-    return status;
+}
+
+void tc_level_coder_decode(const tc_level_coder *c, tc_level_tile *tile, int count, const tc_plane *coarse)
+{
+    if (count < 2 || !is_lifting(c) || !tile[0].bytes || !tile[1].bytes) {
+        for (int n = 0; n < count; n++)
+            decode_tile(c, &tile[n], coarse);
+        return;
+    }
+    decode_lifting(c, tile, 2, coarse);
+    for (int n = 0; n < count; n++)
+        if (tile[n].status)
+            memset(tile[n].to, 0, tc_decoded_tile_bytes(c->coder));
 }

@@ -49,10 +49,19 @@ tc_rect tc_level_coder_positions(const tc_level_coder *coder, int64_t tx, int64_
 /* Rectangle of the coarser level that decoding a tile looks at; may be empty. */
 tc_rect tc_level_coder_needs(const tc_level_coder *coder, int64_t tx, int64_t ty);
 
-/* Decodes a tile; where its bytes are damaged, or `bytes` is NULL, it comes out as one that adds nothing to the coarser
- * level, and the status is TC_ERR_FORMAT. */
-tc_status tc_level_coder_decode(const tc_level_coder *coder, int64_t tx, int64_t ty, const tc_tile_entry *entry,
-                                const uint8_t *bytes, const tc_plane *coarse, tc_decoded_tile *tile, void *work);
+/* A tile to decode. */
+typedef struct tc_level_tile {
+    int64_t tx, ty;
+    tc_tile_entry entry;
+    const uint8_t *bytes; /* NULL: lost */
+    tc_decoded_tile *to;
+    void *work;
+    tc_status status; /* set */
+} tc_level_tile;
+
+/* Decodes one tile or two at a time, each with its own work memory; where a tile's bytes are damaged or lost, it comes
+ * out as one that adds nothing to the coarser level, and its status is TC_ERR_FORMAT. */
+void tc_level_coder_decode(const tc_level_coder *coder, tc_level_tile *tile, int count, const tc_plane *coarse);
 
 /* A synthesised height, corrected. */
 static inline int32_t tc_corrected(const tc_level_coder *c, int32_t z, int32_t k)

@@ -21,7 +21,8 @@ enum {
     /* Samples that are read at once: what they take fits into the second cache. */
     BLOCK_WIDTH = 256,
     BLOCK_HEIGHT = 256,
-    CHUNK_BYTES = 1 << 20
+    CHUNK_BYTES = 1 << 20,
+    AT_ONCE = 2 /* tiles that are decoded */
 };
 
 /* ---- Scratch memory: a stack of chunks, kept from call to call ------------------------------------------------- */
@@ -35,8 +36,8 @@ typedef struct chunk {
 typedef struct scratch {
     struct scratch *next;
     chunk *top, *spare; /* spare: chunks let go of, largest last */
-    void *work;
-    uint8_t *stream; /* bytes of one tile */
+    void *work[AT_ONCE];
+    uint8_t *stream[AT_ONCE]; /* bytes of a tile */
 } scratch;
 
 typedef struct mark {
@@ -88,7 +89,9 @@ static void scratch_free(scratch *s)
         s->spare = c->before;
         free(c);
     }
-    free(s->work), free(s->stream), free(s);
+    for (int n = 0; n < AT_ONCE; n++)
+        free(s->work[n]), free(s->stream[n]);
+    free(s);
 }
 
 /* ---- The pyramid ------------------------------------------------------------------------------------------------ */
@@ -124,9 +127,13 @@ static scratch *borrow(packed_pyramid *p)
     pthread_mutex_unlock(&p->mutex);
     if (s || !(s = calloc(1, sizeof *s)))
         return s;
-    s->work = malloc(tc_level_coder_work_bytes());
-    s->stream = malloc(tc_level_coder_bound());
-    if (s->work && s->stream)
+    bool enough = true;
+    for (int n = 0; n < AT_ONCE; n++) {
+        s->work[n] = malloc(tc_level_coder_work_bytes());
+        s->stream[n] = malloc(tc_level_coder_bound());
+        enough &= s->work[n] && s->stream[n];
+    }
+    if (enough)
         return s;
     scratch_free(s);
     return NULL;
@@ -211,31 +218,45 @@ static tc_status read_coarse(packed_pyramid *p, int l, tc_rect need, const wante
     return status ? status : read_units(p, l - 1, coarse, s);
 }
 
-/* The level's tile, read and decoded. What is wrong with it is counted, and it counts as empty. */
-static void make_tile(packed_pyramid *p, int l, const wanted_tile *t, const tc_plane *coarse, scratch *s)
+/* Tiles read and decoded, one or two. What is wrong with them is counted, and they count as empty. */
+static void make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
+                     scratch *s)
 {
-    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
-    tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry);
-    if (!status)
-        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
-    if (tc_level_coder_decode(&p->level[l - 1].coder, t->tx, t->ty, &entry, status ? NULL : s->stream, coarse,
-                              (tc_decoded_tile *)t->block->bytes, s->work))
-        p->damaged++;
-    else
-        p->decoded += tc_tile_bytes(&entry);
+    tc_level_tile job[AT_ONCE];
+    for (int n = 0; n < count; n++) {
+        tc_level_tile *t = &job[n];
+        *t = (tc_level_tile){
+            .tx = tile[n]->tx, .ty = tile[n]->ty, .to = (tc_decoded_tile *)tile[n]->block->bytes, .work = s->work[n]};
+        tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &t->entry);
+        if (!status)
+            status = tc_packed_file_tile(&p->file, &t->entry, s->stream[n], tc_level_coder_bound());
+        t->bytes = status ? NULL : s->stream[n];
+    }
+    tc_level_coder_decode(&p->level[l - 1].coder, job, count, coarse);
+    for (int n = 0; n < count; n++)
+        if (job[n].status)
+            p->damaged++;
+        else
+            p->decoded += tc_tile_bytes(&job[n].entry);
 }
 
 /* Makes those tiles that nobody else has made or is making. Where the coarser level cannot be had they are empty. */
 static void make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse, scratch *s)
 {
+    const wanted_tile *few[AT_ONCE];
+    int held = 0;
     for (int n = 0; n < count; n++) {
-        if (!tile[n].block || tile[n].block->made)
+        if (tile[n].block && !tile[n].block->made)
+            few[held++] = &tile[n];
+        if (held == 0 || (held < AT_ONCE && n < count - 1))
             continue;
         if (coarse)
-            make_tile(p, l, &tile[n], coarse, s);
-        else
-            memset(tile[n].block->bytes, 0, tc_decoded_tile_bytes(p->level[l - 1].coder.coder));
-        tc_block_made(&p->tiles, tile[n].block);
+            make_few(p, l, few, held, coarse, s);
+        for (; held > 0; held--) {
+            if (!coarse)
+                memset(few[held - 1]->block->bytes, 0, tc_decoded_tile_bytes(p->level[l - 1].coder.coder));
+            tc_block_made(&p->tiles, few[held - 1]->block);
+        }
     }
 }
 
@@ -399,10 +420,10 @@ static tc_status make_mask(packed_pyramid *p, int l, int64_t tx, int64_t ty, uin
     tc_status below = coarse.v ? read_mask(p, l - 1, &coarse, s) : TC_ERR_MEMORY;
     tc_status status = tc_packed_file_entry(&p->file, l, tx, ty, &entry);
     if (!below && !status && entry.mask_class == TC_MASK_CODED)
-        status = tc_packed_file_tile(&p->file, &entry, s->stream, tc_level_coder_bound());
+        status = tc_packed_file_tile(&p->file, &entry, s->stream[0], tc_level_coder_bound());
     if (!below && !status)
         status = tc_mask_decode(level, rect, (tc_mask_class)entry.mask_class, &coarse,
-                                s->stream + entry.size[TC_STREAM_HEIGHTS] + entry.size[TC_STREAM_CORRECTIONS],
+                                s->stream[0] + entry.size[TC_STREAM_HEIGHTS] + entry.size[TC_STREAM_CORRECTIONS],
                                 entry.size[TC_STREAM_MASK], &fine);
     for (int64_t y = rect.y0; y < rect.y1 && status && !below; y++)
         for (int64_t x = rect.x0; x < rect.x1; x++)
