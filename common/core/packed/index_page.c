@@ -74,7 +74,7 @@ size_t tc_page_write(tc_page_form form, const tc_tile_entry *entries, int count,
 }
 
 /* More than any tile takes: keeps sums of sizes far from overflow. */
-static const uint32_t MOST_BYTES = 1 << 20;
+static const uint32_t MOST_BYTES = 1 << 21;
 
 static uint32_t read_size(tc_bit_decoder *d, tc_number_model *model, bool *bad)
 {

@@ -90,25 +90,38 @@ void tc_packer_destroy(tc_packer *p)
 
 /* ---- Finishing ------------------------------------------------------------------------------------------------- */
 
+/* Whether a float holds every multiple of unit up to `highest`: not so for tenths. */
+static bool held_exactly(double unit, double highest)
+{
+    int exponent;
+    int64_t odd = (int64_t)ldexp(frexp(unit, &exponent), 53); /* unit = odd * 2^(exponent - 53) */
+    for (exponent -= 53; odd % 2 == 0; odd /= 2)
+        exponent++;
+    return highest <= ldexp(1, 24 + exponent);
+}
+
 /* Heights become integers. For a target rms: of a unit well below the error, a power of two, or what the range leaves.
  * For a bound: a part of the lattice that the heights lie on, so that they are kept exactly; else as for an rms.
  * *bound_ret and *lattice_ret as for tc_pack_to_bound(). */
 static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret, tc_error *error)
 {
-    enum { PARTS = 16, LATTICE_PARTS = 4 };
+    enum { PARTS = 16 };
     tc_container *c = &p->container;
     bool rms = p->options.mode == TC_PACK_RMS, lossless = p->options.mode == TC_PACK_LOSSLESS;
     double range = (double)p->z_max - p->z_min, least = 1.01 * range / TC_LIFTING_LIMIT, origin = 0;
+    double highest = fmax(fabs((double)p->z_min), fabs((double)p->z_max));
     double middle = 0.5 * ((double)p->z_min + p->z_max), lattice = rms ? 0 : tc_pack_lattice(p, &origin);
     *bound_ret = 0, *lattice_ret = 1;
     if (lattice > 0 && lattice >= least) {
-        while (*lattice_ret < LATTICE_PARTS && lattice / (2 * *lattice_ret) >= least)
+        while (*lattice_ret < PARTS && lattice / (2 * *lattice_ret) >= least)
             *lattice_ret *= 2;
         c->z_unit = lattice / *lattice_ret;
         c->z_origin = origin + rint((middle - origin) / lattice) * lattice;
-        if (!lossless)
-            *bound_ret = (int32_t)fmin(floor(p->options.error / lattice * (1 + 1e-12)) * *lattice_ret, TC_MAX_STEP / 8);
         /* A bound below the lattice leaves nothing to lose. */
+        double error_left = p->options.error - (held_exactly(lattice, highest) ? 0 : ldexp(highest, -23));
+        if (!lossless)
+            *bound_ret =
+                (int32_t)fmin(fmax(0, floor(error_left / lattice * (1 + 1e-12))) * *lattice_ret, TC_MAX_STEP / 8);
         return TC_OK;
     }
     if (lossless)
@@ -128,7 +141,7 @@ static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret
     c->z_unit = unit;
     c->z_origin = rint(middle / unit) * unit;
     /* Rounding to units and to floats has its share of the error. */
-    double slack = 0.5 + ldexp(fmax(fabs((double)p->z_min), fabs((double)p->z_max)), -23) / unit;
+    double slack = 0.5 + ldexp(highest, -23) / unit;
     *bound_ret = rms ? 0 : (int32_t)fmax(0, floor(p->options.error / unit - slack));
     if (!rms && *bound_ret < 1)
         return tc_fail(error, TC_ERR_UNSUPPORTED,
