@@ -19,6 +19,7 @@ void tc_watch_interrupts(void)
     sigemptyset(&action.sa_mask);
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    signal(SIGXFSZ, SIG_IGN); /* a file too large is then an error like a full disk */
 }
 
 bool tc_interrupted(void)
