@@ -17,7 +17,7 @@
 enum {
     BEFORE = 8, /* rows of positions kept before the group: more than the filters reach */
     GROUP_BYTES = 96 << 20,
-    GROUP_TASKS = 8, /* for each thread, at least */
+    GROUP_TASKS = 64, /* for each thread, at least */
     CHUNK = 32       /* fine rows synthesised by one task */
 };
 
