@@ -100,7 +100,7 @@ typedef struct tc_level {
 typedef struct tc_terrain_info {
     int levels;         /* m; the coarsest level has one sample */
     double z_base;      /* metres; added to every height read */
-    float z_min, z_max; /* metres above z_base, finest level, without voids */
+    float z_min, z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there */
     int64_t void_count; /* of the finest level */
     bool other_body;    /* georeferenced on a body that is not the Earth */
 } tc_terrain_info;
@@ -207,7 +207,8 @@ typedef struct tc_pack_result {
 typedef struct tc_packer tc_packer;
 
 /* Starts packing into path, beside which a temporary file without a name takes up to 7 bytes a sample. An old file of
- * that name stays untouched until the end, and nothing else is left behind, however the process ends. */
+ * that name stays untouched until the end. Nothing else is left behind, however the process ends, but for the moment
+ * in which the new file gets its name. */
 tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, const tc_pack_options *options,
                            tc_packer **packer_ret, tc_error *error);
 

@@ -177,6 +177,14 @@ static double spare_value(tc_sample_type type, double low, double high)
 }
 
 /* Settles type, meaning and nodata of what is written. */
+/* Whether an integer type has the value. */
+static bool fits_integer(tc_sample_type type, double value)
+{
+    static const double low[] = {0, -128, 0, -32768, 0, -2147483648.0};
+    static const double high[] = {255, 127, 65535, 32767, 4294967295.0, 2147483647};
+    return value == rint(value) && value >= low[type] && value <= high[type];
+}
+
 static void choose_storage(job *j, const tc_packed_info *packed, bool finest)
 {
     const tc_pack_terrain *t = &packed->terrain;
@@ -195,15 +203,16 @@ static void choose_storage(job *j, const tc_packed_info *packed, bool finest)
         high = fmax(a, b);
     }
 
-    o->has_nodata = t->has_nodata || info->void_count > 0;
-    o->nodata = t->has_nodata ? t->nodata : NAN;
-    if (is_integer(o->type) && !t->has_nodata && info->void_count > 0) {
+    bool fits = t->has_nodata && (!is_integer(o->type) || fits_integer(o->type, t->nodata));
+    o->has_nodata = fits || info->void_count > 0;
+    o->nodata = fits ? t->nodata : NAN;
+    if (is_integer(o->type) && !fits && info->void_count > 0) {
         o->nodata = spare_value(o->type, low, high);
         if (isnan(o->nodata)) { /* every value means a height */
             j->stored = false;
             o->type = TC_SAMPLE_FLOAT32;
         }
-    } else if (!j->stored && t->has_nodata && (!is_apart(t->nodata, low, high) || fabs(t->nodata) > 3e38)) {
+    } else if (!j->stored && fits && (!is_apart(t->nodata, low, high) || fabs(t->nodata) > 3e38)) {
         o->nodata = NAN;
     }
     if (j->stored) {

@@ -381,7 +381,7 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     int64_t n = tc_clipmap_n(r->clipmap), budget = r->options.budget ? r->options.budget : n * n;
     tc_frame_stats stats = {0};
     r->surface->wanted(r->surface, r->clipmap, camera, r->wanted);
-    stats.samples_updated = tc_clipmap_update(r->clipmap, r->wanted, budget > 0 && budget < n ? n : budget);
+    stats.samples_updated = tc_clipmap_update(r->clipmap, r->wanted, budget > 0 && budget < n ? n : budget, finish);
     stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, r->clipmap);
     stats.resident = tc_clipmap_resident(r->clipmap);
     double updated = tc_clock_ms();

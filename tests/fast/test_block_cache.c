@@ -41,7 +41,7 @@ static tc_block *pin(tc_block_cache *c, uint64_t key)
         return NULL;
     if (!b->made) {
         fill(b, key);
-        tc_block_made(c, b);
+        tc_block_made(c, b, true);
     }
     return b;
 }
@@ -115,7 +115,7 @@ static void *use(void *context)
             second = pin(u->c, a);
         if (mine) {
             fill(first, b);
-            tc_block_made(u->c, first);
+            tc_block_made(u->c, first, true);
         }
         u->wrong += !first || !is_filled(first, b) || (a != b && (!second || !is_filled(second, a)));
         if (second)

@@ -70,8 +70,8 @@ static tc_container make_container(test_random *r)
         record->mask = test_random_int(r, 0, 1), record->lowest = (int32_t)test_random_int(r, -9000, 0);
         record->highest = (int32_t)test_random_int(r, 0, 9000), record->rms = (float)test_random_unit(r);
         record->max_error = (float)test_random_unit(r), record->residual_variance = (float)test_random_unit(r);
-        record->correction_snap = (int32_t)test_random_int(r, 0, 9);
-        record->correction_step = (int32_t)test_random_int(r, 0, 99);
+        record->correction_snap = (int32_t)test_random_int(r, 1, 9);
+        record->correction_step = (int32_t)test_random_int(r, 1, 99);
         record->model_size = (size_t)test_random_int(r, 0, 3000);
         record->model = calloc(record->model_size + 1, 1);
         assert_non_null(record->model);

@@ -56,7 +56,7 @@ static void settle(walk *w)
 {
     tc_rect wanted[TC_MAX_LEVELS];
     tc_square_wanted(NULL, w->clipmap, &w->camera, wanted);
-    tc_clipmap_update(w->clipmap, wanted, -1);
+    tc_clipmap_update(w->clipmap, wanted, -1, true);
     assert_true(tc_clipmap_resident(w->clipmap));
 }
 

@@ -80,7 +80,7 @@ static int64_t run(const tour *t, uint64_t seed)
     for (int move = 0; move < t->moves; move++) {
         wanderer_move(&w, p);
         tc_square_wanted(NULL, c, &w.camera, wanted);
-        samples += tc_clipmap_update(c, wanted, t->budget);
+        samples += tc_clipmap_update(c, wanted, t->budget, !t->packed);
         check(regions_broken(c), move);
         check(heights_broken(c), move);
         int level = (int)test_random_int(&r, 1, tc_clipmap_levels(c));
@@ -90,7 +90,7 @@ static int64_t run(const tour *t, uint64_t seed)
         assert_true(frames < 10000);
         if (t->packed)
             usleep(1000); /* for the thread that decodes */
-        tc_clipmap_update(c, wanted, t->budget);
+        tc_clipmap_update(c, wanted, t->budget, !t->packed);
     }
     for (int level = 1; level <= tc_clipmap_levels(c); level++)
         check(content_broken(c, level, 0, 1), t->moves);

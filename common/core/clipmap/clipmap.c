@@ -209,16 +209,16 @@ static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
     return ready;
 }
 
-/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. With a budget, what the
- * pyramid would have to decode first is left to a later call. */
-static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget)
+/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. Without waiting, what
+ * the pyramid would have to decode first is left to a later call. */
+static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget, bool wait)
 {
     tc_clip_state *s = &c->level[level - 1];
     tc_rect *clip = &s->view.clip;
     int64_t spent = 0;
     if (tc_rect_empty(*clip) && !tc_rect_empty(target)) {
         tc_rect first = seed(target, budget);
-        if (budget >= 0 && !is_ready(c, level, first))
+        if (!wait && !is_ready(c, level, first))
             return 0;
         tc_clipmap_fill(c, level, first);
         *clip = first;
@@ -242,7 +242,7 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget)
             break;
         default: grown.y1 += affordable(target.y1 - clip->y1, w, left); add.y0 = clip->y1, add.y1 = grown.y1;
         }
-        if (tc_rect_empty(add) || (budget >= 0 && !is_ready(c, level, add)))
+        if (tc_rect_empty(add) || (!wait && !is_ready(c, level, add)))
             continue;
         tc_clipmap_fill(c, level, add);
         *clip = grown;
@@ -264,7 +264,7 @@ static void set_active(tc_clipmap *c, int level)
     v->active = even_perimeter(tc_rect_intersect(v->clip, around));
 }
 
-int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget)
+int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait)
 {
     int64_t samples = 0;
     for (int l = 1; l <= clipmap->levels; l++) {
@@ -276,7 +276,7 @@ int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t bu
             v->wanted = target;
             target = tc_rect_intersect(target, allowed);
             v->clip = tc_rect_intersect(v->clip, target);
-            int64_t spent = grow(clipmap, l, target, budget);
+            int64_t spent = grow(clipmap, l, target, budget, wait);
             samples += spent;
             if (budget >= 0)
                 budget = tc_max64(0, budget - spent);

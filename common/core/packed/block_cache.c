@@ -61,7 +61,9 @@ static tc_block *take_block(tc_block_cache *c)
         for (b = c->oldest; b && b->users > 0;)
             b = b->newer;
     if (b) {
-        unlink_age(c, b), unlink_hash(c, b);
+        unlink_age(c, b);
+        if (!b->failed)
+            unlink_hash(c, b);
         return b;
     }
     size_t bytes = (sizeof *b + c->block_bytes + 63) / 64 * 64;
@@ -74,7 +76,9 @@ static tc_block *take_block(tc_block_cache *c)
 static tc_block *pin(tc_block_cache *c, uint64_t key, bool *busy)
 {
     pthread_mutex_lock(&c->mutex);
-    tc_block *b = *bucket_of(c, key);
+    tc_block *b;
+again:
+    b = *bucket_of(c, key);
     while (b && b->key != key)
         b = b->same_hash;
     if (b && !b->made && busy) {
@@ -83,9 +87,13 @@ static tc_block *pin(tc_block_cache *c, uint64_t key, bool *busy)
         b->users++;
         while (!b->made)
             pthread_cond_wait(&c->made, &c->mutex);
+        if (b->failed) {
+            b->users--;
+            goto again;
+        }
         unlink_age(c, b), link_newest(c, b);
     } else if ((b = take_block(c))) {
-        b->key = key, b->users = 1, b->made = false;
+        b->key = key, b->users = 1, b->made = b->failed = false;
         b->same_hash = *bucket_of(c, key), *bucket_of(c, key) = b;
         link_newest(c, b);
     }
@@ -104,10 +112,14 @@ tc_block *tc_block_try(tc_block_cache *c, uint64_t key, bool *busy)
     return pin(c, key, busy);
 }
 
-void tc_block_made(tc_block_cache *c, tc_block *b)
+void tc_block_made(tc_block_cache *c, tc_block *b, bool good)
 {
     pthread_mutex_lock(&c->mutex);
     b->made = true;
+    if (!good) {
+        b->failed = true;
+        unlink_hash(c, b);
+    }
     pthread_cond_broadcast(&c->made);
     pthread_mutex_unlock(&c->mutex);
 }

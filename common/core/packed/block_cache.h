@@ -10,7 +10,7 @@
 typedef struct tc_block {
     uint64_t key;
     int users;
-    bool made;
+    bool made, failed; /* failed: nobody finds it any more */
     struct tc_block *same_hash, *newer, *older;
     _Alignas(64) unsigned char bytes[];
 } tc_block;
@@ -35,7 +35,8 @@ tc_block *tc_block_pin(tc_block_cache *cache, uint64_t key);
 /* The same without waiting: NULL, and *busy set, where another thread is making the block. A thread that holds blocks
  * it has not made yet must take others of the cache this way only, or two threads could wait for each other. */
 tc_block *tc_block_try(tc_block_cache *cache, uint64_t key, bool *busy);
-void tc_block_made(tc_block_cache *cache, tc_block *block);
+/* good: false where it could not be filled; who asks for it next makes it anew. */
+void tc_block_made(tc_block_cache *cache, tc_block *block, bool good);
 /* Whether the block of a key is there and made. */
 bool tc_block_has(tc_block_cache *cache, uint64_t key);
 

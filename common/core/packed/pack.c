@@ -118,7 +118,8 @@ static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret
         c->z_unit = lattice / *lattice_ret;
         c->z_origin = origin + rint((middle - origin) / lattice) * lattice;
         /* A bound below the lattice leaves nothing to lose. */
-        double error_left = p->options.error - (held_exactly(lattice, highest) ? 0 : ldexp(highest, -23));
+        bool exactly = held_exactly(lattice, highest) && origin == rint(origin / lattice) * lattice;
+        double error_left = p->options.error - (exactly ? 0 : ldexp(highest, -23));
         if (!lossless)
             *bound_ret =
                 (int32_t)fmin(fmax(0, floor(error_left / lattice * (1 + 1e-12))) * *lattice_ret, TC_MAX_STEP / 8);
@@ -150,22 +151,45 @@ static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret
     return TC_OK;
 }
 
+static tc_status check_lossless(const tc_packer *p, tc_error *error)
+{
+    if (p->options.mode == TC_PACK_LOSSLESS && p->result.max_error > 0)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: lossless: expected multiples of the unit, found heights up to %g m beside them", p->path,
+                       p->result.max_error);
+    return TC_OK;
+}
+
+/* A terrain that stands in the head as a whole: only rounding to height units is lost. */
+static tc_status measure_base(tc_packer *p, tc_error *error)
+{
+    const tc_container *c = &p->container;
+    const tc_pack_terrain *t = &c->info.terrain;
+    float z[TC_BASE_SIZE * TC_BASE_SIZE];
+    double sum = 0, count = 0;
+    tc_status status = tc_pack_source_rows(p, 0, t->height, z, error);
+    for (int64_t i = 0; i < t->width * t->height && !status; i++)
+        if (!c->base_void[i]) {
+            double e = fabs((double)tc_pack_metres(c, c->base_z[i]) - z[i]);
+            sum += e * e, count++;
+            p->result.max_error = fmax(p->result.max_error, e);
+        }
+    p->result.rms = sqrt(sum / fmax(count, 1));
+    return status ? status : check_lossless(p, error);
+}
+
 /* Codes all levels. */
 static tc_status code_levels(tc_packer *p, int32_t bound, int32_t lattice, tc_error *error)
 {
     const tc_container *c = &p->container;
-    if (c->levels == c->base) { /* all in the head, but for the rounding to units */
-        p->result.rms = 0.29 * c->z_unit / lattice, p->result.max_error = 0.5 * c->z_unit;
-        if (p->options.mode == TC_PACK_LOSSLESS)
-            p->result.rms = p->result.max_error = 0;
-        return TC_OK;
-    }
+    if (c->levels == c->base)
+        return measure_base(p, error);
     tc_status status = p->options.mode != TC_PACK_RMS      ? tc_pack_to_bound(p, bound, lattice, error)
                        : p->options.codec == TC_CODEC_LH04 ? tc_pack_lh04(p, error)
                                                            : tc_pack_to_rms(p, error);
     p->result.rms = c->record[c->levels - 1].rms;
     p->result.max_error = c->record[c->levels - 1].max_error;
-    return status;
+    return status ? status : check_lossless(p, error);
 }
 
 static tc_status write_all(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error)
@@ -195,9 +219,18 @@ static tc_status assemble(tc_packer *p, int file, tc_error *error)
     head.size = 0;
     if (!status)
         status = tc_container_write(c, &head);
-    if (status)
+    if (status) {
         tc_fail(error, status, "%s: not enough memory", p->path);
-    else
+    } else { /* what a reader would refuse shall not replace an old file */
+        tc_container check = {0};
+        size_t size;
+        status = tc_container_read(p->path, head.bytes, head.size, &check, &size, error);
+        if (status == TC_ERR_FORMAT)
+            tc_fail(error, status = TC_ERR_UNSUPPORTED, "%s: the terrain's numbers are beyond what the format holds",
+                    p->path);
+        tc_container_free(&check);
+    }
+    if (!status)
         status = write_all(file, head.bytes, head.size, 0, p->path, error);
     free(head.bytes);
     enum { BLOCK = 1 << 20 };

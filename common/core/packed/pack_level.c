@@ -18,7 +18,7 @@ enum {
     BEFORE = 8, /* rows of positions kept before the group: more than the filters reach */
     GROUP_BYTES = 96 << 20,
     GROUP_TASKS = 64, /* for each thread, at least */
-    CHUNK = 32       /* fine rows synthesised by one task */
+    CHUNK = 32        /* fine rows synthesised by one task */
 };
 
 /* ---- Group of rows of tiles ------------------------------------------------------------------------------------ */
@@ -315,9 +315,9 @@ tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_ou
         o->bytes = s.written;
         s.record->end = p->body_size = s.record->begin + s.written;
         s.record->rms = (float)(o->samples ? sqrt(o->square_error / (double)o->samples) : 0);
-        s.record->max_error = nextafterf((float)o->max_error, INFINITY);
-        if (o->max_error == 0)
-            s.record->max_error = 0;
+        s.record->max_error = (float)o->max_error;
+        if (s.record->max_error < o->max_error)
+            s.record->max_error = nextafterf(s.record->max_error, INFINITY);
         *outcome_ret = *o;
     }
     release(&s);

@@ -65,7 +65,10 @@ static tile_memory *borrow(level_state *s)
     m->details = malloc((size_t)TC_TILE_SIDE * TC_TILE_SIDE * sizeof(int32_t));
     m->scratch = malloc(tc_pack_details_scratch() * sizeof(int32_t));
     m->bytes = malloc(tc_level_coder_bound());
-    return m;
+    if (m->work && m->details && m->scratch && m->bytes)
+        return m;
+    free(m->work), free(m->details), free(m->scratch), free(m->bytes), free(m);
+    return NULL;
 }
 
 static void give_back(level_state *s, tile_memory *m)
@@ -144,9 +147,7 @@ void tc_pack_code_tile(void *context, int64_t n)
     int64_t tx = n % s->pages.tiles_x, ty = s->t0 + n / s->pages.tiles_x;
     coded_tile *tile = &s->tile[(ty - s->finished) * s->pages.tiles_x + tx];
     tile_memory *m = borrow(s);
-    if (!m || !m->work || !m->details || !m->scratch || !m->bytes) {
-        if (m)
-            give_back(s, m);
+    if (!m) {
         tc_pack_fail(s, TC_ERR_MEMORY);
         return;
     }

@@ -203,7 +203,7 @@ tc_status tc_packed_file_entry(tc_packed_file *f, int l, int64_t tx, int64_t ty,
     page *p = (page *)block->bytes;
     if (!block->made) {
         p->status = read_page(f, l, &pages, px, py, p);
-        tc_block_made(&f->pages, block);
+        tc_block_made(&f->pages, block, p->status == TC_OK || p->status == TC_ERR_FORMAT);
     }
     tc_status status = p->status;
     tc_rect tiles = tc_page_tiles(&pages, px, py);

@@ -219,8 +219,8 @@ static tc_status read_coarse(packed_pyramid *p, int l, tc_rect need, const wante
 }
 
 /* Tiles read and decoded, one or two. What is wrong with them is counted, and they count as empty. */
-static void make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
-                     scratch *s)
+static tc_status make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
+                          scratch *s)
 {
     tc_level_tile job[AT_ONCE];
     for (int n = 0; n < count; n++) {
@@ -230,6 +230,8 @@ static void make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, i
         tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &t->entry);
         if (!status)
             status = tc_packed_file_tile(&p->file, &t->entry, s->stream[n], tc_level_coder_bound());
+        if (status && status != TC_ERR_FORMAT) /* no damage: it may come another time */
+            return status;
         t->bytes = status ? NULL : s->stream[n];
     }
     tc_level_coder_decode(&p->level[l - 1].coder, job, count, coarse);
@@ -238,26 +240,28 @@ static void make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, i
             p->damaged++;
         else
             p->decoded += tc_tile_bytes(&job[n].entry);
+    return TC_OK;
 }
 
-/* Makes those tiles that nobody else has made or is making. Where the coarser level cannot be had they are empty. */
-static void make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse, scratch *s)
+/* Makes those tiles that nobody else has made or is making; where the coarser level could not be had (NULL), or bytes
+ * cannot, they fail. */
+static tc_status make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse,
+                            scratch *s)
 {
     const wanted_tile *few[AT_ONCE];
     int held = 0;
+    tc_status status = TC_OK;
     for (int n = 0; n < count; n++) {
         if (tile[n].block && !tile[n].block->made)
             few[held++] = &tile[n];
         if (held == 0 || (held < AT_ONCE && n < count - 1))
             continue;
-        if (coarse)
-            make_few(p, l, few, held, coarse, s);
-        for (; held > 0; held--) {
-            if (!coarse)
-                memset(few[held - 1]->block->bytes, 0, tc_decoded_tile_bytes(p->level[l - 1].coder.coder));
-            tc_block_made(&p->tiles, few[held - 1]->block);
-        }
+        if (coarse && !status)
+            status = make_few(p, l, few, held, coarse, s);
+        for (; held > 0; held--)
+            tc_block_made(&p->tiles, few[held - 1]->block, coarse && !status);
     }
+    return status;
 }
 
 /* A tile that another thread was making. */
@@ -270,9 +274,9 @@ static tc_status await_tile(packed_pyramid *p, int l, uint64_t key, wanted_tile 
     mark m = scratch_mark(s);
     tc_plane coarse = {0};
     tc_status status = read_coarse(p, l, (tc_rect){0, 0, 0, 0}, t, 1, &coarse, s);
-    make_tiles(p, l, t, 1, status ? NULL : &coarse, s);
+    tc_status made = make_tiles(p, l, t, 1, status ? NULL : &coarse, s);
     scratch_return(s, m);
-    return status;
+    return status ? status : made;
 }
 
 /* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions. First it takes the
@@ -303,7 +307,8 @@ static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect nee
     }
     if (!status)
         status = read_coarse(p, l, need, tile, count, coarse, s);
-    make_tiles(p, l, tile, count, status ? NULL : coarse, s);
+    tc_status made = make_tiles(p, l, tile, count, status ? NULL : coarse, s);
+    status = status ? status : made;
     for (int n = 0; n < count; n++) {
         if (!tile[n].block && !status)
             status = await_tile(p, l, tile_key(l, across, &tile[n]), &tile[n], s);
@@ -345,6 +350,20 @@ static tc_status synthesise_lifting(packed_pyramid *p, int l, const tc_plane *to
     return TC_OK;
 }
 
+/* Positions whose tiles reading rect takes, and the part of the coarser level. */
+static tc_rect positions_of(const tc_level_coder *c, tc_rect rect)
+{
+    return c->codec ? tc_lifting_needs(&c->level, rect)
+                    : (tc_rect){rect.x0 / 2, rect.y0 / 2, (rect.x1 + 1) / 2, (rect.y1 + 1) / 2};
+}
+
+static tc_rect coarse_of(const tc_level_coder *c, tc_rect rect)
+{
+    return c->codec  ? tc_lifting_needs(&c->level, rect)
+           : c->lh04 ? tc_lh04_needs(&c->level, rect)
+                     : (tc_rect){0, 0, 0, 0};
+}
+
 static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
 {
     const tc_level_coder *coder = &p->level[l - 1].coder;
@@ -353,10 +372,9 @@ static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratc
     if (coder->codec) {
         status = synthesise_lifting(p, l, to, s);
     } else {
-        tc_rect r = to->rect, positions = {r.x0 / 2, r.y0 / 2, (r.x1 + 1) / 2, (r.y1 + 1) / 2};
-        tc_rect need = coder->lh04 ? tc_lh04_needs(&coder->level, r) : (tc_rect){0, 0, 0, 0};
         tc_plane coarse = {0};
-        status = gather(p, l, positions, need, &(tile_planes){.sample = *to}, &coarse, s);
+        status = gather(p, l, positions_of(coder, to->rect), coarse_of(coder, to->rect), &(tile_planes){.sample = *to},
+                        &coarse, s);
         if (!status && coder->lh04)
             tc_lh04_assemble(&coder->level, &coarse, to, to);
     }
@@ -383,10 +401,17 @@ static tc_status prepare(packed_pyramid *p, int l, scratch *s)
             level->whole = whole.z;
         }
         level->status = status;
-        level->ready = true;
+        if (status == TC_OK || status == TC_ERR_FORMAT) {
+            level->ready = true;
+        } else { /* another time */
+            tc_level_coder_free(&level->coder);
+            free(level->whole);
+            level->whole = NULL;
+        }
     }
+    tc_status status = level->status;
     pthread_mutex_unlock(&level->mutex);
-    return level->status;
+    return status;
 }
 
 static tc_status read_units(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
@@ -425,6 +450,8 @@ static tc_status make_mask(packed_pyramid *p, int l, int64_t tx, int64_t ty, uin
         status = tc_mask_decode(level, rect, (tc_mask_class)entry.mask_class, &coarse,
                                 s->stream[0] + entry.size[TC_STREAM_HEIGHTS] + entry.size[TC_STREAM_CORRECTIONS],
                                 entry.size[TC_STREAM_MASK], &fine);
+    if (!below && status && status != TC_ERR_FORMAT)
+        below = status;
     for (int64_t y = rect.y0; y < rect.y1 && status && !below; y++)
         for (int64_t x = rect.x0; x < rect.x1; x++)
             v[(y - rect.y0) * MASK_SIDE + x - rect.x0] = coarse.v[(y / 2 - need.y0) * coarse.stride + x / 2 - need.x0];
@@ -453,7 +480,7 @@ static tc_status read_mask(packed_pyramid *p, int l, const tc_mask_plane *to, sc
                 return TC_ERR_MEMORY;
             if (!block->made) {
                 status = make_mask(p, l, tx, ty, block->bytes, s);
-                tc_block_made(&p->masks, block);
+                tc_block_made(&p->masks, block, status == TC_OK);
             }
             tc_rect tile = tc_mask_tile_rect(&p->level[l - 1].coder.level, tx, ty, 0), cut = tc_rect_intersect(tile, r);
             for (int64_t y = cut.y0; y < cut.y1 && !status; y++)
@@ -576,6 +603,11 @@ static void packed_bounds(const tc_pyramid *pyramid, int l, tc_rect rect, float 
             }
         if (!known)
             low = c->record[l - 1].lowest, high = c->record[l - 1].highest;
+        if (p->damaged > 0) { /* what stands in for damaged tiles lies about within the terrain's range */
+            double margin = 0.1 * (c->z_max - c->z_min);
+            *z_min_ret = (float)(c->z_min - margin), *z_max_ret = (float)(c->z_max + margin);
+            return;
+        }
     }
     *z_min_ret = to_metres(c, low), *z_max_ret = to_metres(c, high);
     if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT) {
@@ -596,22 +628,26 @@ static void read_ahead(void *context, int l, tc_rect rect)
     free(z), free(voids);
 }
 
-/* Whether all tiles are decoded from level l down to one that is held whole. */
+/* Whether all tiles are decoded from level l down to one that is held whole; or so many that the cache could not keep
+ * them until they are asked for. */
 static bool is_decoded(packed_pyramid *p, int l, tc_rect rect)
 {
-    for (; !is_whole(p, l); l--) {
+    for (; !is_whole(p, l) && !tc_rect_empty(rect); l--) {
         if (!p->level[l - 1].ready || p->level[l - 1].status)
             return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
         const tc_level_coder *coder = &p->level[l - 1].coder;
-        tc_rect need = tc_lifting_needs(&coder->level, rect);
+        tc_rect r = positions_of(coder, rect);
+        tc_rect t = {r.x0 / TC_TILE, r.y0 / TC_TILE, (r.x1 - 1) / TC_TILE + 1, (r.y1 - 1) / TC_TILE + 1};
+        if (tc_rect_area(t) > p->tiles.most / 4)
+            return true;
         int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
-        for (int64_t ty = need.y0 / TC_TILE; ty * TC_TILE < need.y1; ty++)
-            for (int64_t tx = need.x0 / TC_TILE; tx * TC_TILE < need.x1; tx++)
+        for (int64_t ty = t.y0; ty < t.y1; ty++)
+            for (int64_t tx = t.x0; tx < t.x1; tx++)
                 if (!tc_block_has(&p->tiles, tile_key(l, across, &(wanted_tile){tx, ty, NULL})))
                     return false;
-        rect = need;
+        rect = coarse_of(coder, rect);
     }
-    return p->level[l - 1].ready;
+    return tc_rect_empty(rect) || p->level[l - 1].ready;
 }
 
 static bool packed_ready(const tc_pyramid *pyramid, int l, tc_rect rect)
@@ -792,8 +828,10 @@ tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level)
         return (tc_packed_level){0};
     const tc_container *c = &p->file.container;
     const tc_level_record *r = &c->record[level - 1];
-    if (level <= c->base)
-        return (tc_packed_level){0, 0.29 * c->z_unit, 0.5 * c->z_unit, 0};
+    if (level <= c->base) { /* rounding to height units, which keep a lossless source's own values */
+        bool exact = c->info.mode == TC_PACK_LOSSLESS && level == c->levels && c->levels == c->base;
+        return (tc_packed_level){0, exact ? 0 : 0.5 * c->z_unit, exact ? 0 : 0.5 * c->z_unit, 0};
+    }
     return (tc_packed_level){r->end - r->begin, r->rms, r->max_error, r->residual_variance};
 }
 
