@@ -12,7 +12,7 @@
 #include "common/core/pyramid/pyramid.h"
 #include "tests/support/terrains.h"
 
-enum { WIDTH = 1400, HEIGHT = 900 };
+enum { WIDTH = 900, HEIGHT = 700 };
 
 /* Hills in whole metres, packed; the file's bytes. */
 static uint8_t *pack(const tc_pack_options *how, size_t *size_ret)
