@@ -98,9 +98,10 @@ typedef struct tc_level {
 
 /* What is true of the whole terrain. */
 typedef struct tc_terrain_info {
-    int levels;         /* m; the coarsest level has one sample */
-    double z_base;      /* metres; added to every height read */
-    float z_min, z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there */
+    int levels;    /* m; the coarsest level has one sample */
+    double z_base; /* metres; added to every height read */
+    float z_min,
+        z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there */
     int64_t void_count; /* of the finest level */
     bool other_body;    /* georeferenced on a body that is not the Earth */
 } tc_terrain_info;

@@ -1,0 +1,303 @@
+/* packed_heights.c - heights of a rectangle, in height units: from the coarser level around half of it and from the
+ * tiles that it touches; the coarser level's likewise, down to a level small enough to be held whole. A damaged tile
+ * counts as one without details. */
+#include "common/core/base/rect.h"
+#include "packed_internal.h"
+
+static bool is_whole(const packed_pyramid *p, int l)
+{
+    const tc_level *level = &p->head.level[l - 1];
+    return l <= p->file.container.base || (level->width <= WHOLE_SIZE && level->height <= WHOLE_SIZE);
+}
+
+tc_status tc_scratch_plane(scratch *s, tc_rect rect, tc_plane *plane_ret)
+{
+    *plane_ret = (tc_plane){tc_scratch_take(s, (size_t)tc_rect_area(rect) * sizeof(int32_t)), rect.x1 - rect.x0, rect};
+    return plane_ret->z ? TC_OK : TC_ERR_MEMORY;
+}
+
+/* Where a level's tiles go: those of the planes that the coder makes use of. */
+typedef struct tile_planes {
+    tc_plane band[TC_BANDS], sample, correction;
+} tile_planes;
+
+static void copy_rect(const int32_t *from, ptrdiff_t stride, tc_rect rect, const tc_plane *to)
+{
+    tc_rect r = tc_rect_intersect(rect, to->rect);
+    for (int64_t y = r.y0; y < r.y1; y++)
+        memcpy(tc_plane_at(to, r.x0, y), from + (y - rect.y0) * stride + r.x0 - rect.x0,
+               (size_t)(r.x1 - r.x0) * sizeof *from);
+}
+
+static void copy_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_decoded_tile *tile,
+                      const tile_planes *to)
+{
+    tc_rect samples = tc_level_coder_samples(c, tx, ty), positions = tc_level_coder_positions(c, tx, ty);
+    if (c->codec)
+        for (int b = 0; b < TC_BANDS; b++)
+            copy_rect(tile->band[b][0], TC_TILE, positions, &to->band[b]);
+    else
+        copy_rect(tile->sample[0], TC_TILE_SIDE, samples, &to->sample);
+    if (c->correction)
+        copy_rect(tile->correction[0], TC_TILE_SIDE, samples, &to->correction);
+}
+
+/* The least rectangle that holds both. */
+static tc_rect rect_around(tc_rect a, tc_rect b)
+{
+    if (tc_rect_empty(a) || tc_rect_empty(b))
+        return tc_rect_empty(a) ? b : a;
+    return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
+}
+
+/* A tile of a gathering. */
+typedef struct wanted_tile {
+    int64_t tx, ty;
+    tc_block *block; /* NULL: another thread is making it */
+} wanted_tile;
+
+static uint64_t tile_key(int l, int64_t across, const wanted_tile *t)
+{
+    return (uint64_t)l << 56 | (uint64_t)(t->ty * across + t->tx);
+}
+
+/* Reads the part of the coarser level that `need` and making the tiles take. */
+static tc_status read_coarse(packed_pyramid *p, int l, tc_rect need, const wanted_tile *tile, int count,
+                             tc_plane *coarse, scratch *s)
+{
+    for (int n = 0; n < count; n++)
+        if (tile[n].block && !tile[n].block->made)
+            need = rect_around(need, tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty));
+    tc_status status = tc_scratch_plane(s, need, coarse);
+    return status ? status : tc_packed_units(p, l - 1, coarse, s);
+}
+
+/* Tiles read and decoded, one or two. What is wrong with them is counted, and they count as empty. */
+static tc_status make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
+                          scratch *s)
+{
+    tc_level_tile job[AT_ONCE];
+    for (int n = 0; n < count; n++) {
+        tc_level_tile *t = &job[n];
+        *t = (tc_level_tile){
+            .tx = tile[n]->tx, .ty = tile[n]->ty, .to = (tc_decoded_tile *)tile[n]->block->bytes, .work = s->work[n]};
+        tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &t->entry);
+        if (!status)
+            status = tc_packed_file_tile(&p->file, &t->entry, s->stream[n], tc_level_coder_bound());
+        if (status && status != TC_ERR_FORMAT) /* no damage: it may come another time */
+            return status;
+        t->bytes = status ? NULL : s->stream[n];
+    }
+    tc_level_coder_decode(&p->level[l - 1].coder, job, count, coarse);
+    for (int n = 0; n < count; n++)
+        if (job[n].status)
+            p->damaged++;
+        else
+            p->decoded += tc_tile_bytes(&job[n].entry);
+    return TC_OK;
+}
+
+/* Makes those tiles that nobody else has made or is making; where the coarser level could not be had (NULL), or bytes
+ * cannot, they fail. */
+static tc_status make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse,
+                            scratch *s)
+{
+    const wanted_tile *few[AT_ONCE];
+    int held = 0;
+    tc_status status = TC_OK;
+    for (int n = 0; n < count; n++) {
+        if (tile[n].block && !tile[n].block->made)
+            few[held++] = &tile[n];
+        if (held == 0 || (held < AT_ONCE && n < count - 1))
+            continue;
+        if (coarse && !status)
+            status = make_few(p, l, few, held, coarse, s);
+        for (; held > 0; held--)
+            tc_block_made(&p->tiles, few[held - 1]->block, coarse && !status);
+    }
+    return status;
+}
+
+/* A tile that another thread was making. */
+static tc_status await_tile(packed_pyramid *p, int l, uint64_t key, wanted_tile *t, scratch *s)
+{
+    if (!(t->block = tc_block_pin(&p->tiles, key)))
+        return TC_ERR_MEMORY;
+    if (t->block->made)
+        return TC_OK;
+    mark m = tc_scratch_here(s);
+    tc_plane coarse = {0};
+    tc_status status = read_coarse(p, l, (tc_rect){0, 0, 0, 0}, t, 1, &coarse, s);
+    tc_status made = make_tiles(p, l, t, 1, status ? NULL : &coarse, s);
+    tc_scratch_return(s, m);
+    return status ? status : made;
+}
+
+/* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions. First it takes the
+ * tiles that nobody is making, makes what is missing of them from one reading of the coarser level, and only then waits
+ * for others: who waits for a tile holds no unmade one of its level or a coarser one, so that somebody always goes
+ * on. */
+static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect need, const tile_planes *to,
+                        tc_plane *coarse, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
+    tc_rect t = {positions.x0 / TC_TILE, positions.y0 / TC_TILE, (positions.x1 - 1) / TC_TILE + 1,
+                 (positions.y1 - 1) / TC_TILE + 1};
+    wanted_tile *tile = tc_scratch_take(s, (size_t)tc_rect_area(t) * sizeof *tile);
+    if (!tile)
+        return TC_ERR_MEMORY;
+    int count = 0;
+    tc_status status = TC_OK;
+    for (int64_t k = 0; k < tc_rect_area(t) && !status; k++) {
+        wanted_tile *w = &tile[count];
+        bool busy;
+        w->tx = t.x0 + k % (t.x1 - t.x0), w->ty = t.y0 + k / (t.x1 - t.x0);
+        w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
+        if (w->block || busy)
+            count++;
+        else
+            status = TC_ERR_MEMORY;
+    }
+    if (!status)
+        status = read_coarse(p, l, need, tile, count, coarse, s);
+    tc_status made = make_tiles(p, l, tile, count, status ? NULL : coarse, s);
+    status = status ? status : made;
+    for (int n = 0; n < count; n++) {
+        if (!tile[n].block && !status)
+            status = await_tile(p, l, tile_key(l, across, &tile[n]), &tile[n], s);
+        if (!tile[n].block)
+            continue;
+        if (!status)
+            copy_tile(coder, tile[n].tx, tile[n].ty, (const tc_decoded_tile *)tile[n].block->bytes, to);
+        tc_block_release(&p->tiles, tile[n].block);
+    }
+    return status;
+}
+
+/* Details and the coarser level make heights, which may then be corrected. */
+static tc_status synthesise_lifting(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    tc_rect need = tc_lifting_needs(&coder->level, to->rect);
+    tile_planes planes = {0};
+    tc_plane coarse = {0};
+    tc_status status = TC_OK;
+    for (int b = 0; b < TC_BANDS && !status; b++)
+        status = tc_scratch_plane(s, need, &planes.band[b]);
+    if (!status && coder->correction)
+        status = tc_scratch_plane(s, to->rect, &planes.correction);
+    if (!status)
+        status = gather(p, l, need, need, &planes, &coarse, s);
+    int32_t *work = NULL;
+    if (!status && !(work = tc_scratch_take(s, tc_lifting_synthesise_scratch(&coder->level, to->rect) * sizeof *work)))
+        status = TC_ERR_MEMORY;
+    if (status)
+        return status;
+    tc_lifting_synthesise(&coder->level, &coarse, planes.band, to, work, TC_SIMD_AUTO);
+    for (int64_t y = to->rect.y0; y < to->rect.y1 && coder->correction; y++) {
+        int32_t *z = tc_plane_at(to, to->rect.x0, y);
+        const int32_t *k = tc_plane_at(&planes.correction, to->rect.x0, y);
+        for (int64_t i = 0; i < to->rect.x1 - to->rect.x0; i++)
+            z[i] = tc_corrected(coder, z[i], k[i]);
+    }
+    return TC_OK;
+}
+
+/* Positions whose tiles reading rect takes, and the part of the coarser level. */
+static tc_rect positions_of(const tc_level_coder *c, tc_rect rect)
+{
+    return c->codec ? tc_lifting_needs(&c->level, rect)
+                    : (tc_rect){rect.x0 / 2, rect.y0 / 2, (rect.x1 + 1) / 2, (rect.y1 + 1) / 2};
+}
+
+static tc_rect coarse_of(const tc_level_coder *c, tc_rect rect)
+{
+    return c->codec  ? tc_lifting_needs(&c->level, rect)
+           : c->lh04 ? tc_lh04_needs(&c->level, rect)
+                     : (tc_rect){0, 0, 0, 0};
+}
+
+static tc_status synthesise(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    mark m = tc_scratch_here(s);
+    tc_status status = TC_OK;
+    if (coder->codec) {
+        status = synthesise_lifting(p, l, to, s);
+    } else {
+        tc_plane coarse = {0};
+        status = gather(p, l, positions_of(coder, to->rect), coarse_of(coder, to->rect), &(tile_planes){.sample = *to},
+                        &coarse, s);
+        if (!status && coder->lh04)
+            tc_lh04_assemble(&coder->level, &coarse, to, to);
+    }
+    tc_scratch_return(s, m);
+    return status;
+}
+
+/* Makes a level's decoder and, for a small one, its heights. */
+static tc_status prepare(packed_pyramid *p, int l, scratch *s)
+{
+    level_state *level = &p->level[l - 1];
+    if (level->ready)
+        return level->status;
+    pthread_mutex_lock(&level->mutex);
+    if (!level->ready) {
+        const tc_level *size = &p->head.level[l - 1];
+        const tc_container *c = &p->file.container;
+        tc_status status = l > c->base ? tc_level_coder_init(&level->coder, size, &c->record[l - 1], c->wrap_x) : TC_OK;
+        if (!status && l > c->base && is_whole(p, l)) {
+            tc_plane whole = {malloc((size_t)(size->width * size->height) * sizeof(int32_t)),
+                              size->width,
+                              {0, 0, size->width, size->height}};
+            status = whole.z ? synthesise(p, l, &whole, s) : TC_ERR_MEMORY;
+            level->whole = whole.z;
+        }
+        level->status = status;
+        if (status == TC_OK || status == TC_ERR_FORMAT) {
+            level->ready = true;
+        } else { /* another time */
+            tc_level_coder_free(&level->coder);
+            free(level->whole);
+            level->whole = NULL;
+        }
+    }
+    tc_status status = level->status;
+    pthread_mutex_unlock(&level->mutex);
+    return status;
+}
+
+tc_status tc_packed_units(packed_pyramid *p, int l, const tc_plane *to, scratch *s)
+{
+    if (tc_rect_empty(to->rect))
+        return TC_OK;
+    tc_status status = prepare(p, l, s);
+    const level_state *level = &p->level[l - 1];
+    if (status || !level->whole)
+        return status ? status : synthesise(p, l, to, s);
+    for (int64_t y = to->rect.y0; y < to->rect.y1; y++)
+        memcpy(tc_plane_at(to, to->rect.x0, y), level->whole + y * p->head.level[l - 1].width + to->rect.x0,
+               (size_t)(to->rect.x1 - to->rect.x0) * sizeof(int32_t));
+    return TC_OK;
+}
+
+bool tc_packed_decoded(packed_pyramid *p, int l, tc_rect rect)
+{
+    for (; !is_whole(p, l) && !tc_rect_empty(rect); l--) {
+        if (!p->level[l - 1].ready || p->level[l - 1].status)
+            return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
+        const tc_level_coder *coder = &p->level[l - 1].coder;
+        tc_rect r = positions_of(coder, rect);
+        tc_rect t = {r.x0 / TC_TILE, r.y0 / TC_TILE, (r.x1 - 1) / TC_TILE + 1, (r.y1 - 1) / TC_TILE + 1};
+        if (tc_rect_area(t) > p->tiles.most / 4)
+            return true;
+        int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
+        for (int64_t ty = t.y0; ty < t.y1; ty++)
+            for (int64_t tx = t.x0; tx < t.x1; tx++)
+                if (!tc_block_has(&p->tiles, tile_key(l, across, &(wanted_tile){tx, ty, NULL})))
+                    return false;
+        rect = coarse_of(coder, rect);
+    }
+    return tc_rect_empty(rect) || p->level[l - 1].ready;
+}
