@@ -316,8 +316,8 @@ static void random_models_do_no_harm(void **state)
             record->coder = (tc_coder)(((int)record->coder + 1 + n / 3 % 3) % TC_CODERS);
         if (n % 7 == 0)
             record->mask = !record->mask;
-        record->correction_step = (int32_t)test_random_int(&r, 0, TC_MAX_STEP);
-        record->correction_snap = (int32_t)test_random_int(&r, 0, 20);
+        record->correction_step = (int32_t)test_random_int(&r, 1, TC_MAX_STEP);
+        record->correction_snap = (int32_t)test_random_int(&r, 1, 20);
         record->model = model, record->model_size = size;
         for (int i = c.base; i < c.levels; i++) {
             c.record[i].begin += (int64_t)size - (int64_t)before;
