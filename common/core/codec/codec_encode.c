@@ -8,6 +8,7 @@
 #include <stdlib.h>
 
 #include "codec_avx2.h"
+#include "raw_bits.h"
 
 static const double TILE_BITS = 96; /* what having a tile at all costs: head of the stream, index entry, checksum */
 enum {
@@ -26,11 +27,6 @@ typedef struct coder {
     float bits[ENTRIES];      /* of a symbol with its sign and low bits */
     float threshold[ENTRIES]; /* of sizes below which a magnitude is lowered */
 } coder;
-
-static uint32_t escape_length(uint32_t beyond)
-{
-    return 31 - (uint32_t)__builtin_clz(beyond + 1);
-}
 
 static void coder_init(coder *e, const tc_codec *codec, double lambda)
 {
@@ -188,7 +184,7 @@ TC_INLINE bool quantise_band(const coder *e, int band, tc_rect tile, const tc_pl
             if (memchr(symbol, LAST, HALF))
                 for (int k = 0; k < HALF; k++)
                     if (symbol[k] == LAST)
-                        beyond += 2 * escape_length(((uint32_t)abs(value[k]) >> tc_bin_shift[bin[k]]) - LAST);
+                        beyond += 2 * tc_escape_length(((uint32_t)abs(value[k]) >> tc_bin_shift[bin[k]]) - LAST);
         }
     }
     if (sum.too_large)
@@ -212,34 +208,8 @@ TC_INLINE bool quantise_band(const coder *e, int band, tc_rect tile, const tc_pl
 
 /* ---- Streams ------------------------------------------------------------------------------------------------- */
 
-typedef struct raw_writer {
-    uint8_t *bytes; /* seven bytes behind the last one may be written */
-    size_t size;    /* whole bytes */
-    uint64_t held;
-    int count;
-} raw_writer;
-
-/* 0 <= n <= 32 */
-TC_INLINE void put(raw_writer *r, uint32_t value, int n)
-{
-    r->held |= (uint64_t)value << r->count;
-    r->count += n;
-    for (int i = 0; i < 8; i++)
-        r->bytes[r->size + (size_t)i] = (uint8_t)(r->held >> 8 * i);
-    r->size += (size_t)(r->count >> 3);
-    r->held >>= r->count & ~7;
-    r->count &= 7;
-}
-
-static void put_escape(raw_writer *r, uint32_t beyond)
-{
-    int n = (int)escape_length(beyond);
-    put(r, (1u << n) - 1, n + 1); /* the zero is not written after 24 ones: never so long */
-    put(r, beyond + 1 - (1u << n), n);
-}
-
 /* Raw bits of a run. */
-TC_INLINE void put_run(raw_writer *raw, int band, int j, int phase, const tc_tile_work *w)
+TC_INLINE void put_run(tc_raw_writer *raw, int band, int j, int phase, const tc_tile_work *w)
 {
     const uint8_t *symbol = w->symbol[band][j][phase], *bin = w->bin[band][j][phase];
     const int32_t *value = w->value[band][j][phase];
@@ -252,8 +222,8 @@ TC_INLINE void put_run(raw_writer *raw, int band, int j, int phase, const tc_til
             int shift = tc_bin_shift[bin[k]];
             uint32_t magnitude = (uint32_t)abs(value[k]);
             if (symbol[k] == LAST)
-                put_escape(raw, (magnitude >> shift) - LAST);
-            put(raw, magnitude & ((1u << shift) - 1), shift);
+                tc_raw_put_escape(raw, (magnitude >> shift) - LAST);
+            tc_raw_put(raw, magnitude & ((1u << shift) - 1), shift);
         }
     else if (most == 0)
         return;
@@ -265,10 +235,10 @@ TC_INLINE void put_run(raw_writer *raw, int band, int j, int phase, const tc_til
     int count = 0;
     for (uint32_t left = nonzero; left; left &= left - 1)
         signs |= (uint32_t)((left & -left & negative) != 0) << count++;
-    put(raw, signs, count);
+    tc_raw_put(raw, signs, count);
 }
 
-enum { RAW_BITS = 4 + 2 * 24 + 1 + 1 };
+enum { RAW_BITS = TC_ESCAPE_BITS + 4 + 1 };
 
 size_t tc_codec_tile_bound(void)
 {
@@ -295,7 +265,7 @@ TC_INLINE size_t write_tile(const coder *e, int coded, tc_rect tile, uint8_t *by
     const tc_codec *c = e->codec;
     /* Raw bits go where the longest rANS stream would end, the stream in front of them; then all moves to the front. */
     uint8_t *middle = bytes + 1 + tc_rans_bound(TC_TILE_SYMBOLS);
-    raw_writer raw = {middle, 0, 0, 0};
+    tc_raw_writer raw = {middle, 0, 0, 0};
     int columns, rows;
     for (int b = 0; b < TC_BANDS; b++) {
         tc_tile_extent(c, b, tile, 0, &columns, &rows);
@@ -307,12 +277,10 @@ TC_INLINE size_t write_tile(const coder *e, int coded, tc_rect tile, uint8_t *by
                 put_run(&raw, b, j, phase, w);
             }
     }
-    if (raw.count > 0)
-        put(&raw, 0, 8 - raw.count);
+    tc_raw_finish(&raw, 0);
     int lanes = raw.size > SIXTEEN_FROM ? 16 : raw.size > EIGHT_FROM ? 8 : 4;
     size_t carried = 2 * (size_t)lanes;
-    while (raw.size < carried)
-        raw.bytes[raw.size++] = 0;
+    tc_raw_finish(&raw, carried);
     uint8_t payload[TC_RANS_PAYLOAD];
     memcpy(payload, raw.bytes, carried);
     tc_rans_encoder rans;

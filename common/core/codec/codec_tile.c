@@ -11,6 +11,7 @@
 #include <stdlib.h>
 
 #include "codec_avx2.h"
+#include "raw_bits.h"
 
 size_t tc_tile_work_bytes(void)
 {
@@ -70,48 +71,6 @@ tc_rect tc_codec_tile_needs(const tc_codec *c, tc_rect r)
     if (!c->level.wrap_x)
         r.x0 = tc_max64(r.x0, 0), r.x1 = tc_min64(r.x1, c->cw);
     return r;
-}
-
-/* ---- Raw bits ------------------------------------------------------------------------------------------------ */
-
-typedef struct raw_bits {
-    uint64_t held;
-    int count; /* bits held */
-    const uint8_t *at, *end;
-    bool overrun;
-    const uint8_t *next, *next_end; /* what follows behind `end` */
-} raw_bits;
-
-/* 0 <= n <= 32 */
-TC_INLINE uint32_t take(raw_bits *r, int n)
-{
-    if (r->count < n && r->end - r->at >= 4) {
-        r->held |= (uint64_t)((uint32_t)r->at[0] | (uint32_t)r->at[1] << 8 | (uint32_t)r->at[2] << 16 |
-                              (uint32_t)r->at[3] << 24)
-                   << r->count;
-        r->at += 4, r->count += 32;
-    }
-    while (r->count < n) {
-        if (r->at == r->end && r->next)
-            r->at = r->next, r->end = r->next_end, r->next = NULL;
-        if (r->at < r->end)
-            r->held |= (uint64_t)*r->at++ << r->count;
-        else
-            r->overrun = true;
-        r->count += 8;
-    }
-    uint32_t v = (uint32_t)(r->held & (((uint64_t)1 << n) - 1));
-    r->held >>= n, r->count -= n;
-    return v;
-}
-
-/* Exponential Golomb code: how far beyond the last plain symbol. */
-TC_INLINE uint32_t take_escape(raw_bits *r)
-{
-    int n = 0;
-    while (n < 24 && !r->overrun && take(r, 1))
-        n++;
-    return (1u << n) - 1 + take(r, n);
 }
 
 /* ---- Decoding ------------------------------------------------------------------------------------------------ */
@@ -272,7 +231,7 @@ typedef struct tile_state {
     int64_t shift;
     tc_tile_work *w;
     tc_rans_decoder rans;
-    raw_bits raw;
+    tc_raw_reader raw;
     uint8_t payload[TC_RANS_PAYLOAD];
     int coded; /* bands that are */
     tc_status status;
@@ -401,7 +360,7 @@ TC_INLINE uint32_t nonzero_mask(const uint8_t symbol[HALF])
 }
 
 /* Signed multiples of the step of one phase of a row. False, and nothing written, where all are zero. */
-TC_INLINE bool decode_values(raw_bits *raw, int band, int j, int phase, const tc_tile_work *w, int32_t value[HALF])
+TC_INLINE bool decode_values(tc_raw_reader *raw, int band, int j, int phase, const tc_tile_work *w, int32_t value[HALF])
 {
     const uint8_t *symbol = w->symbol[band][j][phase], *bin = w->bin[band][j][phase];
     uint32_t mask = nonzero_mask(symbol);
@@ -416,12 +375,12 @@ TC_INLINE bool decode_values(raw_bits *raw, int band, int j, int phase, const tc
         for (int k = 0; k < HALF; k++) {
             uint32_t m = symbol[k];
             if (m == TC_RANS_SYMBOLS - 1)
-                m += take_escape(raw);
+                m += tc_raw_take_escape(raw);
             int shift = tc_bin_shift[bin[k]];
-            value[k] = (int32_t)(m << shift | take(raw, shift));
+            value[k] = (int32_t)(m << shift | tc_raw_take(raw, shift));
             mask |= (uint32_t)(value[k] != 0) << k;
         }
-    uint32_t signs = take(raw, __builtin_popcount(mask)), negative = 0;
+    uint32_t signs = tc_raw_take(raw, __builtin_popcount(mask)), negative = 0;
     for (; mask; mask &= mask - 1, signs >>= 1)
         negative |= (mask & -mask) & -(signs & 1);
     for (int k = 0; k < HALF; k++) {
@@ -432,7 +391,7 @@ TC_INLINE bool decode_values(raw_bits *raw, int band, int j, int phase, const tc
 }
 
 /* Adds what was coded of one phase of row j to its prediction. */
-TC_INLINE void add_phase_any(const tc_codec *c, raw_bits *raw, int band, int j, int phase, const tc_tile_work *w,
+TC_INLINE void add_phase_any(const tc_codec *c, tc_raw_reader *raw, int band, int j, int phase, const tc_tile_work *w,
                              int32_t out[TC_TILE])
 {
     uint32_t step = (uint32_t)c->model.step[band];
@@ -443,7 +402,7 @@ TC_INLINE void add_phase_any(const tc_codec *c, raw_bits *raw, int band, int j, 
 }
 
 /* Adds what was coded of row j. */
-TC_INLINE void add_row_any(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
+TC_INLINE void add_row_any(const tc_codec *c, tc_raw_reader *raw, int band, int j, const tc_tile_work *w,
                            int32_t out[TC_TILE])
 {
     for (int phase = 0; phase < TC_PHASES; phase++)
@@ -452,12 +411,12 @@ TC_INLINE void add_row_any(const tc_codec *c, raw_bits *raw, int band, int j, co
 
 #if TC_AVX2
 /* Symbols with their signs, of a run that has neither escapes nor low bits. */
-TC_TARGET_AVX2 static inline __m256i signed_run_avx2(raw_bits *raw, __m256i symbol)
+TC_TARGET_AVX2 static inline __m256i signed_run_avx2(tc_raw_reader *raw, __m256i symbol)
 {
     uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, _mm256_setzero_si256()));
     if (mask == 0)
         return symbol;
-    uint32_t negative = _pdep_u32(take(raw, __builtin_popcount(mask)), mask);
+    uint32_t negative = _pdep_u32(tc_raw_take(raw, __builtin_popcount(mask)), mask);
     /* Bit k to byte k. */
     __m256i byte =
         _mm256_shuffle_epi8(_mm256_set1_epi32((int32_t)negative),
@@ -475,8 +434,8 @@ TC_TARGET_AVX2 static inline void add_8_avx2(__m128i value, __m256i step, int32_
 
 /* Signed multiples of one phase of a row, as 16-bit numbers; false, and nothing taken, where an escape is among them.
  */
-TC_TARGET_AVX2 static inline bool decode_values_avx2(raw_bits *raw, int band, int j, int phase, const tc_tile_work *w,
-                                                     __m256i value[2])
+TC_TARGET_AVX2 static inline bool decode_values_avx2(tc_raw_reader *raw, int band, int j, int phase,
+                                                     const tc_tile_work *w, __m256i value[2])
 {
     __m256i symbol = load_avx2(w->symbol[band][j][phase]), last = _mm256_set1_epi8(TC_RANS_SYMBOLS - 1);
     __m256i zero = _mm256_setzero_si256(), low = zero;
@@ -488,7 +447,7 @@ TC_TARGET_AVX2 static inline bool decode_values_avx2(raw_bits *raw, int band, in
         by = power_avx2(load_avx2(w->bin[band][j][phase]));
         _mm256_storeu_si256((__m256i *)masks, _mm256_sub_epi8(by, _mm256_set1_epi8(1)));
         for (int n = 0; n < HALF / 8; n++) /* 4 bits each at most, which makes 32 */
-            bits[n] = _pdep_u64(take(raw, __builtin_popcountll(masks[n])), masks[n]);
+            bits[n] = _pdep_u64(tc_raw_take(raw, __builtin_popcountll(masks[n])), masks[n]);
         low = load_avx2(bits);
     }
     value[0] = _mm256_mullo_epi16(_mm256_unpacklo_epi8(symbol, zero), _mm256_unpacklo_epi8(by, zero));
@@ -498,7 +457,7 @@ TC_TARGET_AVX2 static inline bool decode_values_avx2(raw_bits *raw, int band, in
     uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_packus_epi16(value[0], value[1]), zero));
     if (mask == 0)
         return true;
-    uint32_t negative = _pdep_u32(take(raw, __builtin_popcount(mask)), mask);
+    uint32_t negative = _pdep_u32(tc_raw_take(raw, __builtin_popcount(mask)), mask);
     __m256i byte =
         _mm256_shuffle_epi8(_mm256_set1_epi32((int32_t)negative),
                             _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303));
@@ -511,7 +470,7 @@ TC_TARGET_AVX2 static inline bool decode_values_avx2(raw_bits *raw, int band, in
 }
 
 /* add_row_any() for a row that has neither escapes nor low bits; false where it has some. */
-TC_TARGET_AVX2 static inline bool add_plain_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j,
+TC_TARGET_AVX2 static inline bool add_plain_row_avx2(const tc_codec *c, tc_raw_reader *raw, int band, int j,
                                                      const tc_tile_work *w, int32_t out[TC_TILE])
 {
     __m256i even = load_avx2(w->symbol[band][j][0]), odd = load_avx2(w->symbol[band][j][1]);
@@ -534,7 +493,7 @@ TC_TARGET_AVX2 static inline bool add_plain_row_avx2(const tc_codec *c, raw_bits
 }
 
 /* Adds one phase of a row; false where it has escapes. */
-TC_TARGET_AVX2 static inline bool add_phase_avx2(const tc_codec *c, raw_bits *raw, int band, int j, int phase,
+TC_TARGET_AVX2 static inline bool add_phase_avx2(const tc_codec *c, tc_raw_reader *raw, int band, int j, int phase,
                                                  const tc_tile_work *w, int32_t out[TC_TILE])
 {
     __m256i value[2], step = _mm256_set1_epi32(c->model.step[band]), zero = _mm256_setzero_si256();
@@ -554,8 +513,8 @@ TC_TARGET_AVX2 static inline bool add_phase_avx2(const tc_codec *c, raw_bits *ra
     return true;
 }
 
-TC_TARGET_AVX2 static inline void add_row_avx2(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w,
-                                               int32_t out[TC_TILE])
+TC_TARGET_AVX2 static inline void add_row_avx2(const tc_codec *c, tc_raw_reader *raw, int band, int j,
+                                               const tc_tile_work *w, int32_t out[TC_TILE])
 {
     if (!add_plain_row_avx2(c, raw, band, j, w, out))
         for (int phase = 0; phase < TC_PHASES; phase++)
@@ -564,8 +523,8 @@ TC_TARGET_AVX2 static inline void add_row_avx2(const tc_codec *c, raw_bits *raw,
 }
 #endif
 
-TC_INLINE void add_row(const tc_codec *c, raw_bits *raw, int band, int j, const tc_tile_work *w, int32_t out[TC_TILE],
-                       bool simd)
+TC_INLINE void add_row(const tc_codec *c, tc_raw_reader *raw, int band, int j, const tc_tile_work *w,
+                       int32_t out[TC_TILE], bool simd)
 {
 #if TC_AVX2
     if (simd) {
@@ -586,7 +545,7 @@ TC_INLINE void put_row(const tc_plane *p, tc_rect part, tc_rect tile, int j, con
 }
 
 /* Details of the tile from predictions and, where raw is not NULL, what was decoded. */
-TC_INLINE void reconstruct(const tc_codec *c, raw_bits *raw, int coded, tc_rect tile, int64_t shift,
+TC_INLINE void reconstruct(const tc_codec *c, tc_raw_reader *raw, int coded, tc_rect tile, int64_t shift,
                            const tc_plane band[TC_BANDS], tc_tile_work *w, bool simd)
 {
     tc_rect part = tc_rect_intersect(tile, band[0].rect);
@@ -611,20 +570,6 @@ TC_INLINE void reconstruct(const tc_codec *c, raw_bits *raw, int coded, tc_rect 
         if (!tc_rect_empty(part))
             put_row(&band[TC_HH], part, tile, j, row);
     }
-}
-
-/* Whether nothing is missing and nothing is left over: bits loaded and not taken are zero and less than a byte, unless
- * the states were more than enough. */
-TC_INLINE bool raw_finished(const raw_bits *r)
-{
-    if (r->overrun || r->held != 0)
-        return false;
-    if (!r->next)
-        return r->at == r->end && r->count < 8;
-    for (const uint8_t *p = r->at; p < r->end; p++)
-        if (*p)
-            return false;
-    return r->next == r->next_end;
 }
 
 /* Starts a tile: what its contexts need, and its stream. */
@@ -656,14 +601,14 @@ TC_INLINE void begin_tile(const tc_codec *c, const tc_tile_job *job, const tc_pl
 TC_INLINE tc_status end_tile(const tc_codec *c, const tc_plane band[TC_BANDS], tile_state *t, bool simd)
 {
     if (t->coded) {
-        t->raw = (raw_bits){
+        t->raw = (tc_raw_reader){
             .at = t->payload, .end = t->payload + 2 * t->rans.lanes, .next = t->rans.at, .next_end = t->rans.end};
         if (!tc_rans_decode_end(&t->rans, t->payload))
             t->coded = 0, t->status = TC_ERR_FORMAT;
     }
     for (;;) {
         reconstruct(c, t->coded ? &t->raw : NULL, t->coded, t->rect, t->shift, band, t->w, simd);
-        if (!t->coded || raw_finished(&t->raw))
+        if (!t->coded || tc_raw_finished(&t->raw))
             return t->status;
         t->coded = 0, t->status = TC_ERR_FORMAT; /* once more */
     }

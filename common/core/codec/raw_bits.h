@@ -10,18 +10,22 @@
 /* ---- Writing ------------------------------------------------------------------------------------------------- */
 
 typedef struct tc_raw_writer {
-    uint8_t *bytes;
-    size_t size; /* whole bytes */
+    uint8_t *bytes; /* eight bytes behind the whole ones may be written */
+    size_t size;    /* whole bytes */
     uint64_t held;
-    int count;
+    int count; /* bits held: less than a byte */
 } tc_raw_writer;
 
-/* 0 <= n <= 32 */
-static inline void tc_raw_put(tc_raw_writer *r, uint32_t value, int n)
+/* 0 <= n <= 32. Stores all it holds each time, which takes less than asking how many bytes there are. */
+static inline __attribute__((always_inline)) void tc_raw_put(tc_raw_writer *r, uint32_t value, int n)
 {
     r->held |= (uint64_t)value << r->count;
-    for (r->count += n; r->count >= 8; r->count -= 8, r->held >>= 8)
-        r->bytes[r->size++] = (uint8_t)r->held;
+    r->count += n;
+    for (int i = 0; i < 8; i++)
+        r->bytes[r->size + (size_t)i] = (uint8_t)(r->held >> 8 * i);
+    r->size += (size_t)(r->count >> 3);
+    r->held >>= r->count & ~7;
+    r->count &= 7;
 }
 
 /* Fills the last byte and, with zeros, up to `least` bytes. */
@@ -36,10 +40,7 @@ static inline void tc_raw_finish(tc_raw_writer *r, size_t least)
 /* Bits of the exponential Golomb code of `beyond` are twice this and one more. */
 static inline int tc_escape_length(uint32_t beyond)
 {
-    int n = 0;
-    while ((beyond + 1) >> (n + 1))
-        n++;
-    return n;
+    return 31 - __builtin_clz(beyond + 1);
 }
 
 enum { TC_ESCAPE_LENGTH = 24, TC_ESCAPE_BITS = 2 * TC_ESCAPE_LENGTH + 1 }; /* at most */
@@ -47,9 +48,7 @@ enum { TC_ESCAPE_LENGTH = 24, TC_ESCAPE_BITS = 2 * TC_ESCAPE_LENGTH + 1 }; /* at
 static inline void tc_raw_put_escape(tc_raw_writer *r, uint32_t beyond)
 {
     int n = tc_escape_length(beyond);
-    for (int i = 0; i < n; i++)
-        tc_raw_put(r, 1, 1);
-    tc_raw_put(r, 0, 1); /* what is coded is never so long that the reader would not look for it */
+    tc_raw_put(r, (1u << n) - 1, n + 1); /* never so long that the reader would not look for the zero */
     tc_raw_put(r, beyond + 1 - (1u << n), n);
 }
 
