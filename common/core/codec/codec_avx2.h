@@ -1,4 +1,4 @@
-/* codec_avx2.h - the inner loops of codec_tile.h and codec_tile.c for processors with AVX2: the same results to the
+/* codec_avx2.h - inner loops of codec_tile.h and codec_symbols.h for processors with AVX2: the same results to the
  * bit, which tests/fast/test_codec.c checks. Functions here must only be called where tc_have_avx2() is true; they
  * are not always inlined, as code for other processors mentions them too. */
 #ifndef TC_CODEC_AVX2_H
