@@ -53,7 +53,7 @@ tc_status tc_arguments_read(const tc_command_line *line, int argc, char **argv, 
             continue;
         }
         if (only_operands || is_operand(line, argument)) {
-            tc_status status = line->operand(arguments, argument, error);
+            tc_status status = line->operand((char *)arguments + line->offset, argument, error);
             if (status != TC_OK)
                 return status;
             continue;
@@ -174,4 +174,13 @@ bool tc_read_voids(void *source, const char *value)
 bool tc_read_threads(void *threads, const char *value)
 {
     return tc_read_int(value, 1, 1024, threads);
+}
+
+tc_status tc_take_file(void *file, const char *operand, tc_error *error)
+{
+    const char **name = file;
+    if (*name)
+        return tc_fail(error, TC_ERR_USAGE, "FILE: expected one file, found also '%s'", operand);
+    *name = operand;
+    return TC_OK;
 }

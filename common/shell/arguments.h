@@ -37,8 +37,9 @@ typedef struct tc_command_line {
     int count;
     const char *help; /* how to ask for it: "--help" */
     bool numbers;     /* -1.5 is no option but a number */
-    /* Takes an argument that is no option. */
-    tc_status (*operand)(void *arguments, const char *operand, tc_error *error);
+    /* Takes an argument that is no option, for the member at `offset`; 0: for the structure. */
+    tc_status (*operand)(void *member, const char *operand, tc_error *error);
+    size_t offset;
 } tc_command_line;
 
 typedef enum tc_action { TC_RUN = 0, TC_SHOW_HELP, TC_SHOW_VERSION } tc_action;
@@ -60,7 +61,10 @@ bool tc_read_nodata(void *source, const char *value);   /* tc_source_options */
 bool tc_read_voids(void *source, const char *value);    /* tc_source_options */
 bool tc_read_threads(void *threads, const char *value); /* int */
 
-/* What these expect. */
+/* For the operand of a program that has one, FILE: a const char * at first NULL; more are errors. */
+tc_status tc_take_file(void *file, const char *operand, tc_error *error);
+
+/* What the setters expect. */
 #define TC_EXPECTED_LEVEL "1..48"
 #define TC_EXPECTED_SPACING "metres of 1e-6..1e7"
 #define TC_EXPECTED_UNIT "metres of 1e-9..1e9"
