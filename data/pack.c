@@ -241,21 +241,12 @@ static tc_status put_band(void *context, tc_rect rect, const float *z, const uin
     return tc_packer_put(t->packer, rect, z, voids, rect.x1 - rect.x0, error);
 }
 
-/* What heights are multiples of, where the inputs' integers tell; else 0. */
-static double known_lattice(const tc_pack_terrain *terrain)
-{
-    double base = terrain->offset - terrain->z_base;
-    bool integer = terrain->sample_type != TC_SAMPLE_FLOAT32 && terrain->sample_type != TC_SAMPLE_FLOAT64;
-    return integer && rint(base / terrain->unit) * terrain->unit == base ? terrain->unit : 0;
-}
-
 static tc_pack_options choose_options(const struct arguments *a, const tc_pack_terrain *terrain, tc_progress *progress)
 {
     tc_pack_options o = {
         .codec = a->codec, .threads = a->threads, .progress = on_progress, .progress_context = progress};
     if (a->lossless) {
         o.mode = TC_PACK_LOSSLESS;
-        o.lattice = known_lattice(terrain);
     } else if (a->max_error > 0) {
         o.mode = TC_PACK_MAX_ERROR;
         o.error = a->max_error;
