@@ -226,19 +226,11 @@ static bool on_progress(void *context, double done)
     return !tc_interrupted();
 }
 
-/* What reading hands over to. */
-typedef struct taker {
-    tc_packer *packer;
-    bool valid; /* some height was there */
-} taker;
-
-static tc_status put_band(void *context, tc_rect rect, const float *z, const uint8_t *voids, tc_error *error)
+static tc_status put_band(void *packer, tc_rect rect, const float *z, const uint8_t *voids, tc_error *error)
 {
-    taker *t = context;
     if (tc_interrupted())
         return tc_fail(error, TC_ERR_IO, "interrupted");
-    t->valid = t->valid || memchr(voids, 0, (size_t)tc_rect_area(rect));
-    return tc_packer_put(t->packer, rect, z, voids, rect.x1 - rect.x0, error);
+    return tc_packer_put(packer, rect, z, voids, rect.x1 - rect.x0, error);
 }
 
 static tc_pack_options choose_options(const struct arguments *a, const tc_pack_terrain *terrain, tc_progress *progress)
@@ -269,17 +261,18 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress 
     tc_progress_say(progress, false, text);
     progress->samples = (double)terrain->width * (double)terrain->height;
 
-    taker t = {0};
+    tc_packer *packer = NULL;
     tc_pack_result result;
-    tc_status status = tc_packer_create(a->output, terrain, &options, &t.packer, error);
+    tc_status status = tc_packer_create(a->output, terrain, &options, &packer, error);
     if (status == TC_OK)
-        status = tc_mosaic_read(mosaic, put_band, &t, error);
-    if (status == TC_OK && !t.valid)
-        status = tc_fail(error, TC_ERR_FORMAT, "%s: expected heights, found %" PRId64 " samples that are all void",
-                         a->inputs[0], tc_mosaic_samples(mosaic));
-    if (status == TC_OK)
-        status = tc_packer_finish(t.packer, &result, error);
-    tc_packer_destroy(t.packer);
+        status = tc_mosaic_read(mosaic, put_band, packer, error);
+    if (status == TC_OK) {
+        status = tc_packer_finish(packer, &result, error);
+        if (status == TC_ERR_FORMAT) /* it knows the output only, but the input is to blame */
+            tc_fail(error, status, "%s: expected heights, found %" PRId64 " samples that are all void", a->inputs[0],
+                    tc_mosaic_samples(mosaic));
+    }
+    tc_packer_destroy(packer);
     tc_progress_end(progress);
     if (status != TC_OK)
         return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted") : status;
