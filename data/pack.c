@@ -11,7 +11,6 @@
 #include "common/shell/json.h"
 #include "common/shell/mosaic.h"
 #include "common/shell/numbers.h"
-#include "common/core/base/outfile.h"
 #include "progress.h"
 
 #include <inttypes.h>
@@ -289,8 +288,6 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress 
 static tc_status run(struct arguments *a, tc_error *error)
 {
     tc_status status = check_together(a, error);
-    if (status == TC_OK)
-        status = tc_outfile_probe(a->output, error);
     if (status != TC_OK)
         return status;
     tc_watch_interrupts();
