@@ -29,17 +29,6 @@ struct arguments {
 
 /* ---- Command line ----------------------------------------------------------------------------------------------- */
 
-static bool set_output(void *arguments, const char *value)
-{
-    ((struct arguments *)arguments)->output = value;
-    return *value != '\0';
-}
-
-static bool set_level(void *arguments, const char *value)
-{
-    return tc_read_int(value, 1, 48, &((struct arguments *)arguments)->level);
-}
-
 static bool set_rect(void *arguments, const char *value)
 {
     struct arguments *a = arguments;
@@ -55,28 +44,24 @@ static bool set_rect(void *arguments, const char *value)
 }
 
 static const tc_option table[] = {
-    {0, "level", "L", "1..48", "of detail; 1 is the coarsest (the finest)", set_level, 0},
+    {0, "level", "L", TC_EXPECTED_LEVEL, "of detail; 1 is the coarsest (the finest)", tc_read_level,
+     offsetof(struct arguments, level)},
     {0, "rect", "X,Y,W,H", "whole numbers X,Y,W,H, W and H 1 or more",
      "a part, in samples of that level: column X and row Y of its north-west sample, counted from the level's "
      "north-west; width and height (all)",
      set_rect, 0},
-    {'o', "output", "FILE.tif", "the name of a file", "where it goes", set_output, 0},
+    {'o', "output", "FILE.tif", "the name of a file", "where it goes", tc_read_text,
+     offsetof(struct arguments, output)},
     TC_SWITCH(struct arguments, quiet, 'q', "quiet", "neither warnings nor progress"),
     TC_SWITCH(struct arguments, verbose, 'v', "verbose", "what was written"),
     TC_HELP_AND_VERSION,
 };
 
-static tc_status set_file(void *arguments, const char *operand, tc_error *error)
-{
-    struct arguments *a = arguments;
-    if (a->file)
-        return tc_fail(error, TC_ERR_USAGE, "FILE: expected one file, found also '%s'", operand);
-    a->file = operand;
-    return TC_OK;
-}
-
-static const tc_command_line line = {
-    .options = table, .count = sizeof table / sizeof *table, .help = "'terraclip extract --help'", .operand = set_file};
+static const tc_command_line line = {.options = table,
+                                     .count = sizeof table / sizeof *table,
+                                     .help = "'terraclip extract --help'",
+                                     .operand = tc_take_file,
+                                     .offset = offsetof(struct arguments, file)};
 
 void tc_extract_help(FILE *file)
 {

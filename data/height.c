@@ -28,39 +28,19 @@ struct arguments {
 
 /* ---- Command line ----------------------------------------------------------------------------------------------- */
 
-static bool set_level(void *arguments, const char *value)
-{
-    return tc_read_int(value, 1, 48, &((struct arguments *)arguments)->level);
-}
-
-static bool set_spacing(void *arguments, const char *value)
-{
-    return tc_read_spacing(value, &((struct arguments *)arguments)->source);
-}
-
-static bool set_unit(void *arguments, const char *value)
-{
-    return tc_read_unit(value, &((struct arguments *)arguments)->source);
-}
-
-static bool set_nodata(void *arguments, const char *value)
-{
-    return tc_read_nodata(value, &((struct arguments *)arguments)->source);
-}
-
-static bool set_voids(void *arguments, const char *value)
-{
-    return tc_read_voids(value, &((struct arguments *)arguments)->source);
-}
-
 static const tc_option table[] = {
-    {0, "level", "L", "1..48", "of detail; 1 is the coarsest (the finest)", set_level, 0},
+    {0, "level", "L", TC_EXPECTED_LEVEL, "of detail; 1 is the coarsest (the finest)", tc_read_level,
+     offsetof(struct arguments, level)},
     {0, "voids", "POLICY", TC_EXPECTED_VOIDS,
-     "where there is no height: fill, constant=V, or hole, which is told as nan (fill; as packed)", set_voids, 0},
+     "where there is no height: fill, constant=V, or hole, which is told as nan (fill; as packed)", tc_read_voids,
+     offsetof(struct arguments, source)},
     {.help = "How a DEM is read; a packed terrain knows"},
-    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", set_spacing, 0},
-    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", set_unit, 0},
-    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height, beside the file's own", set_nodata, 0},
+    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", tc_read_spacing,
+     offsetof(struct arguments, source.spacing)},
+    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", tc_read_unit,
+     offsetof(struct arguments, source.unit)},
+    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height, beside the file's own", tc_read_nodata,
+     offsetof(struct arguments, source)},
     {.help = "What is told"},
     TC_SWITCH(struct arguments, quiet, 'q', "quiet", "no warnings"),
     TC_SWITCH(struct arguments, verbose, 'v', "verbose", "how the file was understood"),

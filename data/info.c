@@ -24,17 +24,11 @@ static const tc_option table[] = {
     TC_HELP_AND_VERSION,
 };
 
-static tc_status set_file(void *arguments, const char *operand, tc_error *error)
-{
-    struct arguments *a = arguments;
-    if (a->file)
-        return tc_fail(error, TC_ERR_USAGE, "FILE: expected one file, found also '%s'", operand);
-    a->file = operand;
-    return TC_OK;
-}
-
-static const tc_command_line line = {
-    .options = table, .count = sizeof table / sizeof *table, .help = "'terraclip info --help'", .operand = set_file};
+static const tc_command_line line = {.options = table,
+                                     .count = sizeof table / sizeof *table,
+                                     .help = "'terraclip info --help'",
+                                     .operand = tc_take_file,
+                                     .offset = offsetof(struct arguments, file)};
 
 void tc_info_help(FILE *file)
 {

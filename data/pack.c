@@ -11,7 +11,6 @@
 #include "common/shell/json.h"
 #include "common/shell/mosaic.h"
 #include "common/shell/numbers.h"
-#include "common/core/base/outfile.h"
 #include "progress.h"
 
 #include <inttypes.h>
@@ -39,94 +38,65 @@ struct arguments {
 
 /* ---- Command line ----------------------------------------------------------------------------------------------- */
 
-static bool set_output(void *arguments, const char *value)
+static bool read_error(void *error, const char *value)
 {
-    ((struct arguments *)arguments)->output = value;
-    return *value != '\0';
+    return tc_read_number(value, 1e-9, 1e6, error);
 }
 
-static bool set_rms(void *arguments, const char *value)
-{
-    return tc_read_number(value, 1e-9, 1e6, &((struct arguments *)arguments)->rms);
-}
-
-static bool set_max_error(void *arguments, const char *value)
-{
-    return tc_read_number(value, 1e-9, 1e6, &((struct arguments *)arguments)->max_error);
-}
-
-static bool set_codec(void *arguments, const char *value)
+static bool read_codec(void *codec, const char *value)
 {
     bool lifting = strcmp(value, "lifting") == 0;
-    ((struct arguments *)arguments)->codec = lifting ? TC_CODEC_LIFTING : TC_CODEC_LH04;
+    *(tc_pack_codec *)codec = lifting ? TC_CODEC_LIFTING : TC_CODEC_LH04;
     return lifting || strcmp(value, "lh04") == 0;
 }
 
-static bool set_atlas(void *arguments, const char *value)
+static bool read_atlas(void *atlas, const char *value)
 {
-    ((struct arguments *)arguments)->atlas = value;
+    *(const char **)atlas = value;
     return strcmp(value, "lonlat") == 0 || strcmp(value, "hex") == 0 || strcmp(value, "cube") == 0;
 }
 
-static bool set_radius(void *arguments, const char *value)
+static bool read_radius(void *radius, const char *value)
 {
-    return tc_read_number(value, 1, 1e12, &((struct arguments *)arguments)->radius);
-}
-
-static bool set_spacing(void *arguments, const char *value)
-{
-    return tc_read_spacing(value, &((struct arguments *)arguments)->source);
-}
-
-static bool set_unit(void *arguments, const char *value)
-{
-    return tc_read_unit(value, &((struct arguments *)arguments)->source);
-}
-
-static bool set_nodata(void *arguments, const char *value)
-{
-    return tc_read_nodata(value, &((struct arguments *)arguments)->source);
-}
-
-static bool set_voids(void *arguments, const char *value)
-{
-    return tc_read_voids(value, &((struct arguments *)arguments)->source);
-}
-
-static bool set_threads(void *arguments, const char *value)
-{
-    return tc_read_threads(value, &((struct arguments *)arguments)->threads);
+    return tc_read_number(value, 1, 1e12, radius);
 }
 
 #define EXPECTED_ERROR "metres above 0, up to 1e6"
 
 static const tc_option table[] = {
-    {'o', "output", "FILE.tclip", "the name of a file", "where it goes", set_output, 0},
+    {'o', "output", "FILE.tclip", "the name of a file", "where it goes", tc_read_text,
+     offsetof(struct arguments, output)},
 
     {.help = "What may be lost"},
     {0, "rms", "M", EXPECTED_ERROR,
-     "root mean square of the error, metres (the default: 6 % of the samples' spacing, 10 m at most)", set_rms, 0},
-    {0, "max-error", "M", EXPECTED_ERROR, "no height is off by more than M metres", set_max_error, 0},
+     "root mean square of the error, metres (the default: 6 % of the samples' spacing, 10 m at most)", read_error,
+     offsetof(struct arguments, rms)},
+    {0, "max-error", "M", EXPECTED_ERROR, "no height is off by more than M metres", read_error,
+     offsetof(struct arguments, max_error)},
     TC_SWITCH(struct arguments, lossless, 0, "lossless", "nothing: the stored values come back"),
     {0, "codec", "NAME", "lifting or lh04", "lifting, or lh04, the paper's, to compare; with --rms only (lifting)",
-     set_codec, 0},
+     read_codec, offsetof(struct arguments, codec)},
 
     {.help = "How the inputs are read"},
-    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the files say", set_spacing, 0},
-    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the files say", set_unit, 0},
-    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height, beside the files' own", set_nodata, 0},
+    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the files say", tc_read_spacing,
+     offsetof(struct arguments, source.spacing)},
+    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the files say", tc_read_unit,
+     offsetof(struct arguments, source.unit)},
+    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height, beside the files' own", tc_read_nodata,
+     offsetof(struct arguments, source)},
     {0, "voids", "POLICY", TC_EXPECTED_VOIDS,
-     "what is to show where there is no height: fill, hole or constant=V (fill)", set_voids, 0},
+     "what is to show where there is no height: fill, hole or constant=V (fill)", tc_read_voids,
+     offsetof(struct arguments, source)},
 
     {.help = "Planets"},
     TC_SWITCH(struct arguments, planet, 0, "planet", "not in this version"),
-    {0, "radius", "M", "metres, 1 or more", "not in this version", set_radius, 0},
+    {0, "radius", "M", "metres, 1 or more", "not in this version", read_radius, offsetof(struct arguments, radius)},
     {0, "atlas", "NAME", "lonlat, hex or cube", "lonlat: as the inputs are; hex, cube: not in this version (lonlat)",
-     set_atlas, 0},
+     read_atlas, offsetof(struct arguments, atlas)},
 
     {.help = "Work"},
-    {0, "threads", "N", TC_EXPECTED_THREADS, "that pack (all processors); the file does not depend on it", set_threads,
-     0},
+    {0, "threads", "N", TC_EXPECTED_THREADS, "that pack (all processors); the file does not depend on it",
+     tc_read_threads, offsetof(struct arguments, threads)},
     TC_SWITCH(struct arguments, json, 0, "json", "print the figures as JSON"),
     TC_SWITCH(struct arguments, quiet, 'q', "quiet", "neither warnings nor progress nor figures"),
     TC_SWITCH(struct arguments, verbose, 'v', "verbose", "how the files were understood"),
@@ -255,27 +225,11 @@ static bool on_progress(void *context, double done)
     return !tc_interrupted();
 }
 
-/* What reading hands over to. */
-typedef struct taker {
-    tc_packer *packer;
-    bool valid; /* some height was there */
-} taker;
-
-static tc_status put_band(void *context, tc_rect rect, const float *z, const uint8_t *voids, tc_error *error)
+static tc_status put_band(void *packer, tc_rect rect, const float *z, const uint8_t *voids, tc_error *error)
 {
-    taker *t = context;
     if (tc_interrupted())
         return tc_fail(error, TC_ERR_IO, "interrupted");
-    t->valid = t->valid || memchr(voids, 0, (size_t)tc_rect_area(rect));
-    return tc_packer_put(t->packer, rect, z, voids, rect.x1 - rect.x0, error);
-}
-
-/* What heights are multiples of, where the inputs' integers tell; else 0. */
-static double known_lattice(const tc_pack_terrain *terrain)
-{
-    double base = terrain->offset - terrain->z_base;
-    bool integer = terrain->sample_type != TC_SAMPLE_FLOAT32 && terrain->sample_type != TC_SAMPLE_FLOAT64;
-    return integer && rint(base / terrain->unit) * terrain->unit == base ? terrain->unit : 0;
+    return tc_packer_put(packer, rect, z, voids, rect.x1 - rect.x0, error);
 }
 
 static tc_pack_options choose_options(const struct arguments *a, const tc_pack_terrain *terrain, tc_progress *progress)
@@ -284,7 +238,6 @@ static tc_pack_options choose_options(const struct arguments *a, const tc_pack_t
         .codec = a->codec, .threads = a->threads, .progress = on_progress, .progress_context = progress};
     if (a->lossless) {
         o.mode = TC_PACK_LOSSLESS;
-        o.lattice = known_lattice(terrain);
     } else if (a->max_error > 0) {
         o.mode = TC_PACK_MAX_ERROR;
         o.error = a->max_error;
@@ -307,17 +260,18 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress 
     tc_progress_say(progress, false, text);
     progress->samples = (double)terrain->width * (double)terrain->height;
 
-    taker t = {0};
+    tc_packer *packer = NULL;
     tc_pack_result result;
-    tc_status status = tc_packer_create(a->output, terrain, &options, &t.packer, error);
+    tc_status status = tc_packer_create(a->output, terrain, &options, &packer, error);
     if (status == TC_OK)
-        status = tc_mosaic_read(mosaic, put_band, &t, error);
-    if (status == TC_OK && !t.valid)
-        status = tc_fail(error, TC_ERR_FORMAT, "%s: expected heights, found %" PRId64 " samples that are all void",
-                         a->inputs[0], tc_mosaic_samples(mosaic));
-    if (status == TC_OK)
-        status = tc_packer_finish(t.packer, &result, error);
-    tc_packer_destroy(t.packer);
+        status = tc_mosaic_read(mosaic, put_band, packer, error);
+    if (status == TC_OK) {
+        status = tc_packer_finish(packer, &result, error);
+        if (status == TC_ERR_FORMAT) /* it knows the output only, but the input is to blame */
+            tc_fail(error, status, "%s: expected heights, found %" PRId64 " samples that are all void", a->inputs[0],
+                    tc_mosaic_samples(mosaic));
+    }
+    tc_packer_destroy(packer);
     tc_progress_end(progress);
     if (status != TC_OK)
         return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted") : status;
@@ -334,8 +288,6 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress 
 static tc_status run(struct arguments *a, tc_error *error)
 {
     tc_status status = check_together(a, error);
-    if (status == TC_OK)
-        status = tc_outfile_probe(a->output, error);
     if (status != TC_OK)
         return status;
     tc_watch_interrupts();

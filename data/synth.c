@@ -27,47 +27,41 @@ struct arguments {
 
 /* ---- Command line ----------------------------------------------------------------------------------------------- */
 
-static bool set_kind(void *arguments, const char *value)
+static bool read_kind(void *kind, const char *value)
 {
-    ((struct arguments *)arguments)->kind = value;
+    *(const char **)kind = value;
     return strcmp(value, "planar") == 0 || strcmp(value, "planet") == 0;
 }
 
-static bool set_size(void *arguments, const char *value)
+static bool read_size(void *size, const char *value)
 {
-    return tc_read_integer(value, TC_SYNTH_SIZE_MIN, TC_SYNTH_SIZE_MAX, &((struct arguments *)arguments)->size);
+    return tc_read_integer(value, TC_SYNTH_SIZE_MIN, TC_SYNTH_SIZE_MAX, size);
 }
 
-static bool set_seed(void *arguments, const char *value)
+static bool read_seed(void *seed, const char *value)
 {
-    return tc_read_unsigned(value, 0, UINT64_MAX, &((struct arguments *)arguments)->seed);
+    return tc_read_unsigned(value, 0, UINT64_MAX, seed);
 }
 
-static bool set_spacing(void *arguments, const char *value)
+static bool read_spacing(void *spacing, const char *value)
 {
-    return tc_read_number(value, TC_SYNTH_SPACING_MIN, TC_SYNTH_SPACING_MAX, &((struct arguments *)arguments)->spacing);
-}
-
-static bool set_threads(void *arguments, const char *value)
-{
-    return tc_read_threads(value, &((struct arguments *)arguments)->threads);
-}
-
-static bool set_output(void *arguments, const char *value)
-{
-    ((struct arguments *)arguments)->output = value;
-    return *value != '\0';
+    return tc_read_number(value, TC_SYNTH_SPACING_MIN, TC_SYNTH_SPACING_MAX, spacing);
 }
 
 static const tc_option table[] = {
     {.help = "Options"},
     {0, "kind", "KIND", "planar or planet",
-     "planar: mountains, valleys, plains and a coast; planet: not in this version (planar)", set_kind, 0},
-    {0, "size", "N", "a whole number 2..65537", "N x N samples (4097)", set_size, 0},
-    {0, "seed", "S", "a whole number 0..18446744073709551615", "which terrain (1)", set_seed, 0},
-    {0, "spacing", "M", "metres of 0.001..100000", "between samples (30)", set_spacing, 0},
-    {0, "threads", "N", TC_EXPECTED_THREADS, "that compute (all processors)", set_threads, 0},
-    {'o', "output", "FILE.tif", "the name of a file", "where it goes", set_output, 0},
+     "planar: mountains, valleys, plains and a coast; planet: not in this version (planar)", read_kind,
+     offsetof(struct arguments, kind)},
+    {0, "size", "N", "a whole number 2..65537", "N x N samples (4097)", read_size, offsetof(struct arguments, size)},
+    {0, "seed", "S", "a whole number 0..18446744073709551615", "which terrain (1)", read_seed,
+     offsetof(struct arguments, seed)},
+    {0, "spacing", "M", "metres of 0.001..100000", "between samples (30)", read_spacing,
+     offsetof(struct arguments, spacing)},
+    {0, "threads", "N", TC_EXPECTED_THREADS, "that compute (all processors)", tc_read_threads,
+     offsetof(struct arguments, threads)},
+    {'o', "output", "FILE.tif", "the name of a file", "where it goes", tc_read_text,
+     offsetof(struct arguments, output)},
     TC_SWITCH(struct arguments, quiet, 'q', "quiet", "no progress"),
     TC_SWITCH(struct arguments, verbose, 'v', "verbose", "what was written"),
     TC_HELP_AND_VERSION,

@@ -53,7 +53,7 @@ tc_status tc_arguments_read(const tc_command_line *line, int argc, char **argv, 
             continue;
         }
         if (only_operands || is_operand(line, argument)) {
-            tc_status status = line->operand(arguments, argument, error);
+            tc_status status = line->operand((char *)arguments + line->offset, argument, error);
             if (status != TC_OK)
                 return status;
             continue;
@@ -76,7 +76,7 @@ tc_status tc_arguments_read(const tc_command_line *line, int argc, char **argv, 
             value = argv[i];
         if (!value)
             return tc_fail(error, TC_ERR_USAGE, "--%s: expected %s, found nothing", option->name, option->expected);
-        if (!option->set(arguments, value))
+        if (!option->set((char *)arguments + option->offset, value))
             return tc_fail(error, TC_ERR_USAGE, "--%s: expected %s, found '%s'", option->name, option->expected, value);
     }
     *action_ret = TC_RUN;
@@ -130,23 +130,36 @@ void tc_arguments_print(const tc_command_line *line, FILE *file)
 
 /* ---- Values that several programs take -------------------------------------------------------------------------- */
 
-bool tc_read_spacing(const char *value, tc_source_options *options)
+bool tc_read_text(void *text, const char *value)
 {
-    return tc_read_number(value, 1e-6, 1e7, &options->spacing);
+    *(const char **)text = value;
+    return *value != '\0';
 }
 
-bool tc_read_unit(const char *value, tc_source_options *options)
+bool tc_read_level(void *level, const char *value)
 {
-    return tc_read_number(value, 1e-9, 1e9, &options->unit);
+    return tc_read_int(value, 1, 48, level);
 }
 
-bool tc_read_nodata(const char *value, tc_source_options *options)
+bool tc_read_spacing(void *spacing, const char *value)
 {
+    return tc_read_number(value, 1e-6, 1e7, spacing);
+}
+
+bool tc_read_unit(void *unit, const char *value)
+{
+    return tc_read_number(value, 1e-9, 1e9, unit);
+}
+
+bool tc_read_nodata(void *source, const char *value)
+{
+    tc_source_options *options = source;
     return options->has_nodata = tc_read_number(value, -HUGE_VAL, HUGE_VAL, &options->nodata);
 }
 
-bool tc_read_voids(const char *value, tc_source_options *options)
+bool tc_read_voids(void *source, const char *value)
 {
+    tc_source_options *options = source;
     if (strcmp(value, "fill") == 0)
         options->voids = TC_VOIDS_FILL;
     else if (strcmp(value, "hole") == 0)
@@ -158,7 +171,16 @@ bool tc_read_voids(const char *value, tc_source_options *options)
     return options->has_voids = true;
 }
 
-bool tc_read_threads(const char *value, int *threads_ret)
+bool tc_read_threads(void *threads, const char *value)
 {
-    return tc_read_int(value, 1, 1024, threads_ret);
+    return tc_read_int(value, 1, 1024, threads);
+}
+
+tc_status tc_take_file(void *file, const char *operand, tc_error *error)
+{
+    const char **name = file;
+    if (*name)
+        return tc_fail(error, TC_ERR_USAGE, "FILE: expected one file, found also '%s'", operand);
+    *name = operand;
+    return TC_OK;
 }

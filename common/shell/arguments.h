@@ -15,8 +15,9 @@ typedef struct tc_option {
     const char *argument; /* as the help shows it; NULL: a switch */
     const char *expected; /* as errors show it */
     const char *help;
-    bool (*set)(void *arguments, const char *value); /* false: the value is not what is expected */
-    size_t offset; /* of a switch: the bool in the structure that it sets; 0: help (with a letter) or version */
+    /* false: the value is not what is expected. Where it sets several members, `member` is the structure: offset 0. */
+    bool (*set)(void *member, const char *value);
+    size_t offset; /* of the member in the structure; of a switch a bool's, 0: help (with a letter) or version */
 } tc_option;
 
 /* A switch is a bool of a structure, by its place there, which must not be the first. */
@@ -36,8 +37,9 @@ typedef struct tc_command_line {
     int count;
     const char *help; /* how to ask for it: "--help" */
     bool numbers;     /* -1.5 is no option but a number */
-    /* Takes an argument that is no option. */
-    tc_status (*operand)(void *arguments, const char *operand, tc_error *error);
+    /* Takes an argument that is no option, for the member at `offset`; 0: for the structure. */
+    tc_status (*operand)(void *member, const char *operand, tc_error *error);
+    size_t offset;
 } tc_command_line;
 
 typedef enum tc_action { TC_RUN = 0, TC_SHOW_HELP, TC_SHOW_VERSION } tc_action;
@@ -50,14 +52,20 @@ tc_status tc_arguments_read(const tc_command_line *line, int argc, char **argv, 
 /* Prints the table. */
 void tc_arguments_print(const tc_command_line *line, FILE *file);
 
-/* Values that several programs take; false where they are not what is expected. */
-bool tc_read_spacing(const char *value, tc_source_options *options);
-bool tc_read_unit(const char *value, tc_source_options *options);
-bool tc_read_nodata(const char *value, tc_source_options *options);
-bool tc_read_voids(const char *value, tc_source_options *options);
-bool tc_read_threads(const char *value, int *threads_ret);
+/* Setters that several programs have, of members of these types; false where the value is not what is expected. */
+bool tc_read_text(void *text, const char *value);       /* const char *; "" is not expected */
+bool tc_read_level(void *level, const char *value);     /* int */
+bool tc_read_spacing(void *spacing, const char *value); /* double */
+bool tc_read_unit(void *unit, const char *value);       /* double */
+bool tc_read_nodata(void *source, const char *value);   /* tc_source_options */
+bool tc_read_voids(void *source, const char *value);    /* tc_source_options */
+bool tc_read_threads(void *threads, const char *value); /* int */
 
-/* What these expect. */
+/* For the operand of a program that has one, FILE: a const char * at first NULL; more are errors. */
+tc_status tc_take_file(void *file, const char *operand, tc_error *error);
+
+/* What the setters expect. */
+#define TC_EXPECTED_LEVEL "1..48"
 #define TC_EXPECTED_SPACING "metres of 1e-6..1e7"
 #define TC_EXPECTED_UNIT "metres of 1e-9..1e9"
 #define TC_EXPECTED_NODATA "a number"

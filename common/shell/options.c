@@ -1,4 +1,5 @@
-/* options.c - the viewers' command line; see options.h. A new option is one line of the table and one setter. */
+/* options.c - the viewers' command line; see options.h. A new option is one line of the table and, where its kind is
+ * new, one setter. */
 #include "options.h"
 #include "common/core/base/status.h"
 #include "common/core/clipmap/surface.h"
@@ -18,13 +19,6 @@ static bool set_view(void *options, const char *value)
     return o->has_view = tc_view_parse(value, &o->view);
 }
 
-static bool set_output(void *options, const char *value)
-{
-    tc_options *o = options;
-    o->output = value;
-    return *value != '\0';
-}
-
 static bool set_size(void *options, const char *value)
 {
     tc_options *o = options;
@@ -36,106 +30,61 @@ static bool set_size(void *options, const char *value)
     return tc_read_int(text, 1, 16384, &o->width) && tc_read_int(x + 1, 1, 16384, &o->height);
 }
 
-static bool set_fov(void *options, const char *value)
+static bool read_fov(void *fov, const char *value)
 {
-    tc_options *o = options;
     double degrees;
     if (!tc_read_number(value, 1, 170, &degrees))
         return false;
-    o->fov = degrees * DEGREE;
+    *(double *)fov = degrees * DEGREE;
     return true;
 }
 
-static bool set_background(void *options, const char *value)
+static bool read_background(void *scene, const char *value)
 {
-    tc_options *o = options;
+    tc_scene_options *s = scene;
     if (strlen(value) != 6 || strspn(value, "0123456789abcdefABCDEF") != 6)
         return false;
     unsigned long rgb = strtoul(value, NULL, 16);
     for (int i = 0; i < 3; i++)
-        o->scene.background[i] = (uint8_t)(rgb >> (16 - 8 * i));
-    return o->scene.background_set = true;
+        s->background[i] = (uint8_t)(rgb >> (16 - 8 * i));
+    return s->background_set = true;
 }
 
-static bool set_n(void *options, const char *value)
+static bool read_n(void *n, const char *value)
 {
-    tc_options *o = options;
-    return tc_read_int(value, 15, 2047, &o->clipmap.n) && (o->clipmap.n & (o->clipmap.n + 1)) == 0;
+    int *samples = n;
+    return tc_read_int(value, 15, 2047, samples) && (*samples & (*samples + 1)) == 0;
 }
 
-static bool set_samples(void *options, const char *value)
+static bool read_samples(void *samples, const char *value)
 {
-    tc_options *o = options;
-    return tc_read_int(value, 1, 16, &o->scene.samples);
+    return tc_read_int(value, 1, 16, samples);
 }
 
-static bool set_levels(void *options, const char *value)
+static bool read_levels(void *levels, const char *value)
 {
-    tc_options *o = options;
-    return tc_read_int(value, 1, TC_MAX_LEVELS, &o->clipmap.max_levels);
+    return tc_read_int(value, 1, TC_MAX_LEVELS, levels);
 }
 
-static bool set_budget(void *options, const char *value)
+static bool read_budget(void *budget, const char *value)
 {
-    tc_options *o = options;
-    return tc_read_integer(value, 1, (int64_t)1 << 40, &o->scene.budget);
+    return tc_read_integer(value, 1, (int64_t)1 << 40, budget);
 }
 
-static bool set_path(void *options, const char *value)
+static bool read_frames(void *frames, const char *value)
 {
-    tc_options *o = options;
-    o->path = value;
-    return *value != '\0';
+    return tc_read_int(value, 1, 1000000, frames);
 }
 
-static bool set_frames(void *options, const char *value)
+static bool read_backend(void *backend, const char *value)
 {
-    tc_options *o = options;
-    return tc_read_int(value, 1, 1000000, &o->frames);
-}
-
-static bool set_backend(void *options, const char *value)
-{
-    tc_options *o = options;
     static const char *const names[] = {"auto", "window", "egl", "osmesa"}; /* as tc_backend */
     for (int i = 0; i < 4; i++)
         if (strcmp(value, names[i]) == 0) {
-            o->backend = (tc_backend)i;
+            *(tc_backend *)backend = (tc_backend)i;
             return true;
         }
     return false;
-}
-
-static bool set_stats(void *options, const char *value)
-{
-    tc_options *o = options;
-    o->stats = value;
-    return *value != '\0';
-}
-
-static bool set_threads(void *options, const char *value)
-{
-    return tc_read_threads(value, &((tc_options *)options)->threads);
-}
-
-static bool set_voids(void *options, const char *value)
-{
-    return tc_read_voids(value, &((tc_options *)options)->source);
-}
-
-static bool set_nodata(void *options, const char *value)
-{
-    return tc_read_nodata(value, &((tc_options *)options)->source);
-}
-
-static bool set_spacing(void *options, const char *value)
-{
-    return tc_read_spacing(value, &((tc_options *)options)->source);
-}
-
-static bool set_unit(void *options, const char *value)
-{
-    return tc_read_unit(value, &((tc_options *)options)->source);
 }
 
 /* ---- The table ---------------------------------------------------------------------------------------------- */
@@ -145,40 +94,51 @@ static const tc_option table[] = {
     {0, "view", "X,Y,Z,HEADING,PITCH", "X,Y,Z,HEADING,PITCH in metres and degrees, |PITCH| up to 90",
      "eye in metres from the south-west sample, degrees clockwise from north, degrees up (default: all of the terrain)",
      set_view, 0},
-    {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", set_fov, 0},
+    {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)},
     {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
-    {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", set_background, 0},
+    {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
+     offsetof(tc_options, scene)},
     TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces"),
     TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail"),
     TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),
-    {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", set_samples, 0},
+    {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
+     offsetof(tc_options, scene.samples)},
 
     {.help = "Where it goes"},
-    {'o', "output", "FILE.png", "a file name", "write one frame and open no window", set_output, 0},
+    {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
+     offsetof(tc_options, output)},
     {0, "path", "FILE", "a file name",
      "fly through the views of FILE, one X,Y,Z,HEADING,PITCH a line; with -o frame-%05d.png write each frame, "
      "without only measure",
-     set_path, 0},
-    {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", set_frames, 0},
-    {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", set_backend, 0},
+     tc_read_text, offsetof(tc_options, path)},
+    {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
+     offsetof(tc_options, frames)},
+    {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", read_backend,
+     offsetof(tc_options, backend)},
 
     {.help = "How the file is read"},
-    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", set_spacing, 0},
-    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", set_unit, 0},
-    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height", set_nodata, 0},
-    {0, "voids", "POLICY", TC_EXPECTED_VOIDS, "where there is no height: fill, hole or constant=V (fill)", set_voids,
-     0},
-    {0, "threads", "N", TC_EXPECTED_THREADS, "that prepare the terrain (all processors)", set_threads, 0},
+    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", tc_read_spacing,
+     offsetof(tc_options, source.spacing)},
+    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", tc_read_unit,
+     offsetof(tc_options, source.unit)},
+    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height", tc_read_nodata,
+     offsetof(tc_options, source)},
+    {0, "voids", "POLICY", TC_EXPECTED_VOIDS, "where there is no height: fill, hole or constant=V (fill)",
+     tc_read_voids, offsetof(tc_options, source)},
+    {0, "threads", "N", TC_EXPECTED_THREADS, "that prepare the terrain (all processors)", tc_read_threads,
+     offsetof(tc_options, threads)},
 
     {.help = "Geometry clipmap"},
-    {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", set_n, 0},
-    {0, "levels", "M", "1..32", "of detail at most (all)", set_levels, 0},
-    {0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)", set_budget,
-     0},
+    {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
+     offsetof(tc_options, clipmap.n)},
+    {0, "levels", "M", "1..32", "of detail at most (all)", read_levels, offsetof(tc_options, clipmap.max_levels)},
+    {0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)", read_budget,
+     offsetof(tc_options, scene.budget)},
 
     {.help = "What is told"},
-    {0, "stats", "FILE.json", "a file name", "write times, counts and memory", set_stats, 0},
+    {0, "stats", "FILE.json", "a file name", "write times, counts and memory", tc_read_text,
+     offsetof(tc_options, stats)},
     TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output"),
     TC_SWITCH(tc_options, explain, 0, "explain", "print what the scene does not need and was left out"),
     TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress"),
