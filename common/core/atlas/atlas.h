@@ -1,0 +1,48 @@
+/* atlas.h - a planet's heights as charts: rectangles of samples, each with a pyramid of its own.
+ *
+ *   chart 0          longitude and latitude, the source's own grid; once around the globe it wraps
+ *   charts 1 and 2   stereographic caps around the north and the south pole, made from chart 0
+ *
+ * Towards a pole a grid of longitude and latitude has ever more samples a metre along its parallels, and ends at a
+ * point. Within a cap samples are a square lattice, equally far apart in all directions to within 12 %: nothing happens
+ * at the pole. Caps have no sample of their own; the file and the flat map are chart 0. A part of a globe, or one whose
+ * caps are missing, is chart 0 alone.
+ *
+ * Chart coordinates, radians or lengths on the unit sphere, of longitude lambda and latitude phi:
+ *   TC_LONLAT        x = lambda, y = phi
+ *   TC_CAP_NORTH     x = 2 tan(theta/2) cos(lambda), y = 2 tan(theta/2) sin(lambda), theta = pi/2 - phi
+ *   TC_CAP_SOUTH     the same with theta = pi/2 + phi
+ * Sample (i, j) of the finest level lies at (x0 + i dx, y0 + j dy). */
+#ifndef TC_ATLAS_H
+#define TC_ATLAS_H
+
+#include "common/terraclip.h"
+
+typedef enum tc_projection { TC_LONLAT, TC_CAP_NORTH, TC_CAP_SOUTH } tc_projection;
+
+enum { TC_MAX_CHARTS = 3 };
+
+typedef struct tc_chart {
+    tc_pyramid *pyramid;
+    tc_projection projection;
+    double x0, y0; /* of the finest level's first sample */
+    double dx, dy; /* between the finest level's samples */
+    bool wraps;    /* column `width` is column 0; the width is then 2^k times at most TC_MOST_ODD */
+} tc_chart;
+
+typedef struct tc_atlas {
+    double radius; /* metres, of the sphere that heights are above */
+    int charts;    /* 1, or 3 with caps */
+    tc_chart chart[TC_MAX_CHARTS];
+} tc_atlas;
+
+/* A level that wraps must have an even width, and so on until it fits a window. Grids of other widths are resampled to
+ * the next width that is a power of two times at most this. */
+enum { TC_MOST_ODD = 250 };
+
+/* Caps take over from chart 0 between these latitudes, degrees, and reach down to TC_CAP_EDGE. */
+#define TC_CAP_BLEND_START 56.0
+#define TC_CAP_BLEND_END 59.0
+#define TC_CAP_EDGE 52.0
+
+#endif
