@@ -5,6 +5,6 @@
 #include "common/core/clipmap/surface.h"
 
 /* A surface over the clipmap, which must outlive it. */
-tc_status tc_square_create(const tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
+tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
 
 #endif

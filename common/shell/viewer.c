@@ -141,7 +141,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     if (status == TC_OK)
         status = v->program->make_surface(v->clipmap, &v->surface, error);
     if (status == TC_OK)
-        status = tc_renderer_create(v->gl, v->pyramid, v->surface, v->clipmap, &v->scene, &v->renderer, error);
+        status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
     return status;
 }
 

@@ -8,7 +8,7 @@
 typedef struct tc_viewer_program {
     const char *name;    /* "planar-viewer" */
     const char *summary; /* one sentence for the help */
-    tc_status (*make_surface)(const tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
+    tc_status (*make_surface)(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
 } tc_viewer_program;
 
 /* The whole of main(): reads the command line, loads, shows or writes. Returns the exit code. */

@@ -34,7 +34,7 @@ static double ground_height(void *context, double x, double y)
     double z = 0, drawn;
     tc_pyramid_height(v->pyramid, x, y, &z);
     z += tc_pyramid_info(v->pyramid)->z_base;
-    if (v->surface->drawn_height(v->surface, v->clipmap, &v->camera, &v->scene.frame, x, y, &drawn))
+    if (v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn))
         z = fmax(z, drawn);
     return z;
 }
