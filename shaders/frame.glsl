@@ -1,7 +1,7 @@
 // frame.glsl - what every stage of a frame knows; laid out as frame_uniforms in common/shell/renderer.c.
 layout(std140, binding = 0) uniform Frame {
     mat4 view_projection;  // from positions relative to the eye
-    vec4 surface[12];      // the surface's own
+    vec4 surface[13];      // the surface's own
     vec4 layer[3 * 96];    // the surface's own, three a layer: a level of a chart
     vec4 window[96];       // of each layer, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
     vec4 eye;              // x: reference height, y: eye above it, metres above z_base

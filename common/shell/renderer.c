@@ -108,7 +108,8 @@ static tc_status build_programs(tc_renderer *r, tc_error *error)
             status = build_terrain(r, closers, &terrain[closers], error);
     if (!status && !r->sky && !r->options.background_set)
         status = tc_program_build(r->gl, (const char *[]){"frame.glsl", "sky.vert", NULL},
-                                  (const char *[]){"frame.glsl", r->surface->sky, NULL}, "", &r->sky, error);
+                                  (const char *[]){"frame.glsl", r->surface->sky, NULL},
+                                  r->palette.natural ? "#define AIR 1.0\n" : "#define AIR 0.0\n", &r->sky, error);
     return status;
 }
 
@@ -307,6 +308,8 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     double distance = 0.65 * r->surface->extent + 4 * height; /* half of what one sees there is haze */
     memcpy(u->haze, r->palette.horizon, sizeof r->palette.horizon);
     u->haze[3] = (float)(r->surface->near_plane / distance);
+    if (r->surface->sphere) /* whose own part knows how far one sees */
+        u->haze[3] = (float)r->surface->near_plane;
     memcpy(u->zenith, r->palette.zenith, sizeof r->palette.zenith);
     float lens[4] = {(float)(2 * tx / camera->width), (float)(2 * ty / camera->height), (float)tx, (float)ty};
     memcpy(u->lens, lens, sizeof lens);

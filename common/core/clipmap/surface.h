@@ -39,7 +39,7 @@ typedef struct tc_instance {
 
 /* A layer of the vertex textures is a level of a chart: first those of chart 0, coarse to fine, then those of chart 1.
  */
-enum { TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS, TC_LAYER_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 48 };
+enum { TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS, TC_LAYER_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 52 };
 
 /* What one frame draws. Arrays are the surface's own and stay valid until its next frame. */
 typedef struct tc_frame {
