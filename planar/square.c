@@ -291,6 +291,7 @@ static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_
 static void square_destroy(tc_surface *surface)
 {
     square_surface *s = (square_surface *)surface;
+    tc_clipmap_destroy(surface->clipmap[0]);
     free(s->head.geometry.vertices);
     free(s->head.geometry.indices);
     free(s->index.strip_first);
@@ -305,12 +306,18 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
 {
     static const char *const vertex_parts[] = {"square.glsl", NULL}, *const fragment_parts[] = {"square.frag", NULL};
     const tc_clip_level *l = tc_clipmap_level(clipmap, 1);
-    if (tc_max64(l->edge_x, l->edge_y) >= (int64_t)1 << 30)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^30 samples a side, found %lldx%lld",
-                       (long long)l->edge_x + 1, (long long)l->edge_y + 1);
     square_surface *s = calloc(1, sizeof *s);
-    if (!s)
-        return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
+    tc_status status = TC_OK;
+    if (tc_max64(l->edge_x, l->edge_y) >= (int64_t)1 << 30)
+        status = tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^30 samples a side, found %lldx%lld",
+                         (long long)l->edge_x + 1, (long long)l->edge_y + 1);
+    else if (!s)
+        status = tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
+    if (status) {
+        free(s);
+        tc_clipmap_destroy(clipmap);
+        return status;
+    }
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
     s->head =
@@ -329,7 +336,7 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
     int n = tc_clipmap_n(clipmap), block = n + 1 >= 128 ? (n + 1) / 16 : 8, across = (n + 1) / block + 1;
     /* Blocks of a level: every tile, those around the hole cut in up to four; closers: four sides. */
     s->capacity = tc_clipmap_levels(clipmap) * (across * across + 12 * across + 16);
-    tc_status status = tc_square_geometry(block, &s->head.geometry, &s->index, error);
+    status = tc_square_geometry(block, &s->head.geometry, &s->index, error);
     s->strips = calloc(2 * (size_t)s->capacity, sizeof *s->strips);
     s->lists = calloc((size_t)s->capacity, sizeof *s->lists);
     s->strip_data = calloc(2 * (size_t)s->capacity, sizeof *s->strip_data);

@@ -41,7 +41,6 @@ void scene_destroy(scene *s)
     tc_renderer_destroy(s->renderer);
     if (s->surface)
         s->surface->destroy(s->surface);
-    tc_clipmap_destroy(s->clipmap);
 }
 
 tc_frame_stats scene_draw(scene *s, const tc_camera *camera, bool resident)
