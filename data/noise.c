@@ -135,8 +135,8 @@ static const float gradient3[32][4] = {
     {-0.365541008f, 0.657492199f, 0.658850346f, 0},   {0.698245262f, 0.684196584f, 0.210543555f, 0},
 };
 
-/* Each octave's lattice is turned against the one before, or all would lie along the axes, where a sphere is tangent to
- * their planes. A rotation by whole numbers over 39, times two. */
+/* Lattices are turned, each octave's against the one before, or creases would run along the axes, and a sphere is
+ * tangent to their planes. A rotation by whole numbers over 39, times two. */
 static const double turn3[3][3] = {
     {2 * 19 / 39.0, 2 * 2 / 39.0, 2 * 34 / 39.0},
     {2 * 22 / 39.0, 2 * 29 / 39.0, 2 * -14 / 39.0},
@@ -165,17 +165,28 @@ float tc_noise3(uint32_t seed, double x, double y, double z)
     return south + w * (north - south);
 }
 
-void tc_next_octave3(double p[3])
+static void turn(const double p[3], double scale, double shift, double at[3])
 {
     double x = p[0], y = p[1], z = p[2];
-    p[0] = turn3[0][0] * x + turn3[0][1] * y + turn3[0][2] * z + 0.37;
-    p[1] = turn3[1][0] * x + turn3[1][1] * y + turn3[1][2] * z + 0.61;
-    p[2] = turn3[2][0] * x + turn3[2][1] * y + turn3[2][2] * z + 0.83;
+    at[0] = scale * (turn3[0][0] * x + turn3[0][1] * y + turn3[0][2] * z) + 0.37 * shift;
+    at[1] = scale * (turn3[1][0] * x + turn3[1][1] * y + turn3[1][2] * z) + 0.61 * shift;
+    at[2] = scale * (turn3[2][0] * x + turn3[2][1] * y + turn3[2][2] * z) + 0.83 * shift;
+}
+
+void tc_first_octave3(const double p[3], double frequency, double at[3])
+{
+    turn(p, 0.5 * frequency, 0, at);
+}
+
+void tc_next_octave3(double at[3])
+{
+    turn(at, 1, 1, at);
 }
 
 float tc_fbm3(uint32_t seed, const double p[3], double frequency, int octaves, float gain)
 {
-    double at[3] = {frequency * p[0], frequency * p[1], frequency * p[2]};
+    double at[3];
+    tc_first_octave3(p, frequency, at);
     float sum = 0, amplitude = 1;
     for (int k = 0; k < octaves; k++) {
         sum += amplitude * tc_noise3(seed + (uint32_t)k * 0x632BE5ABu, at[0], at[1], at[2]);

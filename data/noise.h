@@ -27,8 +27,10 @@ float tc_noise3(uint32_t seed, double x, double y, double z);
 /* Sum of octaves of tc_noise3 at frequency * p, as tc_fbm. */
 float tc_fbm3(uint32_t seed, const double p[3], double frequency, int octaves, float gain);
 
-/* From a place in one octave to that in the next, of twice the frequency and another orientation. */
-void tc_next_octave3(double p[3]);
+/* Where p is in the lattice of the first octave, and from there to the next one's, of twice the frequency and another
+ * orientation. */
+void tc_first_octave3(const double p[3], double frequency, double at[3]);
+void tc_next_octave3(double at[3]);
 
 /* 0 below a, 1 above b, a cubic in between. */
 static inline float tc_smoothstep(float a, float b, float x)

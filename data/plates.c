@@ -75,8 +75,8 @@ void tc_plates_make(tc_plates *plates, uint64_t seed)
 
 void tc_plates_at(const tc_plates *plates, const double q[3], tc_plate_site *site)
 {
-    /* The nearest four, and the land of all around. */
-    enum { NEAREST = 4 };
+    /* The nearest few, and the land of all around. */
+    enum { NEAREST = 6 };
     double away[TC_PLATES], least[NEAREST + 1];
     int near[NEAREST + 1], count = 0;
     for (int i = 0; i < TC_PLATES; i++) {
@@ -102,7 +102,7 @@ void tc_plates_at(const tc_plates *plates, const double q[3], tc_plate_site *sit
     site->edges = 0;
     for (int i = 0; i < NEAREST; i++)
         for (int j = i + 1; j < NEAREST; j++) {
-            int other = 0;
+            int other = 0; /* the nearest of the rest */
             while (other == i || other == j)
                 other++;
             float weight = tc_smoothstep(-1, 1, (float)((least[other] - least[j]) / junction));

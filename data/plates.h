@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-enum { TC_PLATES = 26, TC_PLATE_EDGES = 6 };
+enum { TC_PLATES = 26, TC_PLATE_EDGES = 15 };
 
 typedef struct tc_plates {
     double centre[TC_PLATES][3]; /* unit vectors */

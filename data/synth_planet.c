@@ -107,7 +107,8 @@ static int octaves_from(int64_t size, double frequency)
 /* Crests along the zero lines of noise, rougher the higher; about -1..2, no mean. */
 static float ridged(uint32_t seed, const double p[3], double frequency, int octaves, float gain)
 {
-    double at[3] = {frequency * p[0], frequency * p[1], frequency * p[2]};
+    double at[3];
+    tc_first_octave3(p, frequency, at);
     float sum = 0, amplitude = 1, weight = 1;
     for (int k = 0; k < octaves; k++) {
         float n = tc_noise3(seed + (uint32_t)k * 0x632BE5ABu, at[0], at[1], at[2]);
@@ -155,7 +156,8 @@ static float with_caps(const tc_synth_planet *planet, const double p[3], float r
         float d = sqrtf((float)d2), radius = planet->cap_radius[c];
         d += 0.34f * tc_fbm3(planet->seed[CAP], p, 3.4, 6, 0.55f);
         float target = planet->sea + 0.42f - 0.8f * tc_smoothstep(radius - 0.12f, radius + 0.14f, d);
-        raw = mix(raw, target + 0.6f * (raw - planet->sea), 1 - tc_smoothstep(radius + 0.12f, radius + 0.38f, d));
+        float loose = 0.1f + 0.5f * tc_smoothstep(0, 0.3f, sqrtf((float)d2)); /* the pole itself is always land */
+        raw = mix(raw, target + loose * (raw - planet->sea), 1 - tc_smoothstep(radius + 0.12f, radius + 0.38f, d));
     }
     return raw;
 }
@@ -197,23 +199,22 @@ static float hypsometry(const tc_synth_planet *planet, float inland)
 static void part(const tc_synth_planet *planet, struct place *at, const tc_plate_edge *edge, float parting)
 {
     /* Ridges are offset along faults that run across them: by noise that hardly varies across the boundary. */
-    double along[3];
+    double flat[3], along[3];
     for (int k = 0; k < 3; k++)
-        along[k] = 7 * (at->q[k] - 0.94 * edge->distance * edge->normal[k]);
-    float offset = 0;
-    for (uint32_t k = 0; k < 3; k++) {
-        offset +=
-            0.05f *
-            (tc_smoothstep(-0.025f, 0.025f,
-                           tc_noise3(planet->seed[FAULT] + edge->number + 7919 * k, along[0], along[1], along[2])) -
-             0.5f);
+        flat[k] = at->r[k] - 0.97 * edge->distance * edge->normal[k];
+    tc_first_octave3(flat, 5, along);
+    float offset = 0, jump = 0.06f;
+    for (uint32_t k = 0; k < 2; k++) {
+        float n = tc_noise3(planet->seed[FAULT] + edge->number + 7919 * k, along[0], along[1], along[2]);
+        offset += jump * (tc_smoothstep(-0.08f, 0.08f, n) - 0.5f);
+        jump = 0.035f;
         tc_next_octave3(along);
     }
     float away = fabsf(edge->distance + offset), inner = tc_smoothstep(0.05f, 0.25f, at->inland);
     /* Sea floor sinks with the root of its age. */
-    float t = 1 - sqrtf(away * 2 + 0.0002f);
+    float t = 1 - sqrtf(away * 2.6f + 0.0002f);
     at->ridge += parting * (1 - at->land) * (t > 0 ? t : 0);
-    at->lift -= parting * (1 - at->land) * 600 * bump(away / 0.007f);
+    at->lift += parting * (1 - at->land) * (700 * bump(away / 0.028f) - 1000 * bump(away / 0.01f));
     /* A rift where a continent parts. */
     float vary = tc_fbm3(planet->seed[WIDTH] + edge->number, at->q, 4.3, 3, 0.5f);
     float rift = parting * inner * tc_smoothstep(-0.15f, 0.25f, vary);
@@ -228,7 +229,7 @@ static void add_edge(const tc_synth_planet *planet, struct place *at, const tc_p
     float away = d < 0 ? -d : d;
     if (parting > 0 && away < 0.6f)
         part(planet, at, edge, parting);
-    if (!(closing > 0) || away > 0.4f)
+    if (!(closing > 0) || away > 0.5f)
         return;
     /* A trench on the side that goes under, unless both are land. */
     at->lift -= 3300 * closing * sea * sea * bump((d - 0.016f) / 0.022f);
@@ -269,8 +270,8 @@ static float dry_ground(const tc_synth_planet *planet, const struct place *at, f
     float coast = tc_smoothstep(-0.01f, 0.06f, at->inland);
     float belt = at->belt > 1 ? 1 : at->belt, ranges = at->ranges > 1 ? 1 : at->ranges;
 
-    float detail = ridged(planet->seed[CREST], at->r, 19, octaves_from(planet->size, 19), 0.7f);
-    float plain = tc_fbm3(planet->seed[PLAIN], at->r, 13, octaves_from(planet->size, 13), 0.6f);
+    float detail = ridged(planet->seed[CREST], at->r, 19, octaves_from(planet->size, 19), 0.74f);
+    float plain = tc_fbm3(planet->seed[PLAIN], at->r, 13, octaves_from(planet->size, 13), 0.64f);
     /* Arcs are less high above a deeper ground. */
     float rise =
         mix(1.35f, 1, at->land) * mix(1, 0.62f, at->land) * (700 * belt + 5200 * ranges * (0.35f + 0.65f * belt));
@@ -308,8 +309,8 @@ static float with_ice(const tc_synth_planet *planet, const struct place *at, flo
     float surface = 3300 * sqrtf(depth / (depth + 0.22f)) - 60;
     surface += 40 * tc_fbm3(planet->seed[ICE] + 7, at->p, 9, 4, 0.45f);
     /* Peaks stand out; what is below is filled. */
-    float above = z - surface, soft = 250;
-    return surface + 0.5f * (above + sqrtf(above * above + soft * soft)) * (above > 0 ? 1 : 0.3f);
+    float above = z - surface, soft = 250 * tc_smoothstep(0, 0.05f, depth);
+    return surface + 0.5f * (above + sqrtf(above * above + soft * soft));
 }
 
 static float height_at(const tc_synth_planet *planet, const double p[3])
