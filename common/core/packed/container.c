@@ -23,6 +23,15 @@ void tc_container_set_levels(tc_container *c)
     c->base = 1;
     while (c->base < c->levels && tc_max64(c->level[c->base].width, c->level[c->base].height) <= TC_BASE_SIZE)
         c->base++;
+    /* A level wraps as long as the halvings on the way to it left no odd column over. */
+    c->wraps_from = c->levels + 1;
+    for (int k = 0; t->wraps_x && k < c->levels && t->width % ((int64_t)1 << k) == 0; k++)
+        c->wraps_from = c->levels - k;
+}
+
+tc_lifting_level tc_container_lifting(const tc_container *c, int l)
+{
+    return (tc_lifting_level){c->level[l - 1].width, c->level[l - 1].height, l - 1 >= c->wraps_from};
 }
 
 void tc_container_free(tc_container *c)
@@ -218,7 +227,7 @@ tc_status tc_container_write(const tc_container *c, tc_byte_writer *w)
     tc_put(w, 0, 4), tc_put(w, 0, 4); /* size and checksum of the head, below */
     tc_put(w, (uint64_t)c->info.bytes, 8);
     tc_put(w, 0, 1), tc_put(w, 1, 1); /* atlas: flat; charts */
-    tc_put(w, c->wrap_x, 1);
+    tc_put(w, c->info.terrain.wraps_x, 1);
     tc_put(w, c->info.mode, 1), tc_put(w, c->info.codec, 1), tc_put_f64(w, c->info.error);
     write_terrain(&c->info.terrain, w);
     tc_put_f64(w, c->z_unit), tc_put_f64(w, c->z_origin);

@@ -44,7 +44,7 @@ typedef struct tc_level_record {
 
 typedef struct tc_container {
     tc_packed_info info; /* terrain.georef.crs_wkt owned */
-    bool wrap_x;
+    int wraps_from; /* the coarsest level that wraps; above `levels`: none does */
     double z_unit, z_origin; /* a height is z_origin + z_unit * k metres above z_base */
     double z_min, z_max;     /* metres above z_base, of the source without voids */
     int64_t voids;           /* of the finest level */
@@ -55,8 +55,11 @@ typedef struct tc_container {
     uint8_t base_void[TC_BASE_SIZE * TC_BASE_SIZE];
 } tc_container;
 
-/* Sets levels and base from info.terrain. */
+/* Sets levels, base and wraps_from from info.terrain. */
 void tc_container_set_levels(tc_container *c);
+
+/* Level l > 1 as the transform sees it. It wraps where the next coarser one still does: where its width is even. */
+tc_lifting_level tc_container_lifting(const tc_container *c, int l);
 void tc_container_free(tc_container *c);
 
 /* Pages of a level, and where its directory's entries stand in its bytes. */

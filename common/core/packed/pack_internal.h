@@ -66,7 +66,7 @@ double tc_pack_lattice(const tc_packer *p, double *origin_ret);
 
 /* ---- pack_cascade.c ------------------------------------------------------------------------------------------- */
 
-/* True heights of level l over rect, in height units. */
+/* True heights of level l over rect, in height units; beyond the sides those of the other one. */
 tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptrdiff_t stride, tc_error *error);
 tc_status tc_pack_cascade(tc_packer *p, tc_error *error);
 
@@ -77,7 +77,8 @@ double tc_detail_bin(int bin);
 void tc_pack_count(const tc_plane *band, tc_detail_histogram *histogram);
 
 /* Void mask of level l over rows y0 .. y1 - 1, whole width. */
-tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, tc_error *error);
+tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, ptrdiff_t stride,
+                            tc_error *error);
 
 static inline float tc_pack_metres(const tc_container *c, int32_t k)
 {

@@ -219,7 +219,7 @@ static tc_status make_base(packed_pyramid *p)
             continue;
         }
         int32_t memory[TC_BANDS][TC_BASE_SIZE * TC_BASE_SIZE];
-        tc_lifting_level fine = {c->level[l].width, c->level[l].height, c->wrap_x};
+        tc_lifting_level fine = tc_container_lifting(c, l + 1);
         tc_rect rect = {0, 0, size->width, size->height};
         tc_plane from = {p->level[l].whole, fine.width, {0, 0, fine.width, fine.height}}, band[TC_BANDS];
         tc_plane low = {state->whole, size->width, rect};
