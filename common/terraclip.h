@@ -9,6 +9,7 @@
  *   - samples are points: sample (i, j) of a level sits at (i * spacing_x, j * spacing_y); rows run south to north;
  *   - levels are numbered as in LH04: coarsest 1, finest m; level l has spacing g_l = 2^(m-l) times the finest;
  *   - rectangles are half-open: x0 <= i < x1;
+ *   - a terrain that wraps in x goes once around a globe: its column `width` is column 0;
  *   - functions that can fail return a tc_status, give results through their pointers, leave outputs untouched on
  *     failure, and say what went wrong in words in *error where one is given (error may be NULL);
  *   - destroy and free functions accept NULL.
@@ -80,6 +81,7 @@ typedef struct tc_grid {
     double z_base;               /* metres; what must be added to z. 0 unless the relief would drown in a float */
     double spacing_x, spacing_y; /* metres */
     float z_min, z_max;          /* of z over samples that are not void */
+    bool wraps_x;                /* column `width` is column 0 */
     tc_georef georef;
 } tc_grid;
 
@@ -104,6 +106,7 @@ typedef struct tc_terrain_info {
         z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there */
     int64_t void_count; /* of the finest level */
     bool other_body;    /* georeferenced on a body that is not the Earth */
+    bool wraps_x;       /* the finest level wraps; tc_pyramid_wraps() says which coarser ones do */
 } tc_terrain_info;
 
 /* Builds the pyramid of *grid in memory and takes the grid over (it is zeroed, also on failure freed).
@@ -116,13 +119,18 @@ const tc_terrain_info *tc_pyramid_info(const tc_pyramid *pyramid);
 /* level in 1..levels. */
 tc_level tc_pyramid_level(const tc_pyramid *pyramid, int level);
 
-/* Copies the samples of rect, which must lie within the level, to z[(j - rect.y0) * stride + (i - rect.x0)],
- * metres above z_base. voids, where not NULL, gets 1 for void and 0 for valid samples in the same layout.
- * Thread-safe. */
+/* Whether column `width` of the level is column 0: where the terrain wraps and the finest width is a multiple of
+ * 2^(m - level), so that all halvings on the way were even. */
+bool tc_pyramid_wraps(const tc_pyramid *pyramid, int level);
+
+/* Copies the samples of rect, which must lie within the level (on a level that wraps: its rows), to z[(j - rect.y0) *
+ * stride + (i - rect.x0)], metres above z_base. voids, where not NULL, gets 1 for void and 0 for valid samples in the
+ * same layout. Thread-safe. */
 tc_status tc_pyramid_read(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids,
                           ptrdiff_t stride);
 
-/* Lower and upper bound of the level's heights over rect (cut to the level; metres above z_base). Conservative:
+/* Lower and upper bound of the level's heights over rect (cut to the level where that does not wrap; metres above
+ * z_base). Conservative:
  * may be wider than the truth, never narrower. Thread-safe, takes no time to speak of. */
 void tc_pyramid_bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
 
@@ -130,7 +138,7 @@ void tc_pyramid_bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float
 size_t tc_pyramid_bytes(const tc_pyramid *pyramid);
 
 /* Height of the finest level at (x, y) metres, on its mesh of triangles, in metres above z_base; outside the terrain
- * that of the nearest border point. */
+ * that of the nearest border point, where the terrain does not wrap. */
 tc_status tc_pyramid_height(const tc_pyramid *pyramid, double x, double y, double *z_ret);
 
 /* ---- Packed terrains ------------------------------------------------------------------------------------------ */

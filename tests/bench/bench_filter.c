@@ -128,7 +128,7 @@ static void measure(const dataset *d)
     for (int64_t i = 0; i < n; i++)
         c[i] = t[i / s.cw * 2 * s.w + i % s.cw * 2];
     double decimated = residual(&s, c, t, f);
-    tc_downsample(z, s.w, s.h, 0, s.ch, low, scratch);
+    tc_downsample(z, s.w, s.h, false, 0, s.ch, low, scratch);
     for (int64_t i = 0; i < n; i++)
         c[i] = low[i];
     double lifted = residual(&s, c, t, f);

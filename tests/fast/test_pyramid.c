@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common/core/pyramid/filter.h"
+#include "common/core/pyramid/pyramid.h"
 #include "common/core/base/rect.h"
 #include "tests/support/terrains.h"
 
@@ -47,7 +48,7 @@ static void downsample_follows_its_definition(void **state)
         for (int64_t band = 1; band <= ch; band = band * 2 + 1) {
             float *scratch = malloc(tc_downsample_scratch(w, band) * sizeof *scratch);
             for (int64_t j = 0; j < ch; j += band)
-                tc_downsample(z, w, h, j, tc_min64(j + band, ch), coarse + j * cw, scratch);
+                tc_downsample(z, w, h, false, j, tc_min64(j + band, ch), coarse + j * cw, scratch);
             free(scratch);
             for (int64_t i = 0; i < cw; i++) {
                 lift(rows + i, h, cw, column);
@@ -211,6 +212,100 @@ static void flat_voids_do_not_leak(void **state)
     tc_pyramid_destroy(p[0]), tc_pyramid_destroy(p[1]);
 }
 
+/* A grid once around a globe: hills that join at the seam, and noise, turned east by `shift` columns. */
+static tc_pyramid *round_pyramid(int64_t width, int64_t height, int64_t shift, bool voids)
+{
+    tc_grid grid = terrain_grid(TERRAIN_SMOOTH, width, height, 30, 0);
+    grid.wraps_x = true;
+    grid.voids = voids ? calloc((size_t)(width * height), 1) : NULL;
+    grid.void_count = voids;
+    for (int64_t j = 0; j < height; j++) {
+        test_random r = {(uint64_t)j};
+        for (int64_t k = 0; k < width; k++) {
+            int64_t i = (k + shift) % width;
+            double turn = 2 * M_PI * (double)k / (double)width;
+            grid.z[j * width + i] = (float)(300 * sin(3 * turn) + test_random_range(&r, -50, 50));
+            if (voids)
+                grid.voids[j * width + i] = hypot((double)k - 5, (double)(j - height / 2)) < 9;
+        }
+    }
+    grid.z_min = -350, grid.z_max = 350;
+    tc_pyramid *p;
+    assert_int_equal(tc_pyramid_build(&grid, 0, &p, NULL), TC_OK);
+    return p;
+}
+
+static void turning_a_globe_turns_its_levels(void **state)
+{
+    (void)state;
+    enum { WIDTH = 3 * 64, HEIGHT = 75, K = 6 };
+    tc_pyramid *a = round_pyramid(WIDTH, HEIGHT, 0, true);
+    int m = tc_pyramid_info(a)->levels;
+    float za[2 * WIDTH], zb[WIDTH];
+    uint8_t va[2 * WIDTH], vb[WIDTH];
+    for (int k = 0; k <= K; k++)
+        for (int64_t shift = (int64_t)1 << k; shift < WIDTH; shift += 5 * ((int64_t)1 << k)) {
+            tc_pyramid *b = round_pyramid(WIDTH, HEIGHT, shift, true);
+            for (int l = m; l >= m - k; l--) {
+                tc_level level = tc_pyramid_level(a, l);
+                int64_t w = level.width, s = shift >> (m - l);
+                assert_true(tc_pyramid_wraps(a, l));
+                for (int64_t j = 0; j < level.height; j++) {
+                    assert_int_equal(tc_pyramid_read(a, l, (tc_rect){-s, j, w - s, j + 1}, za, va, w), TC_OK);
+                    assert_int_equal(tc_pyramid_read(b, l, (tc_rect){0, j, w, j + 1}, zb, vb, w), TC_OK);
+                    assert_memory_equal(za, zb, (size_t)w * sizeof *za);
+                    assert_memory_equal(va, vb, (size_t)w);
+                }
+            }
+            tc_pyramid_destroy(b);
+        }
+    assert_false(tc_pyramid_wraps(a, m - K - 1));
+    tc_pyramid_destroy(a);
+}
+
+static void a_globe_is_read_across_its_seam(void **state)
+{
+    (void)state;
+    enum { WIDTH = 80, HEIGHT = 33, MOST = 300 };
+    tc_pyramid *p = round_pyramid(WIDTH, HEIGHT, 0, true);
+    int m = tc_pyramid_info(p)->levels;
+    test_random r = {5};
+    for (int k = 0; k < 2000; k++) {
+        int l = (int)test_random_int(&r, 1, m);
+        tc_level level = tc_pyramid_level(p, l);
+        int64_t w = level.width, y = test_random_int(&r, 0, level.height - 1), x = test_random_int(&r, -200, 200);
+        int64_t count = test_random_int(&r, 1, MOST), rows = tc_min64(2, level.height - y);
+        tc_rect rect = {x, y, x + count, y + rows};
+        float z[2 * MOST], all[2 * WIDTH], low, high;
+        uint8_t voids[2 * MOST], all_voids[2 * WIDTH];
+        bool inside = x >= 0 && x + count <= w;
+        assert_int_equal(tc_pyramid_wraps(p, l), l >= m - 4);
+        tc_status status = tc_pyramid_read(p, l, rect, z, voids, MOST);
+        assert_int_equal(status, inside || l >= m - 4 ? TC_OK : TC_ERR_USAGE);
+        if (status != TC_OK)
+            continue;
+        assert_int_equal(tc_pyramid_read(p, l, (tc_rect){0, y, w, y + rows}, all, all_voids, w), TC_OK);
+        tc_pyramid_bounds(p, l, rect, &low, &high);
+        assert_true(tc_pyramid_ready(p, l, rect));
+        for (int64_t j = 0; j < rows; j++)
+            for (int64_t i = 0; i < count; i++) {
+                int64_t at = j * w + ((x + i) % w + w) % w;
+                assert_true(z[j * MOST + i] == all[at] && voids[j * MOST + i] == all_voids[at]);
+                assert_true(all[at] >= low && all[at] <= high);
+            }
+        rect.y1 = level.height + 1;
+        assert_int_equal(tc_pyramid_read(p, l, rect, z, NULL, MOST), TC_ERR_USAGE);
+    }
+    double a, b;
+    for (int k = 0; k < 1000; k++) {
+        double x = test_random_range(&r, 0, 30 * WIDTH), y = test_random_range(&r, 0, 30 * HEIGHT);
+        assert_int_equal(tc_pyramid_height(p, x, y, &a), TC_OK);
+        assert_int_equal(tc_pyramid_height(p, x - 30 * WIDTH, y, &b), TC_OK);
+        assert_float_equal(a, b, 1e-6);
+    }
+    tc_pyramid_destroy(p);
+}
+
 static void nonsense_grids_are_refused(void **state)
 {
     (void)state;
@@ -235,6 +330,8 @@ int main(void)
         cmocka_unit_test(reading_outside_is_refused),
         cmocka_unit_test(voids_travel_to_coarser_levels),
         cmocka_unit_test(flat_voids_do_not_leak),
+        cmocka_unit_test(turning_a_globe_turns_its_levels),
+        cmocka_unit_test(a_globe_is_read_across_its_seam),
         cmocka_unit_test(nonsense_grids_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -4,7 +4,7 @@
  *     d[i] = x[2i+1] - (9/16 (x[2i] + x[2i+2]) - 1/16 (x[2i-2] + x[2i+4]))      predict: what U would have said
  *     s[i] = x[2i] + 19/64 (d[i-1] + d[i]) - 3/64 (d[i-2] + d[i+1])              update: moves s to the L2 optimum
  * and D keeps s. Beyond a border the evens go on in a straight line, which reproduces constants and ramps, and the
- * details are zero: there is no data to correct for. */
+ * details are zero: there is no data to correct for. Where the level wraps, both go on from the other side. */
 #include "filter.h"
 
 #include <string.h>
@@ -27,19 +27,25 @@ static void extend_line(float *e, int64_t count)
     e[count + 1] = e[count - 1] + 2 * last;
 }
 
-/* Low band of one row of `width` samples. e: space for tc_coarse_size(width) + 3 samples after one in front; d: the
- * same with two in front. */
-static void lift_row(const float *restrict x, int64_t width, float *restrict e, float *restrict d, float *restrict low)
+/* Low band of one row of `width` samples, an even number where it wraps. e: space for tc_coarse_size(width) + 3 samples
+ * after one in front; d: the same with two in front. */
+static void lift_row(const float *restrict x, int64_t width, bool wrap_x, float *restrict e, float *restrict d,
+                     float *restrict low)
 {
     int64_t evens = tc_coarse_size(width), odds = width / 2;
     for (int64_t i = 0; i < evens; i++)
         e[i] = x[2 * i];
-    extend_line(e, evens);
+    if (wrap_x)
+        e[-1] = e[evens - 1], e[evens] = e[0], e[evens + 1] = e[1 % evens];
+    else
+        extend_line(e, evens);
     for (int64_t i = 0; i < odds; i++)
         d[i] = x[2 * i + 1] - predict(e[i - 1], e[i], e[i + 1], e[i + 2]);
     d[-2] = d[-1] = 0;
     for (int64_t i = odds; i < evens + 1; i++)
         d[i] = 0;
+    if (wrap_x)
+        d[-1] = d[evens - 1], d[-2] = d[(2 * evens - 2) % evens], d[evens] = d[0];
     for (int64_t i = 0; i < evens; i++)
         low[i] = e[i] + UPDATE_NEAR * (d[i - 1] + d[i]) + UPDATE_FAR * (d[i - 2] + d[i + 1]);
 }
@@ -90,7 +96,7 @@ static void extend_rows(const band *b, int64_t j0, int64_t j1)
     }
 }
 
-void tc_downsample(const float *fine, int64_t width, int64_t height, int64_t j0, int64_t j1, float *coarse,
+void tc_downsample(const float *fine, int64_t width, int64_t height, bool wrap_x, int64_t j0, int64_t j1, float *coarse,
                    float *scratch)
 {
     int64_t cw = tc_coarse_size(width), evens = tc_coarse_size(height), odds = height / 2, rows = j1 - j0;
@@ -102,7 +108,7 @@ void tc_downsample(const float *fine, int64_t width, int64_t height, int64_t j0,
     int64_t first = j0 - REACH > 0 ? 2 * (j0 - REACH) : 0;
     int64_t end = 2 * (j1 + REACH) < height ? 2 * (j1 + REACH) : height;
     for (int64_t y = first; y < end; y++)
-        lift_row(fine + y * width, width, e, d_row, low + (y - first) * cw);
+        lift_row(fine + y * width, width, wrap_x, e, d_row, low + (y - first) * cw);
 
     band b = {low, first, cw, evens, {line, line + cw, line + 2 * cw}};
     extend_rows(&b, j0, j1);

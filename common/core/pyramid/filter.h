@@ -16,9 +16,9 @@ static inline int64_t tc_coarse_size(int64_t fine)
 }
 
 /* Writes rows j0 <= j < j1 of D(fine): coarse[(j - j0) * tc_coarse_size(width) + i]. Rows are independent of how the
- * range is cut. scratch: tc_downsample_scratch floats. */
+ * range is cut. wrap_x: column 0 follows the last one; only for even widths. scratch: tc_downsample_scratch floats. */
 size_t tc_downsample_scratch(int64_t width, int64_t rows);
-void tc_downsample(const float *fine, int64_t width, int64_t height, int64_t j0, int64_t j1, float *coarse,
+void tc_downsample(const float *fine, int64_t width, int64_t height, bool wrap_x, int64_t j0, int64_t j1, float *coarse,
                    float *scratch);
 
 /* Upsamples along one axis: count + 3 coarse samples at c[-1 * stride] ... c[(count + 1) * stride] give the

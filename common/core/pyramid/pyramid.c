@@ -43,27 +43,81 @@ static tc_rect level_rect(const tc_pyramid *pyramid, int level)
     return (tc_rect){0, 0, l->width, l->height};
 }
 
+bool tc_pyramid_wraps(const tc_pyramid *pyramid, int level)
+{
+    int m = pyramid->info.levels, halvings = m - level;
+    int64_t width = pyramid->level[m - 1].width;
+    return pyramid->info.wraps_x && (width >> halvings) << halvings == width;
+}
+
+/* The first piece of rect, which lies within the rows of a level that wraps, on the level itself. */
+static tc_rect piece_at(const tc_pyramid *pyramid, int level, tc_rect rect)
+{
+    int64_t width = pyramid->level[level - 1].width, x = rect.x0 % width;
+    x += x < 0 ? width : 0;
+    return (tc_rect){x, rect.y0, x + tc_min64(width - x, rect.x1 - rect.x0), rect.y1};
+}
+
+/* rect cut to what there is of the level. */
+static tc_rect cut(const tc_pyramid *pyramid, int level, tc_rect rect)
+{
+    tc_rect all = level_rect(pyramid, level);
+    if (tc_pyramid_wraps(pyramid, level) && rect.x1 > rect.x0) {
+        all.x0 = rect.x0;
+        all.x1 = rect.x1 = tc_min64(rect.x1, rect.x0 + all.x1); /* once around is all */
+    }
+    return tc_rect_intersect(rect, all);
+}
+
 tc_status tc_pyramid_read(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids,
                           ptrdiff_t stride)
 {
-    if (level < 1 || level > pyramid->info.levels || !tc_rect_within(rect, level_rect(pyramid, level)))
+    if (level < 1 || level > pyramid->info.levels)
         return TC_ERR_USAGE;
-    return tc_rect_empty(rect) ? TC_OK : pyramid->class->read(pyramid, level, rect, z, voids, stride);
+    if (tc_rect_within(rect, level_rect(pyramid, level)))
+        return tc_rect_empty(rect) ? TC_OK : pyramid->class->read(pyramid, level, rect, z, voids, stride);
+    if (!tc_pyramid_wraps(pyramid, level) || rect.y0 < 0 || rect.y1 > pyramid->level[level - 1].height)
+        return TC_ERR_USAGE;
+    tc_status status = TC_OK;
+    while (status == TC_OK && !tc_rect_empty(rect)) {
+        tc_rect piece = piece_at(pyramid, level, rect);
+        int64_t width = piece.x1 - piece.x0;
+        status = pyramid->class->read(pyramid, level, piece, z, voids, stride);
+        rect.x0 += width;
+        z += width;
+        voids = voids ? voids + width : NULL;
+    }
+    return status;
 }
 
 bool tc_pyramid_ready(const tc_pyramid *pyramid, int level, tc_rect rect)
 {
-    rect = tc_rect_intersect(rect, level_rect(pyramid, level));
-    return !pyramid->class->ready || tc_rect_empty(rect) || pyramid->class->ready(pyramid, level, rect);
+    bool ready = true;
+    if (!pyramid->class->ready)
+        return true;
+    for (rect = cut(pyramid, level, rect); !tc_rect_empty(rect);) {
+        tc_rect piece = piece_at(pyramid, level, rect);
+        ready = pyramid->class->ready(pyramid, level, piece) && ready; /* all pieces: asking sets them going */
+        rect.x0 += piece.x1 - piece.x0;
+    }
+    return ready;
 }
 
 void tc_pyramid_bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
 {
-    rect = tc_rect_intersect(rect, level_rect(pyramid, level));
-    if (tc_rect_empty(rect))
+    rect = cut(pyramid, level, rect);
+    if (tc_rect_empty(rect)) {
         *z_min_ret = pyramid->info.z_min, *z_max_ret = pyramid->info.z_max;
-    else
-        pyramid->class->bounds(pyramid, level, rect, z_min_ret, z_max_ret);
+        return;
+    }
+    *z_min_ret = INFINITY, *z_max_ret = -INFINITY;
+    while (!tc_rect_empty(rect)) {
+        tc_rect piece = piece_at(pyramid, level, rect);
+        float low, high;
+        pyramid->class->bounds(pyramid, level, piece, &low, &high);
+        *z_min_ret = fminf(*z_min_ret, low), *z_max_ret = fmaxf(*z_max_ret, high);
+        rect.x0 += piece.x1 - piece.x0;
+    }
 }
 
 size_t tc_pyramid_bytes(const tc_pyramid *pyramid)
@@ -75,10 +129,13 @@ tc_status tc_pyramid_height(const tc_pyramid *pyramid, double x, double y, doubl
 {
     int m = pyramid->info.levels;
     const tc_level *l = &pyramid->level[m - 1];
-    double u = fmin(fmax(x / l->spacing_x, 0), (double)(l->width - 1));
+    bool wraps = tc_pyramid_wraps(pyramid, m);
+    double u = x / l->spacing_x;
+    u = wraps ? u - floor(u / (double)l->width) * (double)l->width : fmin(fmax(u, 0), (double)(l->width - 1));
     double v = fmin(fmax(y / l->spacing_y, 0), (double)(l->height - 1));
-    int64_t i = tc_max64(0, tc_min64((int64_t)u, l->width - 2)), j = tc_max64(0, tc_min64((int64_t)v, l->height - 2));
-    tc_rect cell = {i, j, tc_min64(i + 2, l->width), tc_min64(j + 2, l->height)};
+    int64_t i = wraps ? (int64_t)u : tc_clamp64((int64_t)u, 0, tc_max64(l->width - 2, 0));
+    int64_t j = tc_max64(0, tc_min64((int64_t)v, l->height - 2));
+    tc_rect cell = {i, j, wraps ? i + 2 : tc_min64(i + 2, l->width), tc_min64(j + 2, l->height)};
     float z[4];
     tc_status status = tc_pyramid_read(pyramid, m, cell, z, NULL, 2);
     if (status)

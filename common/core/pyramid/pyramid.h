@@ -4,6 +4,8 @@
 
 #include "common/terraclip.h"
 
+/* Rectangles are not empty and lie within the level: what sticks out of a level that wraps is cut into pieces before.
+ */
 typedef struct tc_pyramid_class {
     tc_status (*read)(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
     void (*bounds)(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
@@ -24,8 +26,8 @@ struct tc_pyramid {
 /* Fills in the sizes and spacings of all levels and info.levels from the finest. */
 void tc_pyramid_set_levels(tc_pyramid *pyramid, tc_level finest);
 
-/* Whether reading rect (cut to the level) would take no time to speak of. Where it would, a thread begins to see to it
- * that it soon does not. */
+/* Whether reading rect (cut to the level where that does not wrap) would take no time to speak of. Where it would, a
+ * thread begins to see to it that it soon does not. */
 bool tc_pyramid_ready(const tc_pyramid *pyramid, int level, tc_rect rect);
 
 #endif

@@ -108,7 +108,8 @@ static void downsample_band(void *context, int64_t i)
     }
     memory_level *out = &s->p->level[s->level - 1];
     const memory_level *in = &s->p->level[s->level];
-    tc_downsample(in->z, fine->width, fine->height, j0, j1, out->z + j0 * coarse->width, scratch);
+    bool wraps = tc_pyramid_wraps(&s->p->head, s->level); /* a wrapping result comes from an even halving */
+    tc_downsample(in->z, fine->width, fine->height, wraps, j0, j1, out->z + j0 * coarse->width, scratch);
     /* A coarse sample is void where the fine sample on the same spot is: outlines of holes then meet at shared
      * vertices. */
     if (in->voids)
@@ -182,6 +183,7 @@ static void take_grid(memory_pyramid *p, tc_grid *grid)
         info->z_max = fmaxf(info->z_max, grid->void_height);
     }
     info->void_count = grid->void_count;
+    info->wraps_x = grid->wraps_x;
     info->other_body = is_other_body(&grid->georef);
     p->georef = grid->georef;
     p->level[info->levels - 1].z = grid->z;
