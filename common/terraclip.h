@@ -179,6 +179,7 @@ typedef enum tc_sample_type {
 /* The terrain that a packed file holds, beside its heights. */
 typedef struct tc_pack_terrain {
     int64_t width, height;       /* samples of the finest level */
+    bool wraps_x;                /* column `width` is column 0 */
     double spacing_x, spacing_y; /* metres */
     double z_base;               /* metres; heights given and read are above it */
     tc_georef georef;            /* of the whole; crs_wkt is copied. Its transform runs rows north to south */

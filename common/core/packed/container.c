@@ -219,11 +219,17 @@ static bool read_record(tc_level_record *l, tc_byte_reader *r)
     return true;
 }
 
+/* Older versions can hold what they could all along, and newer ones are for what older readers cannot read. */
+static int version_of(const tc_container *c)
+{
+    return c->info.terrain.wraps_x ? 2 : 1;
+}
+
 tc_status tc_container_write(const tc_container *c, tc_byte_writer *w)
 {
     size_t start = w->size;
     tc_put_bytes(w, magic, sizeof magic);
-    tc_put(w, TC_CONTAINER_VERSION, 4);
+    tc_put(w, (uint64_t)version_of(c), 4);
     tc_put(w, 0, 4), tc_put(w, 0, 4); /* size and checksum of the head, below */
     tc_put(w, (uint64_t)c->info.bytes, 8);
     tc_put(w, 0, 1), tc_put(w, 1, 1); /* atlas: flat; charts */
@@ -294,7 +300,7 @@ static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
     c->info.bytes = (int64_t)tc_get(r, 8);
     *unknown_atlas = tc_get(r, 1) != 0;
     *unknown_atlas |= tc_get(r, 1) != 1;
-    *unknown_atlas |= (c->wrap_x = get_choice(r, 2, &bad)); /* pyramid_packed.c does not read beyond the sides */
+    c->info.terrain.wraps_x = get_choice(r, 2, &bad);
     c->info.mode = (tc_pack_mode)get_choice(r, TC_PACK_LOSSLESS + 1, &bad);
     c->info.codec = (tc_pack_codec)get_choice(r, TC_CODEC_LH04 + 1, &bad);
     c->info.error = tc_get_f64(r);
@@ -325,8 +331,8 @@ tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t si
     if (size < FIXED)
         return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head, found %zu bytes", subject, size);
     uint64_t version = tc_load(bytes + sizeof magic, 4), head = tc_load(bytes + HEAD_SIZE_AT, 4);
-    if (version != TC_CONTAINER_VERSION)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected version %d of the format, found %" PRIu64, subject,
+    if (version < 1 || version > TC_CONTAINER_VERSION)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected version 1 to %d of the format, found %" PRIu64, subject,
                        TC_CONTAINER_VERSION, version);
     if (head < FIXED || head > MOST_HEAD)
         return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a head of %" PRIu64 " bytes", subject, head);
@@ -339,8 +345,8 @@ tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t si
     tc_container c = {0};
     tc_byte_reader reader = {bytes + FIXED, bytes + head, false};
     bool unknown_atlas = false, good = read_head(&c, &reader, &unknown_atlas);
-    if (good && check_layout(&c, (size_t)head)) {
-        c.info.version = TC_CONTAINER_VERSION;
+    if (good && version_of(&c) == (int)version && check_layout(&c, (size_t)head)) {
+        c.info.version = (int)version;
         *c_ret = c;
         return TC_OK;
     }

@@ -14,7 +14,7 @@
 #include "index_page.h"
 
 enum {
-    TC_CONTAINER_VERSION = 1,
+    TC_CONTAINER_VERSION = 2, /* the newest; what needs no more is written as version 1 */
     TC_BASE_SIZE = 16,
     TC_DIRECTORY_ENTRY = 16, /* bytes */
     TC_DIRECTORY_CHUNK = 255 /* entries that share a checksum */
@@ -43,8 +43,8 @@ typedef struct tc_level_record {
 } tc_level_record;
 
 typedef struct tc_container {
-    tc_packed_info info; /* terrain.georef.crs_wkt owned */
-    int wraps_from; /* the coarsest level that wraps; above `levels`: none does */
+    tc_packed_info info;     /* terrain.georef.crs_wkt owned */
+    int wraps_from;          /* the coarsest level that wraps; above `levels`: none does */
     double z_unit, z_origin; /* a height is z_origin + z_unit * k metres above z_base */
     double z_min, z_max;     /* metres above z_base, of the source without voids */
     int64_t voids;           /* of the finest level */

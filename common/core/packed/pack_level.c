@@ -122,11 +122,10 @@ static void load_chunk(void *context, int64_t n)
     tc_error error = {TC_OK, ""};
     tc_status status =
         load->what == LOAD_TRUTH
-            ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, load->stride,
-                            &error)
-        : load->what == LOAD_SOURCE ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
-                                    : tc_pack_mask_rows(s->p, s->coding->l, y0, y1, (uint8_t *)load->to + at,
-                                                        load->stride, &error);
+            ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, load->stride, &error)
+        : load->what == LOAD_SOURCE
+            ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
+            : tc_pack_mask_rows(s->p, s->coding->l, y0, y1, (uint8_t *)load->to + at, load->stride, &error);
     if (!status)
         return;
     pthread_mutex_lock(&load->mutex);
@@ -154,13 +153,11 @@ static tc_status load_group(level_state *s, tc_error *error)
     int64_t j0 = s->t0 * TC_TILE, j1 = tc_min64(s->t1 * TC_TILE, s->ch);
     slide(&s->truth, tc_min64(s->finished * FINE, tc_max64(2 * (j0 - MARGIN), 0)), w, s->beyond);
     int64_t from = s->truth.rect.y1, until = tc_min64(2 * (j1 + MARGIN), h);
-    tc_status status =
-        load_rows(s, LOAD_TRUTH, from, until, tc_plane_at(&s->truth, 0, from), s->truth.stride, error);
+    tc_status status = load_rows(s, LOAD_TRUTH, from, until, tc_plane_at(&s->truth, 0, from), s->truth.stride, error);
     s->truth.rect.y1 = tc_max64(from, until);
     close_ring(&s->truth, from, s->truth.rect.y1, w);
     s->coarse.stride = s->cw + 2 * s->beyond;
-    s->coarse.rect =
-        (tc_rect){-s->beyond, tc_max64(j0 - BEFORE, 0), s->cw + s->beyond, tc_min64(j1 + BEFORE, s->ch)};
+    s->coarse.rect = (tc_rect){-s->beyond, tc_max64(j0 - BEFORE, 0), s->cw + s->beyond, tc_min64(j1 + BEFORE, s->ch)};
     if (!status)
         status = tc_spool_read_round(s->coding->coarse, s->coarse.rect, s->coarse.z, s->coarse.stride, error);
     for (int b = 0; b < TC_BANDS; b++) {
@@ -255,8 +252,8 @@ static tc_status finish_rows(level_state *s, tc_error *error)
         s->voids.stride = w + 2 * s->beyond;
         s->voids.rect = (tc_rect){-s->beyond, tc_max64(y0 - 2 * TC_MASK_MARGIN, 0), w + s->beyond,
                                   tc_min64(y1 + 2 * TC_MASK_MARGIN, h)};
-        status = load_rows(s, LOAD_MASK, s->voids.rect.y0, s->voids.rect.y1, s->voids.v + s->beyond, s->voids.stride,
-                           error);
+        status =
+            load_rows(s, LOAD_MASK, s->voids.rect.y0, s->voids.rect.y1, s->voids.v + s->beyond, s->voids.stride, error);
         if (!status)
             close_mask_ring(&s->voids, w);
     }

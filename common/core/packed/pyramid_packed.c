@@ -245,6 +245,7 @@ static void set_info(packed_pyramid *p, const tc_open_options *o)
     info->z_base = t->z_base;
     info->z_min = (float)c->z_min, info->z_max = (float)c->z_max;
     info->void_count = c->voids;
+    info->wraps_x = c->levels >= c->wraps_from;
     info->other_body = t->georef.semi_major > 0 && (t->georef.semi_major < 6.3e6 || t->georef.semi_major > 6.45e6);
     p->voids = o->has_policy ? o->voids : t->voids;
     p->void_height = (float)((o->has_policy ? o->void_constant : t->void_constant) - t->z_base);
