@@ -6,7 +6,9 @@
  * coarse levels    (pack_level.c)    coarse to fine: tiles encoded against the reconstructed coarser level, and decoded
  *                                 again, so that what the file will give is known and measured
  *     rate      (pack_rate.c)     which quantiser step reaches the target
- *     finish    (pack.c)          the order of all this; head, levels, and the file into its place */
+ *     finish    (pack.c)          the order of all this
+ *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
+ *     file      (pack_file.c)     head, levels, caps, and the file into its place */
 #ifndef TC_PACK_INTERNAL_H
 #define TC_PACK_INTERNAL_H
 
@@ -41,6 +43,7 @@ struct tc_packer {
     float z_min, z_max;
     unsigned lattices; /* of pack_source.c's candidates, those that all heights are multiples of */
     double done;       /* share of the work */
+    double most;       /* share that its own levels take, the rest is for the caps */
     /* Cascade. */
     tc_spool truth[TC_MAX_PYRAMID_LEVELS]; /* [l - 1] height units, base <= l < m */
     tc_detail_histogram histogram[TC_MAX_PYRAMID_LEVELS][TC_BANDS];
@@ -168,7 +171,24 @@ tc_status tc_coding_below(tc_coding *coding, int last, double q, tc_error *error
 /* Mean square error of the last level's samples, in squared height units. */
 double tc_coding_error(const tc_coding *coding);
 
+/* ---- pack_caps.c ----------------------------------------------------------------------------------------------- */
+
+/* Share of a planet's work that its caps are. */
+double tc_pack_caps_share(const tc_pack_terrain *terrain);
+
+/* Packs the polar caps of a planet whose levels are packed, but for files of their own: packers for the caller to
+ * destroy, also where this fails. None where a cap has no height. */
+tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *error);
+
+/* ---- pack_file.c ----------------------------------------------------------------------------------------------- */
+
+/* Puts a file of all that has been packed into its place. */
+tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], tc_error *error);
+
 /* ---- pack.c --------------------------------------------------------------------------------------------------- */
+
+/* Packs what was put, but for the file. */
+tc_status tc_pack_all_levels(tc_packer *p, tc_error *error);
 
 /* Adds to the work done and says so; TC_ERR_IO where the caller wants to stop. */
 tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error);

@@ -319,6 +319,12 @@ const tc_packed_info *tc_pyramid_packed_info(const tc_pyramid *pyramid)
     return p ? &p->file.container.info : NULL;
 }
 
+const tc_container *tc_packed_container(const tc_pyramid *pyramid)
+{
+    packed_pyramid *p = as_packed(pyramid);
+    return p ? &p->file.container : NULL;
+}
+
 tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level)
 {
     packed_pyramid *p = as_packed(pyramid);
