@@ -45,4 +45,18 @@ enum { TC_MOST_ODD = 250 };
 #define TC_CAP_BLEND_END 59.0
 #define TC_CAP_EDGE 52.0
 
+/* The next width from `width` on that is a power of two times at most TC_MOST_ODD: width itself where it is one. */
+int64_t tc_atlas_width(int64_t width);
+
+/* Builds the pyramids of *grid and takes the grid over (it is zeroed, also on failure freed). Its georeference must be
+ * known and geographic (degrees, not rotated). Where it covers 360 degrees, to within half a sample, chart 0 wraps and
+ * its width must be as tc_atlas_width() says; where it reaches both poles too, to within a row, there are caps. Heights
+ * under voids must be filled. Spacings of the pyramids are lengths on the equator of a sphere of that radius, metres.
+ * threads: 0 as many as there are processors. The result does not depend on it. *atlas_ret is freed with
+ * tc_atlas_free(). TC_ERR_USAGE for a grid or a radius that is not as above. */
+tc_status tc_atlas_build(tc_grid *grid, double radius, int threads, tc_atlas *atlas_ret, tc_error *error);
+
+/* Destroys the pyramids and zeroes *atlas. */
+void tc_atlas_free(tc_atlas *atlas);
+
 #endif
