@@ -176,9 +176,9 @@ typedef enum tc_sample_type {
     TC_SAMPLE_FLOAT64
 } tc_sample_type;
 
-/* The terrain that a packed file holds, beside its heights. A planet's georeference is in degrees and not rotated; where
- * it goes once around, the terrain wraps in x, and where it also reaches both poles to within a row, the file gets polar
- * caps, which are made when packing (docs/format.md, section 20). */
+/* The terrain that a packed file holds, beside its heights. A planet's georeference is in degrees and not rotated;
+ * where it goes once around, the terrain wraps in x, and where it also reaches both poles to within a row, the file
+ * gets polar caps, which are made when packing (docs/format.md, section 20). */
 typedef struct tc_pack_terrain {
     int64_t width, height;       /* samples of the finest level */
     bool wraps_x;                /* column `width` is column 0 */

@@ -63,7 +63,8 @@ static tc_status open_range(const char *name, shared *s, int64_t begin, int64_t 
 
 /* ---- Charts ----------------------------------------------------------------------------------------------------- */
 
-/* Places a chart whose finest levels may be missing: its samples are as far apart as those of the level that is left. */
+/* Places a chart whose finest levels may be missing: its samples are as far apart as those of the level that is left.
+ */
 static tc_chart place(tc_pyramid *pyramid, tc_projection projection, double x0, double y0, double dx, double dy)
 {
     int missing = tc_pyramid_packed_info(pyramid)->levels_missing;
@@ -71,17 +72,20 @@ static tc_chart place(tc_pyramid *pyramid, tc_projection projection, double x0, 
         pyramid, projection, x0, y0, ldexp(dx, missing), ldexp(dy, missing), tc_pyramid_info(pyramid)->wraps_x};
 }
 
-/* Whether the head of a container that begins there is all within the file. */
-static tc_status find_head(const char *name, const tc_byte_source *source, int64_t begin, bool *whole_ret,
-                           tc_error *error)
+/* Whether a cap's head is all within the file. */
+static tc_status find_head(const char *name, const tc_byte_source *source, const tc_container *c, int n,
+                           bool *whole_ret, tc_error *error)
 {
     uint8_t bytes[TC_HEAD_FIXED];
+    int64_t begin = tc_container_cap_begin(c, n);
     *whole_ret = begin <= source->size - (int64_t)sizeof bytes;
     tc_status status = *whole_ret ? source->read(source->context, begin, bytes, sizeof bytes) : TC_OK;
     if (status)
         return tc_fail(error, status, "%s: cannot be read: %s", name, tc_status_text(status));
-    if (*whole_ret)
-        *whole_ret = source->size - begin >= (int64_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+    int64_t head = *whole_ret ? (int64_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4) : 0;
+    if (head > c->cap_bytes[n])
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a cap's head of %lld bytes", name, (long long)head);
+    *whole_ret &= source->size - begin >= head;
     return TC_OK;
 }
 
@@ -104,8 +108,7 @@ static tc_status open_cap(const char *name, shared *s, const tc_container *c, in
 {
     int64_t begin = tc_container_cap_begin(c, n), bytes = c->cap_bytes[n];
     tc_pyramid *pyramid;
-    tc_status status =
-        open_range(name, s, begin, tc_min64(bytes, s->source.size - begin), options, &pyramid, error);
+    tc_status status = open_range(name, s, begin, tc_min64(bytes, s->source.size - begin), options, &pyramid, error);
     if (status)
         return status;
     if ((status = check_cap(name, &c->info, pyramid, bytes, globe->dy, error))) {
@@ -134,7 +137,7 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     atlas->charts = 1;
     bool whole = c->info.charts > 1;
     for (int n = 0; n < TC_CAP_CHARTS && whole && !status; n++)
-        status = find_head(name, &s->source, tc_container_cap_begin(c, n), &whole, error);
+        status = find_head(name, &s->source, c, n, &whole, error);
     for (int n = 0; n < TC_CAP_CHARTS && whole && !status; n++)
         if (!(status = open_cap(name, s, c, n, &globe, options, &atlas->chart[1 + n], error)))
             atlas->charts++;

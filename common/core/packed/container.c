@@ -48,9 +48,11 @@ bool tc_terrain_globe(const tc_pack_terrain *t, tc_globe *globe_ret)
     double w = (double)t->width, h = (double)t->height, north = g[3] + 0.5 * g[5], south = g[3] + (h - 0.5) * g[5];
     if (!t->georef.known || !t->georef.geographic || g[2] != 0 || g[4] != 0 || !(g[1] > 0 && g[5] < 0))
         return false;
-    if (!(north <= 90 - slack * g[5] && south >= -90 + slack * g[5] && fabs(g[0]) <= 1e4 && w * g[1] < 360 + 0.5 * g[1]))
+    if (!(north <= 90 - slack * g[5] && south >= -90 + slack * g[5] && fabs(g[0]) <= 1e4 &&
+          w * g[1] < 360 + 0.5 * g[1]))
         return false;
-    bool round = w * g[1] >= 360 - 0.5 * g[1], near = north >= 90 + (1 + slack) * g[5] && south <= -90 - (1 + slack) * g[5];
+    bool round = w * g[1] >= 360 - 0.5 * g[1],
+         near = north >= 90 + (1 + slack) * g[5] && south <= -90 - (1 + slack) * g[5];
     *globe_ret = (tc_globe){.x0 = degree * (g[0] + 0.5 * g[1]),
                             .y0 = degree * south,
                             .dx = round ? 2 * M_PI / w : degree * g[1],

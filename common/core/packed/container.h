@@ -15,10 +15,10 @@
 
 enum {
     TC_CONTAINER_VERSION = 2, /* the newest; what needs no more is written as version 1 */
-    TC_HEAD_FIXED = 20, /* bytes that every head begins with; from TC_HEAD_SIZE_AT on, its size */
+    TC_HEAD_FIXED = 20,       /* bytes that every head begins with; from TC_HEAD_SIZE_AT on, its size */
     TC_HEAD_SIZE_AT = 12,
     TC_BASE_SIZE = 16,
-    TC_DIRECTORY_ENTRY = 16, /* bytes */
+    TC_DIRECTORY_ENTRY = 16,  /* bytes */
     TC_DIRECTORY_CHUNK = 255, /* entries that share a checksum */
     TC_CAP_CHARTS = 2         /* north, south */
 };
@@ -46,11 +46,11 @@ typedef struct tc_level_record {
 } tc_level_record;
 
 typedef struct tc_container {
-    tc_packed_info info;     /* terrain.georef.crs_wkt owned */
-    int wraps_from;          /* the coarsest level that wraps; above `levels`: none does */
-    double z_unit, z_origin; /* a height is z_origin + z_unit * k metres above z_base */
-    double z_min, z_max;     /* metres above z_base, of the source without voids */
-    int64_t voids;           /* of the finest level */
+    tc_packed_info info;              /* terrain.georef.crs_wkt owned */
+    int wraps_from;                   /* the coarsest level that wraps; above `levels`: none does */
+    double z_unit, z_origin;          /* a height is z_origin + z_unit * k metres above z_base */
+    double z_min, z_max;              /* metres above z_base, of the source without voids */
+    int64_t voids;                    /* of the finest level */
     int64_t cap_bytes[TC_CAP_CHARTS]; /* of the caps' containers, which follow level m; planets of 3 charts */
     int levels, base;
     tc_level level[TC_MAX_PYRAMID_LEVELS];         /* [l - 1] */
@@ -69,9 +69,9 @@ void tc_container_free(tc_container *c);
 /* Where cap n, 0 or 1, of a planet with 3 charts begins: behind level m and the caps before. */
 int64_t tc_container_cap_begin(const tc_container *c, int n);
 
-/* A planet's chart of longitude and latitude, radians: sample (i, j) lies at (x0 + i dx, y0 + j dy). round: it goes once
- * around; poles: it also reaches both to within a row, so that there can be caps. False where the terrain's georeference
- * has no such chart. */
+/* A planet's chart of longitude and latitude, radians: sample (i, j) lies at (x0 + i dx, y0 + j dy). round: it goes
+ * once around; poles: it also reaches both to within a row, so that there can be caps. False where the terrain's
+ * georeference has no such chart. */
 typedef struct tc_globe {
     double x0, y0, dx, dy;
     bool round, poles;

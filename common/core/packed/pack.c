@@ -211,7 +211,7 @@ tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
     c->z_min = p->z_min, c->z_max = p->z_max;
     tc_status status = tc_pack_moments(p, &c->info.mean, &c->info.deviation, error);
     c->info.mean += t->z_base;
-    if (!status && c->voids)
+    if (!status && c->voids && !p->filled)
         status = tc_pack_fill(p, error);
     int32_t bound = 0, lattice = 1;
     if (!status)

@@ -158,10 +158,13 @@ static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const cap_memory 
     tc_pack_options options = options_of(p);
     tc_status status = tc_packer_create(p->path, &t, &options, cap_ret, error);
     int64_t rows = tc_clamp64(((int64_t)1 << 20) / side, 1, side);
+    if (!status)
+        (*cap_ret)->filled = true;
     for (int64_t y = 0; y < side && !status; y += rows) {
         tc_rect rect = {0, y, side, tc_min64(y + rows, side)};
         const uint8_t *voids = memory->target.voids;
-        status = tc_packer_put(*cap_ret, rect, memory->target.z + y * side, voids ? voids + y * side : NULL, side, error);
+        status =
+            tc_packer_put(*cap_ret, rect, memory->target.z + y * side, voids ? voids + y * side : NULL, side, error);
     }
     return status ? status : tc_pack_all_levels(*cap_ret, error);
 }

@@ -36,6 +36,7 @@ struct tc_packer {
     tc_container container;
     tc_pack_result result;
     /* Put. */
+    bool filled;     /* heights under voids are given, in whole rows, each once */
     tc_spool source; /* floats; see pack_source.c */
     tc_spool mask;   /* bytes, 1 void; none where no sample is */
     tc_rect *given;  /* rectangles so far, where not of whole rows in order */
