@@ -201,6 +201,23 @@ static void find_columns(const tc_lonlat *grid, double longitude, columns *c)
     c->nearest = c->column[u - start < 0.5 ? 1 : 2];
 }
 
+static double between(const columns *c, const float *row)
+{
+    double sum = 0;
+    for (int i = 0; i < 4; i++)
+        sum += c->weight[i] * (double)row[c->column[i]];
+    return sum;
+}
+
+/* The pole lies on all meridians. */
+static double mean(const float *row, int64_t width)
+{
+    double sum = 0;
+    for (int64_t i = 0; i < width; i++)
+        sum += (double)row[i] - (double)row[0];
+    return (double)row[0] + sum / (double)width;
+}
+
 static void write_sample(const tc_caps *caps, const cap *p, int64_t k, double theta, double longitude, int64_t at)
 {
     const tc_lonlat *grid = &caps->grid;
@@ -218,10 +235,7 @@ static void write_sample(const tc_caps *caps, const cap *p, int64_t k, double th
         int64_t slot = real_row(p, k - 1 + n, &turned) % SLOTS;
         const columns *c = &there[turned];
         const float *row = p->z + slot * grid->width;
-        double sum = 0;
-        for (int i = 0; i < 4; i++)
-            sum += c->weight[i] * (double)row[c->column[i]];
-        z += weight[n] * sum;
+        z += weight[n] * (theta > 0 ? between(c, row) : mean(row, grid->width));
         if (n == nearest && p->voids)
             p->target.voids[at] = p->voids[slot * grid->width + c->nearest];
     }
