@@ -325,6 +325,12 @@ const tc_container *tc_packed_container(const tc_pyramid *pyramid)
     return p ? &p->file.container : NULL;
 }
 
+int64_t tc_packed_chart_bytes(const tc_pyramid *pyramid)
+{
+    const tc_container *c = tc_packed_container(pyramid);
+    return c ? tc_container_cap_begin(c, 0) : 0;
+}
+
 tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level)
 {
     packed_pyramid *p = as_packed(pyramid);
