@@ -1,0 +1,236 @@
+/* test_planet_load.c - planets from files: where their samples lie, and what is refused. */
+#include "tests/support/test.h"
+
+#include "common/shell/planet.h"
+#include "common/shell/planet_place.h"
+#include "tests/support/loading.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double degree = 0.017453292519943295;
+
+/* A function on the sphere that has no symmetry. */
+static double relief(double longitude, double latitude)
+{
+    double x = cos(latitude * degree) * cos(longitude * degree), y = cos(latitude * degree) * sin(longitude * degree);
+    double z = sin(latitude * degree);
+    return 2000 * x * y + 1500 * z + 1000 * x + 700 * y * z;
+}
+
+/* A map of it. The first sample, north-west, lies at (west, north). */
+typedef struct map {
+    int width, height;
+    double west, north, step; /* degrees */
+    bool point;
+    int epsg;
+    double hole; /* degrees of longitude around which 30 degrees are void; 0 none */
+} map;
+
+static const char *make_map(const char *name, const map *m)
+{
+    float *z = malloc((size_t)(m->width * m->height) * sizeof *z);
+    for (int row = 0; row < m->height; row++)
+        for (int column = 0; column < m->width; column++) {
+            double longitude = m->west + column * m->step, latitude = m->north - row * m->step;
+            bool hole = m->hole != 0 && cos((longitude - m->hole) * degree) > cos(15 * degree) && fabs(latitude) < 20;
+            z[row * m->width + column] = hole ? -9999 : (float)relief(longitude, latitude);
+        }
+    double corner = m->point ? 0 : 0.5; /* of point registration the file names the first sample */
+    const double t[6] = {m->west - corner * m->step, m->step, 0, m->north + corner * m->step, 0, -m->step};
+    made_tiff tiff = {.width = m->width,
+                      .height = m->height,
+                      .bits = 32,
+                      .format = MADE_FLOAT,
+                      .samples = z,
+                      .transform = t,
+                      .epsg = m->epsg,
+                      .point = m->point,
+                      .nodata = "-9999"};
+    const char *path = made_path(name);
+    make_tiff(path, &tiff);
+    free(z);
+    return path;
+}
+
+static void hear(void *context, bool warning, const char *line)
+{
+    sayings *s = context;
+    *(warning ? &s->warnings : &s->notes) += 1;
+    size_t used = strlen(s->text);
+    snprintf(s->text + used, sizeof s->text - used, "%s\n", line);
+}
+
+static tc_planet planet_of(const char *path, double radius, bool whole, sayings *said)
+{
+    static sayings unheard;
+    said = said ? said : &unheard;
+    *said = (sayings){0};
+    const tc_source_options options = {.say = hear, .say_context = said};
+    tc_planet planet;
+    tc_error error = {0};
+    if (tc_planet_load(path, &options, radius, whole, 2, &planet, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    return planet;
+}
+
+static void planet_refused(const char *path, double radius, bool whole, tc_status status, const char *word)
+{
+    tc_planet planet = {0};
+    tc_error error = {0};
+    tc_status found = tc_planet_load(path, NULL, radius, whole, 1, &planet, &error);
+    if (found != status || !strstr(error.text, word) || strchr(error.text, '\n'))
+        fail_msg("expected status %d and \"%s\", found %d: %s", (int)status, word, (int)found, error.text);
+    assert_null(planet.atlas.chart[0].pyramid);
+}
+
+/* Largest difference between a chart's finest level and the function. */
+static double chart_error(const tc_chart *c)
+{
+    const int m = tc_pyramid_info(c->pyramid)->levels;
+    tc_level level = tc_pyramid_level(c->pyramid, m);
+    double largest = 0;
+    for (int64_t j = 0; j < level.height; j++)
+        for (int64_t i = 0; i < level.width; i++) {
+            double x = c->x0 + (double)i * c->dx, y = c->y0 + (double)j * c->dy, longitude = x, latitude = y;
+            if (c->projection != TC_LONLAT) {
+                longitude = atan2(y, x);
+                latitude = 90 * degree - 2 * atan(0.5 * hypot(x, y));
+                latitude *= c->projection == TC_CAP_SOUTH ? -1 : 1;
+            }
+            float z;
+            assert_int_equal(tc_pyramid_read(c->pyramid, m, (tc_rect){i, j, i + 1, j + 1}, &z, NULL, 1), TC_OK);
+            largest = fmax(largest, fabs(z - relief(longitude / degree, latitude / degree)));
+        }
+    return largest;
+}
+
+static void globes_of_every_kind(void **state)
+{
+    (void)state;
+    static const struct {
+        map map;
+        int64_t width, height;
+    } kinds[] = {
+        {{360, 180, -179.5, 89.5, 1, false, 4326, 0}, 360, 180},
+        {{360, 180, 0.5, 89.5, 1, false, 4326, 0}, 360, 180},
+        {{360, 180, 0, 89.5, 1, false, 4326, 0}, 360, 180},
+        {{360, 180, 100.25, 89.5, 1, true, 4326, 0}, 360, 180},
+        {{361, 181, -180, 90, 1, true, 4326, 0}, 360, 181},
+        {{361, 181, 0, 90, 1, false, 4326, 0}, 360, 181},
+        {{360, 182, -180, 90.5, 1, true, 4326, 0}, 360, 180}, /* first and last row beyond the poles */
+        {{362, 181, -180, 90, 1, true, 4326, 0}, 360, 181},
+        {{360, 179, -180, 89, 1, true, 4326, 0}, 360, 179},
+        {{720, 361, -180, 90, 0.5, true, 0, 0}, 720, 361}, /* no coordinate system */
+        {{301, 151, 0, 90, 1.2, true, 4326, 0}, 300, 151},
+        {{511, 256, -180, 90, 360. / 511, true, 4326, 0}, 512, 256}, /* resampled */
+        {{257, 129, -180, 90, 360. / 257, true, 4326, 0}, 258, 129},
+    };
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        tc_planet p = planet_of(make_map("globe.tif", &kinds[k].map), 0, true, NULL);
+        if (p.width != kinds[k].width || p.height != kinds[k].height)
+            fail_msg("kind %zu: found %d x %d", k, (int)p.width, (int)p.height);
+        assert_int_equal(p.atlas.charts, 3);
+        assert_true(p.atlas.chart[0].wraps && p.atlas.radius == (kinds[k].map.epsg ? 6378137 : 6371000));
+        assert_true(fabs(p.georef.transform[1] * (double)p.width - 360) < 1e-9 && p.georef.known &&
+                    p.georef.geographic);
+        for (int c = 0; c < 3; c++) {
+            double error = chart_error(&p.atlas.chart[c]);
+            if (error > 0.05)
+                fail_msg("kind %zu, chart %d: off by %g", k, c, error);
+        }
+        tc_planet_close(&p);
+    }
+}
+
+static void maps_without_caps(void **state)
+{
+    (void)state;
+    const map belt = {360, 120, -180, 59.5, 1, true, 4326, 0}, part = {200, 90, 170, 45, 0.1, true, 4326, 0};
+    tc_planet p = planet_of(make_map("belt.tif", &belt), 1e6, true, NULL);
+    assert_true(p.atlas.charts == 1 && p.atlas.chart[0].wraps && p.atlas.radius == 1e6);
+    assert_true(chart_error(&p.atlas.chart[0]) < 1e-3);
+    tc_planet_close(&p);
+    p = planet_of(make_map("part.tif", &part), 0, false, NULL);
+    assert_true(p.atlas.charts == 1 && !p.atlas.chart[0].wraps && p.width == 200);
+    assert_true(chart_error(&p.atlas.chart[0]) < 1e-3);
+    tc_planet_close(&p);
+    planet_refused(made_path("part.tif"), 0, true, TC_ERR_USAGE, "found 20");
+}
+
+static void pictures_of_a_globe(void **state)
+{
+    (void)state;
+    uint16_t samples[32 * 16];
+    for (int i = 0; i < 32 * 16; i++)
+        samples[i] = (uint16_t)(100 + i);
+    const char *path = made_path("picture.png");
+    make_png(path, 32, 16, 16, 0, samples);
+    sayings said;
+    tc_planet p = planet_of(path, 1737400, true, &said);
+    assert_true(said.warnings == 1 && strstr(said.text, "whole globe") && !strstr(said.text, "1 m apart"));
+    assert_int_equal(p.atlas.charts, 3);
+    assert_true(p.georef.transform[0] == -180 && p.georef.transform[3] == 90);
+    assert_true(tc_pyramid_info(p.atlas.chart[0].pyramid)->other_body);
+    assert_true(tc_pyramid_info(p.atlas.chart[1].pyramid)->other_body);
+    tc_planet_close(&p);
+    make_png(path, 16, 16, 16, 0, samples);
+    planet_refused(path, 0, false, TC_ERR_UNSUPPORTED, "16 x 16");
+}
+
+/* A hole on the map's edge is filled as one inside. */
+static void voids_across_the_seam(void **state)
+{
+    (void)state;
+    const map inside = {360, 180, -179.5, 89.5, 1, false, 4326, 0.5}, edge = {360, 180, 0.5, 89.5, 1, false, 4326, 0.5};
+    tc_planet p[2] = {planet_of(make_map("inside.tif", &inside), 0, true, NULL),
+                      planet_of(make_map("edge.tif", &edge), 0, true, NULL)};
+    int m = tc_pyramid_info(p[0].atlas.chart[0].pyramid)->levels;
+    int64_t voids = 0;
+    for (int64_t j = 0; j < 180; j++) {
+        float a[360], b[360];
+        uint8_t va[360], vb[360];
+        assert_int_equal(tc_pyramid_read(p[0].atlas.chart[0].pyramid, m, (tc_rect){180, j, 540, j + 1}, a, va, 360), 0);
+        assert_int_equal(tc_pyramid_read(p[1].atlas.chart[0].pyramid, m, (tc_rect){0, j, 360, j + 1}, b, vb, 360), 0);
+        assert_memory_equal(va, vb, 360);
+        for (int i = 0; i < 360; i++) {
+            voids += va[i];
+            assert_true(fabsf(a[i] - b[i]) < 0.5f);
+        }
+    }
+    assert_true(voids > 1000 && voids == tc_pyramid_info(p[1].atlas.chart[0].pyramid)->void_count);
+    tc_planet_close(&p[0]), tc_planet_close(&p[1]);
+}
+
+static void what_is_no_planet_is_refused(void **state)
+{
+    (void)state;
+    const map good = {36, 18, -175, 85, 10, false, 4326, 0}, beyond = {360, 180, -179.5, 100, 1, false, 4326, 0};
+    const map projected = {36, 18, 500000, 5e6, 30, false, 32632, 0};
+    const map nothing = {36, 18, 500000, 5e6, 30, false, 0, 0};
+    const char *path = make_map("good.tif", &good);
+    tc_planet p = planet_of(path, 0, true, NULL);
+    tc_planet_close(&p);
+    planet_refused(path, -1, false, TC_ERR_USAGE, "radius");
+    planet_refused(path, NAN, false, TC_ERR_USAGE, "radius");
+    planet_refused(path, INFINITY, false, TC_ERR_USAGE, "radius");
+    planet_refused(path, 1000, false, TC_ERR_FORMAT, "radius of 1000 m");
+    planet_refused(make_map("beyond.tif", &beyond), 0, false, TC_ERR_FORMAT, "found -79 to 100");
+    planet_refused(make_map("projected.tif", &projected), 0, false, TC_ERR_UNSUPPORTED, "gdalwarp -t_srs");
+    planet_refused(make_map("nothing.tif", &nothing), 0, false, TC_ERR_UNSUPPORTED, "gdalwarp -t_srs");
+    planet_refused(made_path("missing.tif"), 0, false, TC_ERR_IO, "missing.tif");
+    const tc_source_options options = {.spacing = 30};
+    assert_int_equal(tc_planet_load(path, &options, 0, false, 1, &p, NULL), TC_ERR_USAGE);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(globes_of_every_kind),         cmocka_unit_test(maps_without_caps),
+        cmocka_unit_test(pictures_of_a_globe),          cmocka_unit_test(voids_across_the_seam),
+        cmocka_unit_test(what_is_no_planet_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, remove_folder);
+}
