@@ -176,9 +176,13 @@ typedef enum tc_sample_type {
     TC_SAMPLE_FLOAT64
 } tc_sample_type;
 
-/* The terrain that a packed file holds, beside its heights. */
+/* The terrain that a packed file holds, beside its heights. A planet's georeference is in degrees and not rotated;
+ * where it goes once around, the terrain wraps in x, and where it also reaches both poles to within a row, the file
+ * gets polar caps, which are made when packing (docs/format.md, section 20). */
 typedef struct tc_pack_terrain {
     int64_t width, height;       /* samples of the finest level */
+    bool wraps_x;                /* column `width` is column 0 */
+    double radius;               /* metres, of the planet that this is on; 0: a flat terrain */
     double spacing_x, spacing_y; /* metres */
     double z_base;               /* metres; heights given and read are above it */
     tc_georef georef;            /* of the whole; crs_wkt is copied. Its transform runs rows north to south */
@@ -246,6 +250,8 @@ typedef struct tc_packed_info {
     tc_pack_codec codec;
     double error; /* metres, as asked for when packing */
     tc_pack_terrain terrain;
+    int charts;             /* 1, or 3 of a planet with polar caps */
+    bool cut_short;         /* the file has fewer bytes than its header says */
     int levels_missing;     /* finest levels that a file cut short lacks */
     double mean, deviation; /* metres (z_base included), of the finest level */
 } tc_packed_info;

@@ -1,9 +1,11 @@
 /* height.c - `terraclip height`: heights at points, of a packed terrain or of any DEM.
  *
  * A point is taken to columns and rows by the file's transform, and from there to samples of a level. Heights are those
- * of the level's mesh of triangles: what the viewers draw. */
+ * of the level's mesh of triangles: what the viewers draw. Around a planet longitudes go on, and between its last row and
+ * the pole the polar cap has the height. */
 #include "height.h"
 
+#include "common/core/atlas/atlas_packed.h"
 #include "common/core/base/mesh.h"
 #include "common/core/base/rect.h"
 #include "common/core/base/status.h"
@@ -73,6 +75,7 @@ void tc_height_help(FILE *file)
             "FILE is a packed terrain, a DEM or a picture of heights. Where it has geographic coordinates a point is\n"
             "LON LAT in degrees; where it has projected ones X Y of its coordinate system; without a georeference\n"
             "metres east and north of its south-west sample. Heights are those of the mesh between samples.\n"
+            "Around a planet every longitude will do, and every latitude from pole to pole.\n"
             "A point outside is an error; one of the standard input is told as nan, and the exit code is 1.\n\n");
     tc_arguments_print(&line, file);
 }
@@ -81,6 +84,7 @@ void tc_height_help(FILE *file)
 
 typedef struct place {
     const tc_terrain *terrain;
+    const tc_atlas *atlas; /* of a packed planet, else zero */
     int level;
     double stride_x, stride_y; /* finest samples between those of the level */
 } place;
@@ -116,6 +120,11 @@ static bool locate(const place *p, double x, double y, double *u, double *v)
         *v = y / level.spacing_y * p->stride_y;
         return inside(p, *u, *v);
     }
+    if (tc_pyramid_info(t->pyramid)->wraps_x) {
+        to_samples(p, x, y, u, v);
+        *u -= floor(*u / (double)t->width) * (double)t->width;
+        return p->atlas->charts ? fabs(y) <= 90 : *v >= -tolerance && *v <= (double)(t->height - 1) + tolerance;
+    }
     /* Longitudes repeat. */
     for (int turn = 0; turn < (t->georef.geographic ? 3 : 1); turn++) {
         to_samples(p, x + (turn == 1 ? 360 : turn == 2 ? -360 : 0), y, u, v);
@@ -125,21 +134,21 @@ static bool locate(const place *p, double x, double y, double *u, double *v)
     return false;
 }
 
-/* Height of the level's mesh at a point in finest samples; beyond its last samples that of the nearest point. NaN
- * where a void is left out. */
-static tc_status read_height(const place *p, double u, double v, double *z_ret)
+/* Height of a level's mesh at a point in its samples; beyond its last samples that of the nearest point. NaN where a
+ * void is left out. */
+static tc_status read_mesh(const place *p, const tc_pyramid *pyramid, int level, double u, double v, double *z_ret)
 {
-    const tc_pyramid *pyramid = p->terrain->pyramid;
-    const tc_level l = tc_pyramid_level(pyramid, p->level);
-    u = fmin(fmax(u / p->stride_x, 0), (double)(l.width - 1));
-    v = fmin(fmax(v / p->stride_y, 0), (double)(l.height - 1));
-    int64_t i = tc_clamp64((int64_t)u, 0, tc_max64(0, l.width - 2)),
+    const tc_level l = tc_pyramid_level(pyramid, level);
+    bool wraps = tc_pyramid_wraps(pyramid, level);
+    u = wraps ? fmax(u, 0) : fmin(fmax(u, 0), (double)(l.width - 1));
+    v = fmin(fmax(v, 0), (double)(l.height - 1));
+    int64_t i = tc_clamp64((int64_t)u, 0, wraps ? l.width - 1 : tc_max64(0, l.width - 2)),
             j = tc_clamp64((int64_t)v, 0, tc_max64(0, l.height - 2));
     double tx = u - (double)i, ty = v - (double)j;
-    tc_rect cell = {i, j, tc_min64(i + 2, l.width), tc_min64(j + 2, l.height)};
+    tc_rect cell = {i, j, wraps ? i + 2 : tc_min64(i + 2, l.width), tc_min64(j + 2, l.height)};
     float z[4] = {0};
     uint8_t voids[4] = {0};
-    tc_status status = tc_pyramid_read(pyramid, p->level, cell, z, voids, 2);
+    tc_status status = tc_pyramid_read(pyramid, level, cell, z, voids, 2);
     if (status != TC_OK)
         return status;
     *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], tx, ty) + tc_pyramid_info(pyramid)->z_base;
@@ -151,6 +160,27 @@ static tc_status read_height(const place *p, double u, double v, double *z_ret)
         if (voids[k] && shares[k] > 0)
             *z_ret = NAN;
     return TC_OK;
+}
+
+/* The same on a polar cap, at the level whose samples are about as far apart. */
+static tc_status read_cap(const place *p, double longitude, double latitude, double *z_ret)
+{
+    const double degree = 3.141592653589793 / 180;
+    const tc_chart *cap = &p->atlas->chart[latitude > 0 ? 1 : 2];
+    int levels = tc_pyramid_info(cap->pyramid)->levels, missing = tc_pyramid_packed_info(cap->pyramid)->levels_missing;
+    int level = (int)tc_clamp64(levels + missing - (int)lrint(log2(p->stride_y)), 1, levels);
+    double r = 2 * tan(0.5 * (90 - fabs(latitude)) * degree), spacing = ldexp(cap->dx, levels - level);
+    return read_mesh(p, cap->pyramid, level, (r * cos(longitude * degree) - cap->x0) / spacing,
+                     (r * sin(longitude * degree) - cap->y0) / spacing, z_ret);
+}
+
+/* Height of the level at (x, y), which lies at (u, v) in finest samples. */
+static tc_status read_height(const place *p, double x, double y, double u, double v, double *z_ret)
+{
+    bool beyond = v < 0 || v > (double)(p->terrain->height - 1);
+    if (beyond && p->atlas->charts == TC_MAX_CHARTS)
+        return read_cap(p, x, y, z_ret);
+    return read_mesh(p, p->terrain->pyramid, p->level, u / p->stride_x, v / p->stride_y, z_ret);
 }
 
 static void print_height(double z)
@@ -171,7 +201,7 @@ static tc_status tell_one(const struct arguments *a, const place *p, double x, d
                        "%s %s: expected a point of %s, found one outside, at column %.2f of %" PRId64
                        " and row %.2f of %" PRId64 " from the south-west",
                        a->texts[0], a->texts[1], a->file, u, p->terrain->width, v, p->terrain->height);
-    tc_status status = read_height(p, u, v, &z);
+    tc_status status = read_height(p, x, y, u, v, &z);
     if (status != TC_OK)
         return tc_fail(error, status, "%s: cannot be read: %s", a->file, tc_status_text(status));
     print_height(z);
@@ -210,7 +240,7 @@ static tc_status tell_all(const struct arguments *a, const place *p, tc_error *e
             outside++;
             print_height(NAN);
         } else {
-            status = read_height(p, u, v, &z);
+            status = read_height(p, x, y, u, v, &z);
             if (status != TC_OK)
                 tc_fail(error, status, "%s: cannot be read: %s", a->file, tc_status_text(status));
             else
@@ -235,17 +265,20 @@ static void say(void *context, bool warning, const char *text)
         fprintf(stderr, "terraclip: %s%s\n", warning ? "warning: " : "", text);
 }
 
-static tc_status tell(const struct arguments *a, const tc_terrain *terrain, double x, double y, tc_error *error)
+static tc_status tell(const struct arguments *a, const tc_terrain *terrain, const tc_atlas *atlas, double x, double y,
+                      tc_error *error)
 {
     int levels = tc_pyramid_info(terrain->pyramid)->levels;
     if (a->level > levels)
         return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
-    place p = {.terrain = terrain, .level = a->level ? a->level : levels};
+    place p = {.terrain = terrain, .atlas = atlas, .level = a->level ? a->level : levels};
     const tc_level level = tc_pyramid_level(terrain->pyramid, p.level);
     p.stride_x = rint(level.spacing_x / terrain->spacing_x);
     p.stride_y = rint(level.spacing_y / terrain->spacing_y);
     tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
     int64_t damaged = tc_terrain_damaged(terrain->pyramid);
+    for (int c = 1; c < atlas->charts; c++)
+        damaged += tc_terrain_damaged(atlas->chart[c].pyramid);
     if (status == TC_OK && damaged > 0)
         status = tc_fail(error, TC_ERR_FORMAT,
                          "%s: damaged: %" PRId64 " tiles could not be read; the next coarser level stood in", a->file,
@@ -272,8 +305,15 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
     a.source.say_context = &a;
     tc_terrain terrain = {0};
     status = tc_terrain_open(a.file, &a.source, 0, &terrain, error);
+    const tc_packed_info *packed = status == TC_OK ? tc_pyramid_packed_info(terrain.pyramid) : NULL;
+    const tc_open_options how = {
+        .has_policy = a.source.has_voids, .voids = a.source.voids, .void_constant = a.source.void_constant};
+    tc_atlas atlas = {0};
+    if (packed && packed->terrain.radius > 0)
+        status = tc_atlas_open(a.file, &how, &atlas, error);
     if (status == TC_OK)
-        status = tell(&a, &terrain, point[0], point[1], error);
+        status = tell(&a, &terrain, &atlas, point[0], point[1], error);
+    tc_atlas_free(&atlas);
     tc_terrain_close(&terrain);
     return status;
 }

@@ -1,7 +1,9 @@
 /* info.c - `terraclip info`: what a packed terrain holds, from its header alone. */
 #include "info.h"
 
+#include "common/core/atlas/atlas_packed.h"
 #include "common/core/base/status.h"
+#include "common/core/packed/packed_file.h"
 #include "common/shell/arguments.h"
 #include "common/shell/json.h"
 #include "common/shell/terrain.h"
@@ -49,6 +51,7 @@ static const char *const type_names[] = {"uint8",  "int8",  "uint16",  "int16", 
 /* All that is told. */
 typedef struct facts {
     const tc_pyramid *pyramid;
+    const tc_atlas *atlas; /* of a planet; else zero */
     const tc_packed_info *packed;
     const tc_terrain_info *info;
     tc_packed_level finest;
@@ -64,9 +67,9 @@ static void name_crs(const char *wkt, char *name, size_t capacity)
     snprintf(name, capacity, "%.*s", length, start ? start + 1 : "");
 }
 
-static facts gather(const tc_pyramid *pyramid)
+static facts gather(const tc_pyramid *pyramid, const tc_atlas *atlas)
 {
-    facts f = {.pyramid = pyramid, .packed = tc_pyramid_packed_info(pyramid), .info = tc_pyramid_info(pyramid)};
+    facts f = {.pyramid = pyramid, .atlas = atlas, .packed = tc_pyramid_packed_info(pyramid), .info = tc_pyramid_info(pyramid)};
     const tc_pack_terrain *t = &f.packed->terrain;
     f.finest = tc_pyramid_packed_level(pyramid, f.info->levels);
     f.bits = 8 * (double)f.packed->bytes / ((double)t->width * (double)t->height);
@@ -81,10 +84,39 @@ static void print_key(const char *name, double value)
     printf(",\n");
 }
 
+static bool is_planet(const facts *f)
+{
+    return f->packed->terrain.radius > 0;
+}
+
+/* The charts that can be read, their names as in the format. */
+static const char *const chart_names[TC_MAX_CHARTS] = {"lonlat", "north cap", "south cap"};
+
+static void print_planet_json(const facts *f)
+{
+    print_key("radius_m", f->packed->terrain.radius);
+    printf("  \"charts\": [");
+    for (int c = 0; c < f->atlas->charts; c++) {
+        const tc_pyramid *chart = f->atlas->chart[c].pyramid;
+        const tc_pack_terrain *t = &tc_pyramid_packed_info(chart)->terrain;
+        int levels = tc_pyramid_info(chart)->levels;
+        printf("%s\n    {\"chart\": \"%s\", \"width\": %" PRId64 ", \"height\": %" PRId64 ", \"bytes\": %" PRId64
+               ", \"levels\": %d, \"levels_missing\": %d, \"rms_m\": ",
+               c ? "," : "", chart_names[c], t->width, t->height, tc_packed_chart_bytes(chart), levels,
+               tc_pyramid_packed_info(chart)->levels_missing);
+        tc_json_number(tc_pyramid_packed_level(chart, levels).rms, stdout);
+        printf("}");
+    }
+    printf("\n  ],\n");
+}
+
 static void print_json(const facts *f)
 {
     const tc_pack_terrain *t = &f->packed->terrain;
-    printf("{\n  \"version\": %d,\n  \"atlas\": \"flat\",\n  \"levels\": [\n", f->packed->version);
+    printf("{\n  \"version\": %d,\n  \"atlas\": \"%s\",\n", f->packed->version, is_planet(f) ? "lonlat" : "flat");
+    if (is_planet(f))
+        print_planet_json(f);
+    printf("  \"levels\": [\n");
     for (int l = 1; l <= f->info->levels; l++) {
         const tc_level level = tc_pyramid_level(f->pyramid, l);
         const tc_packed_level packed = tc_pyramid_packed_level(f->pyramid, l);
@@ -156,6 +188,19 @@ static void print_place(const facts *f)
     printf("  coordinates    %s\n", *f->crs ? f->crs : "not named");
 }
 
+static void print_planet(const facts *f)
+{
+    printf("  planet         radius %.10g m, %s\n", f->packed->terrain.radius,
+           f->packed->terrain.wraps_x ? "once around" : "a part of it");
+    for (int c = 1; c < f->atlas->charts; c++) {
+        const tc_pyramid *chart = f->atlas->chart[c].pyramid;
+        const tc_pack_terrain *t = &tc_pyramid_packed_info(chart)->terrain;
+        printf("  %s      %" PRId64 " x %" PRId64 " samples, ", chart_names[c], t->width, t->height);
+        print_bytes(tc_packed_chart_bytes(chart));
+        printf(", rms %.4g m\n", tc_pyramid_packed_level(chart, tc_pyramid_info(chart)->levels).rms);
+    }
+}
+
 static void print_table(const facts *f, const char *path)
 {
     const tc_pack_terrain *t = &f->packed->terrain;
@@ -165,6 +210,8 @@ static void print_table(const facts *f, const char *path)
     printf("  size           %" PRId64 " x %" PRId64 " samples every %.6g x %.6g m\n", t->width, t->height,
            t->spacing_x, t->spacing_y);
     print_place(f);
+    if (is_planet(f))
+        print_planet(f);
     printf("  heights        %.2f to %.2f m, mean %.2f m, deviation %.2f m\n", f->info->z_base + f->info->z_min,
            f->info->z_base + f->info->z_max, f->packed->mean, f->packed->deviation);
     printf("  voids          %" PRId64 ", shown as %s", f->info->void_count, policy_names[t->voids]);
@@ -209,13 +256,21 @@ tc_status tc_info_main(int argc, char **argv, tc_error *error)
         status = tc_terrain_open_packed(a.file, &(tc_source_options){.say = say, .say_context = &a}, &terrain, error);
     if (status != TC_OK)
         return status;
-    const facts f = gather(terrain.pyramid);
+    tc_atlas atlas = {0};
+    if (tc_pyramid_packed_info(terrain.pyramid)->terrain.radius > 0)
+        status = tc_atlas_open(a.file, NULL, &atlas, error);
+    if (status != TC_OK) {
+        tc_terrain_close(&terrain);
+        return status;
+    }
+    const facts f = gather(terrain.pyramid, &atlas);
     if (a.json)
         print_json(&f);
     else
         print_table(&f, a.file);
     if (!a.json && a.verbose && f.packed->terrain.georef.crs_wkt)
         printf("\n%s\n", f.packed->terrain.georef.crs_wkt);
+    tc_atlas_free(&atlas);
     tc_terrain_close(&terrain);
     return TC_OK;
 }

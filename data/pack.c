@@ -11,6 +11,7 @@
 #include "common/shell/json.h"
 #include "common/shell/mosaic.h"
 #include "common/shell/numbers.h"
+#include "pack_planet.h"
 #include "progress.h"
 
 #include <inttypes.h>
@@ -89,8 +90,10 @@ static const tc_option table[] = {
      offsetof(struct arguments, source)},
 
     {.help = "Planets"},
-    TC_SWITCH(struct arguments, planet, 0, "planet", "not in this version"),
-    {0, "radius", "M", "metres, 1 or more", "not in this version", read_radius, offsetof(struct arguments, radius)},
+    TC_SWITCH(struct arguments, planet, 0, "planet",
+              "the inputs go around a globe: polar caps are packed too, and the levels of detail join at its seam"),
+    {0, "radius", "M", "metres, 1 or more",
+     "of the planet (the semi-major axis of the coordinate system, else 6371000)", read_radius, offsetof(struct arguments, radius)},
     {0, "atlas", "NAME", "lonlat, hex or cube", "lonlat: as the inputs are; hex, cube: not in this version (lonlat)",
      read_atlas, offsetof(struct arguments, atlas)},
 
@@ -148,8 +151,8 @@ static tc_status check_together(const struct arguments *a, tc_error *error)
                        a->lossless ? "--lossless" : "--max-error");
     if (a->radius > 0 && !a->planet)
         return tc_fail(error, TC_ERR_USAGE, "--radius: expected --planet with it, found none");
-    if (a->planet)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "--planet: expected flat terrains, planets are not in this version");
+    if (a->planet && a->source.spacing > 0)
+        return tc_fail(error, TC_ERR_USAGE, "--spacing: expected none for a planet: its samples lie in degrees");
     if (a->atlas && strcmp(a->atlas, "lonlat") != 0)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "--atlas: expected lonlat, found %s, which is not in this version",
                        a->atlas);
@@ -249,9 +252,11 @@ static tc_pack_options choose_options(const struct arguments *a, const tc_pack_t
     return o;
 }
 
-static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress *progress, tc_error *error)
+/* planet: NULL for a flat terrain. */
+static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_planet_input *planet,
+                      tc_progress *progress, tc_error *error)
 {
-    const tc_pack_terrain *terrain = tc_mosaic_terrain(mosaic);
+    const tc_pack_terrain *terrain = planet ? &planet->terrain : tc_mosaic_terrain(mosaic);
     const tc_pack_options options = choose_options(a, terrain, progress);
     char text[256];
     snprintf(text, sizeof text, "%" PRId64 " x %" PRId64 " samples every %.6g x %.6g m from %d input%s, mode %s %.4g",
@@ -264,7 +269,8 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, tc_progress 
     tc_pack_result result;
     tc_status status = tc_packer_create(a->output, terrain, &options, &packer, error);
     if (status == TC_OK)
-        status = tc_mosaic_read(mosaic, put_band, packer, error);
+        status = planet ? tc_planet_input_read(planet, a->output, put_band, packer, error)
+                        : tc_mosaic_read(mosaic, put_band, packer, error);
     if (status == TC_OK) {
         status = tc_packer_finish(packer, &result, error);
         if (status == TC_ERR_FORMAT) /* it knows the output only, but the input is to blame */
@@ -296,9 +302,15 @@ static tc_status run(struct arguments *a, tc_error *error)
     a->source.exact = a->lossless;
     a->source.say = tc_progress_say;
     a->source.say_context = &progress;
+    if (a->planet)
+        a->source.spacing = 1; /* metres on a flat map are not settled, and not talked about */
     status = tc_mosaic_open(a->inputs, a->count, &a->source, &mosaic, error);
+    tc_planet_input planet;
+    if (status == TC_OK && a->planet)
+        status =
+            tc_planet_input_settle(mosaic, a->inputs[0], &a->source, a->radius, a->lossless, &planet, error);
     if (status == TC_OK)
-        status = pack(a, mosaic, &progress, error);
+        status = pack(a, mosaic, a->planet ? &planet : NULL, &progress, error);
     tc_mosaic_close(mosaic);
     return status;
 }

@@ -327,6 +327,11 @@ const tc_pack_terrain *tc_mosaic_terrain(const tc_mosaic *m)
     return &m->terrain;
 }
 
+int tc_mosaic_files(const tc_mosaic *m)
+{
+    return m->count;
+}
+
 int64_t tc_mosaic_shared(const tc_mosaic *m)
 {
     return m->shared;

@@ -18,6 +18,9 @@ void tc_mosaic_close(tc_mosaic *mosaic);
  */
 const tc_pack_terrain *tc_mosaic_terrain(const tc_mosaic *mosaic);
 
+/* Number of files. */
+int tc_mosaic_files(const tc_mosaic *mosaic);
+
 /* Samples that more than one file gives, void ones included, and samples that all files together give. */
 int64_t tc_mosaic_shared(const tc_mosaic *mosaic);
 int64_t tc_mosaic_samples(const tc_mosaic *mosaic);

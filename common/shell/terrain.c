@@ -56,6 +56,9 @@ tc_status tc_terrain_open_packed(const char *path, const tc_source_options *opti
     if (packed->levels_missing > 0)
         tc_say(options, true, "%s: cut short: expected %lld bytes, found fewer; missing: the finest %d of its levels",
                path, (long long)packed->bytes, packed->levels_missing);
+    else if (packed->cut_short)
+        tc_say(options, true, "%s: cut short: expected %lld bytes, found fewer; its polar caps are not whole", path,
+               (long long)packed->bytes);
     terrain.georef.crs_wkt = NULL; /* the pyramid's */
     *terrain_ret = terrain;
     return TC_OK;

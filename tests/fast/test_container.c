@@ -51,6 +51,18 @@ static tc_container make_container(test_random *r)
     t->georef.geographic = test_random_int(r, 0, 1), t->georef.semi_major = test_random_range(r, 0, 7e6);
     for (int i = 0; i < 6; i++)
         t->georef.transform[i] = test_random_range(r, -1e6, 1e6);
+    t->wraps_x = test_random_int(r, 0, 1);
+    if (test_random_int(r, 0, 1)) { /* a planet, with caps or none */
+        t->height += 3;
+        double dx = 360.0 / (double)t->width, dy = 180.0 / (double)t->height;
+        const double transform[6] = {-180, dx, 0, 90, 0, -dy};
+        memcpy(t->georef.transform, transform, sizeof transform);
+        t->wraps_x = t->georef.known = t->georef.geographic = true;
+        t->radius = 1 + 1e7 * test_random_unit(r);
+        c.info.charts = test_random_int(r, 0, 1) ? 3 : 1;
+        for (int k = 0; k < c.info.charts - 1; k++)
+            c.cap_bytes[k] = test_random_int(r, 20, 1 << 30);
+    }
     size_t length = (size_t)test_random_int(r, 0, 40000);
     if (length && (t->georef.crs_wkt = calloc(length + 1, 1)))
         memset(t->georef.crs_wkt, 'x', length);
@@ -86,7 +98,7 @@ static tc_container make_container(test_random *r)
         c.record[l].begin = at;
         c.record[l].end = at += tc_directory_bytes(&pages) + test_random_int(r, 0, 1000);
     }
-    c.info.bytes = at;
+    c.info.bytes = at + c.cap_bytes[0] + c.cap_bytes[1];
     free(w.bytes);
     return c;
 }
@@ -103,7 +115,10 @@ static void heads_come_back(void **state)
         assert_int_equal(tc_container_write(&c, &w), TC_OK);
         if (tc_container_read("test", w.bytes, w.size, &back, &needed, &error))
             fail_msg("%s", error.text);
-        assert_true(needed == w.size && tc_container_is(w.bytes, w.size) && back.info.version == 1);
+        assert_true(needed == w.size && tc_container_is(w.bytes, w.size) && back.info.version == 1 + c.info.terrain.wraps_x);
+        assert_true(back.info.terrain.radius == c.info.terrain.radius && back.wraps_from == c.wraps_from);
+        for (int k = 0; k < TC_CAP_CHARTS; k++)
+            assert_int_equal(tc_container_cap_begin(&back, k), tc_container_cap_begin(&c, k));
         /* Bytes say all: what is read is written again as it was. */
         tc_byte_writer again = {0};
         assert_int_equal(tc_container_write(&back, &again), TC_OK);
@@ -119,9 +134,10 @@ static void heads_come_back(void **state)
         assert_int_equal(tc_container_read("test", w.bytes, cut, &back, &needed, &error), TC_ERR_FORMAT);
         assert_true(needed == (cut < 20 ? 0 : w.size));
         /* Every kind of other file. */
-        w.bytes[8] = 2;
+        uint8_t version = w.bytes[8];
+        w.bytes[8] = 3;
         assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_ERR_UNSUPPORTED);
-        w.bytes[8] = 1, w.bytes[(size_t)n % 8] ^= 1;
+        w.bytes[8] = version, w.bytes[(size_t)n % 8] ^= 1;
         assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_ERR_FORMAT);
         assert_true(!tc_container_is(w.bytes, w.size) && strstr(error.text, "something else"));
         free(w.bytes), free(again.bytes);

@@ -38,10 +38,14 @@ static const char *describe(const packing *p)
 
 /* ---- Checks of an open file -------------------------------------------------------------------------------------- */
 
-static tc_rect random_rect(test_random *r, tc_level level)
+static tc_rect random_rect(test_random *r, tc_level level, bool wraps)
 {
     tc_rect rect = {test_random_int(r, 0, level.width - 1), test_random_int(r, 0, level.height - 1), 0, 0};
     rect.x1 = test_random_int(r, rect.x0 + 1, level.width), rect.y1 = test_random_int(r, rect.y0 + 1, level.height);
+    if (wraps) { /* across the seam, and more than once around */
+        rect.x0 = test_random_int(r, -level.width, level.width);
+        rect.x1 = rect.x0 + test_random_int(r, 1, level.width * 5 / 4);
+    }
     return rect;
 }
 
@@ -51,7 +55,7 @@ static void check_parts(const packing *p, const tc_pyramid *file, int l, const f
     tc_level level = tc_pyramid_level(file, l);
     test_random r = {(uint64_t)l};
     for (int n = 0; n < count; n++) {
-        tc_rect rect = random_rect(&r, level);
+        tc_rect rect = random_rect(&r, level, tc_pyramid_wraps(file, l));
         int64_t w = rect.x1 - rect.x0, stride = w + n % 3;
         float *some = malloc((size_t)(stride * (rect.y1 - rect.y0)) * sizeof *some), low, high;
         uint8_t *voids = malloc((size_t)(stride * (rect.y1 - rect.y0)));
@@ -60,7 +64,8 @@ static void check_parts(const packing *p, const tc_pyramid *file, int l, const f
         CHECK(tc_pyramid_read(file, l, rect, some, n % 4 ? voids : NULL, stride) == TC_OK, "a part cannot be read");
         for (int64_t y = rect.y0; y < rect.y1; y++)
             for (int64_t x = rect.x0; x < rect.x1; x++) {
-                int64_t at = (y - rect.y0) * stride + x - rect.x0, of = y * level.width + x;
+                int64_t at = (y - rect.y0) * stride + x - rect.x0;
+                int64_t of = y * level.width + x - tc_turn(x, level.width);
                 CHECK(some[at] == z[of] && (n % 4 == 0 || voids[at] == v[of]),
                       "level %d: (%d, %d) of a part is %g, of the whole %g", l, (int)x, (int)y, some[at], z[of]);
                 CHECK(z[of] >= low && z[of] <= high, "level %d: %g is not within the bounds %g .. %g", l, z[of], low,
@@ -157,10 +162,10 @@ static void check_info(const packing *p, const tc_pyramid *file, const tc_pack_r
     CHECK(i->bytes == (int64_t)size && result->bytes == i->bytes, "another size");
     CHECK(i->mode == p->mode && i->codec == p->codec && i->error == (p->mode == TC_PACK_LOSSLESS ? 0 : p->error),
           "another mode");
-    CHECK(i->levels_missing == 0 && i->version == 1, "levels are missing");
-    CHECK(i->terrain.width == p->width && i->terrain.height == p->height && i->terrain.unit == terrain.unit &&
-              i->terrain.offset == terrain.offset && i->terrain.z_base == terrain.z_base &&
-              i->terrain.nodata == -9999 && i->terrain.sample_type == p->type &&
+    CHECK(i->levels_missing == 0 && i->version == 1 + p->wraps, "levels are missing");
+    CHECK(i->terrain.wraps_x == p->wraps && i->terrain.width == p->width && i->terrain.height == p->height &&
+              i->terrain.unit == terrain.unit && i->terrain.offset == terrain.offset &&
+              i->terrain.z_base == terrain.z_base && i->terrain.nodata == -9999 && i->terrain.sample_type == p->type &&
               !strcmp(i->terrain.georef.crs_wkt, "LOCAL") &&
               !memcmp(i->terrain.georef.transform, terrain.georef.transform, sizeof terrain.georef.transform),
           "another terrain");
@@ -284,6 +289,53 @@ static void nearly_all_void_comes_back(void **state)
         }
 }
 
+/* Widths that can be halved often, seldom and never; of 666, the last level that wraps is not held whole. */
+static void terrains_that_wrap_come_back(void **state)
+{
+    (void)state;
+    static const int64_t widths[][2] = {{2, 40}, {64, 33}, {384, 192}, {600, 150}, {666, 140}, {777, 50}};
+    for (int s = 0; s < (int)(sizeof widths / sizeof *widths); s++)
+        for (int mode = 0; mode < 4; mode++) {
+            packing p = {.width = widths[s][0], .height = widths[s][1], .error = mode == 1 ? 6 : 2, .wraps = true};
+            p.mode = mode < 3 ? (tc_pack_mode)mode : TC_PACK_RMS;
+            p.codec = mode < 3 ? TC_CODEC_LIFTING : TC_CODEC_LH04;
+            p.kind = mode == 2 ? PACKING_INTEGERS : PACKING_HILLS;
+            p.type = p.kind == PACKING_HILLS ? TC_SAMPLE_FLOAT32 : TC_SAMPLE_INT16;
+            p.voids = (s + mode) % 2 ? PACKING_LAKES : PACKING_WHOLE;
+            tc_pack_result result = check_packing(&p);
+            if (p.mode == TC_PACK_RMS && p.height > 100)
+                assert_true(result.rms >= 0.97 * p.error);
+        }
+}
+
+/* At the seam the error is about as it is at the other sides of tiles. */
+static void the_seam_does_not_show(void **state)
+{
+    (void)state;
+    for (int codec = 0; codec < 2; codec++) {
+        packing p = {.width = 1024, .height = 512, .error = 3, .codec = codec, .type = TC_SAMPLE_FLOAT32};
+        tc_pack_result result;
+        tc_pyramid *file;
+        const char *path = made_path("a.tclip");
+        double error[2] = {0}, count[2] = {0};
+        uint8_t *mask;
+        p.wraps = true;
+        assert_int_equal(packing_write(&p, path, &result, NULL), TC_OK);
+        assert_int_equal(tc_pyramid_open(path, NULL, &file, NULL), TC_OK);
+        float *given = packing_heights(&p, &mask), *z = packing_read(file, tc_pyramid_info(file)->levels, NULL);
+        for (int64_t i = 0; i < p.width * p.height; i++) {
+            int64_t x = i % p.width;
+            bool near = x < 6 || x >= p.width - 6;
+            if (x % 128 >= 6 && x % 128 < 122)
+                continue;
+            error[near] += (z[i] - given[i]) * (z[i] - given[i]), count[near]++;
+        }
+        assert_true(error[1] / count[1] < 1.3 * error[0] / count[0]);
+        free(given), free(mask), free(z);
+        tc_pyramid_destroy(file);
+    }
+}
+
 /* ---- Refusals ---------------------------------------------------------------------------------------------------- */
 
 static void what_cannot_be_packed_is_refused(void **state)
@@ -351,7 +403,7 @@ static void *read_at_random(void *context)
     for (int n = 0; n < 60; n++) {
         int l = (int)test_random_int(&r, levels > 3 ? levels - 3 : 1, levels);
         tc_level level = tc_pyramid_level(t->file, l);
-        tc_rect rect = random_rect(&r, level);
+        tc_rect rect = random_rect(&r, level, false);
         int64_t w = rect.x1 - rect.x0, h = rect.y1 - rect.y0;
         float *z = malloc((size_t)(w * h) * sizeof *z), low, high;
         uint8_t *v = malloc((size_t)(w * h));
@@ -407,7 +459,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_mode_and_size_comes_back), cmocka_unit_test(odd_terrains_come_back),
         cmocka_unit_test(nearly_all_void_comes_back),     cmocka_unit_test(what_cannot_be_packed_is_refused),
-        cmocka_unit_test(threads_read_the_same),
+        cmocka_unit_test(threads_read_the_same),          cmocka_unit_test(terrains_that_wrap_come_back),
+        cmocka_unit_test(the_seam_does_not_show),
     };
     return cmocka_run_group_tests(tests, NULL, close_all);
 }

@@ -44,14 +44,14 @@ static tc_plane coarse_plane(tc_rect rect, unsigned seed)
 /* A tile of a level, read as the pyramid does, and what it must come to where it is found damaged. */
 static void decode_tile(const fuzz_tile *f)
 {
-    tc_level size = {f->width, f->height, 1, 1};
+    tc_lifting_level size = {f->width, f->height, false};
     tc_level_record record = {.coder = (tc_coder)f->kind,
                               .correction_step = 3 + f->seed,
                               .correction_snap = 1 + f->seed % 3,
                               .model = (uint8_t *)f->model,
                               .model_size = f->model_size};
     tc_level_coder coder = {0};
-    if (!tc_level_coder_init(&coder, &size, &record, false)) {
+    if (!tc_level_coder_init(&coder, &size, &record)) {
         int64_t tiles_x = (size.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE,
                 tiles_y = (size.height + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
         int64_t tx = f->tile % tiles_x, ty = f->tile / tiles_x % tiles_y;

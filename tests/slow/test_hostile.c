@@ -257,8 +257,6 @@ static void impossible_values_are_refused(void **state)
             REFUSED(r->correction_snap, -1);
             REFUSED(r->correction_snap, INT32_MAX);
         }
-        c = f->c, c.wrap_x = true;
-        assert_int_equal(try_head(f, &c), TC_ERR_UNSUPPORTED);
     }
 }
 

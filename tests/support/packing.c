@@ -25,7 +25,10 @@ static double unit_of(const packing *p)
 
 static double height(const packing *p, test_random *r, int64_t x, int64_t y)
 {
-    double hills = 300 * sin(0.05 * (double)x) * cos(0.04 * (double)y) + 40 * sin(0.31 * (double)(x + 2 * y));
+    double turn = 2 * M_PI * (double)x / (double)p->width, along = 0.05 * (double)x, across = 0.31 * (double)x;
+    if (p->wraps)
+        along = 7 * turn, across = 45 * turn;
+    double hills = 300 * sin(along) * cos(0.04 * (double)y) + 40 * sin(across + 0.62 * (double)y);
     double noise = test_random_range(r, -4, 4);
     switch (p->kind) {
     case PACKING_INTEGERS: return unit_of(p) * rint(hills + noise);
@@ -43,6 +46,8 @@ static bool is_void(const packing *p, int64_t x, int64_t y)
 {
     switch (p->voids) {
     case PACKING_LAKES:
+        if (p->wraps && hypot((double)tc_min64(x, p->width - x), (double)(y - p->height / 2)) < 0.1 * (double)p->height)
+            return true;
         return hypot((double)(x - p->width / 3), (double)(y - p->height / 2)) < 0.2 * (double)p->height ||
                (x + 7 * y) % 53 == 5 || x == p->width - 2;
     case PACKING_ONE_LEFT: return x != p->width / 2 || y != p->height / 2;
@@ -68,6 +73,7 @@ tc_pack_terrain packing_terrain(const packing *p)
 {
     return (tc_pack_terrain){.width = p->width,
                              .height = p->height,
+                             .wraps_x = p->wraps,
                              .spacing_x = 10,
                              .spacing_y = 12,
                              .z_base = p->based ? p->offset : 0,
@@ -103,7 +109,7 @@ tc_status packing_write(const packing *p, const char *path, tc_pack_result *resu
 
 tc_pyramid *packing_truth(const packing *p)
 {
-    tc_grid g = {.width = p->width, .height = p->height, .spacing_x = 10, .spacing_y = 12};
+    tc_grid g = {.width = p->width, .height = p->height, .spacing_x = 10, .spacing_y = 12, .wraps_x = p->wraps};
     g.z = packing_heights(p, &g.voids);
     g.z_min = INFINITY, g.z_max = -INFINITY;
     for (int64_t i = 0; i < g.width * g.height; i++) {

@@ -34,7 +34,7 @@ typedef struct packing {
     tc_sample_type type;
     double unit;   /* 0: 1 */
     double offset; /* metres of the stored 0; z_base is the same where based */
-    bool based;
+    bool based, wraps;
     int threads;
 } packing;
 

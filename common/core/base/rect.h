@@ -27,6 +27,13 @@ static inline int64_t tc_ceil_shift(int64_t a, int k)
     return -((-a) >> k);
 }
 
+/* The whole turn, a multiple of `width`, that x lies in where columns go round. */
+static inline int64_t tc_turn(int64_t x, int64_t width)
+{
+    int64_t past = x % width;
+    return x - past - (past < 0 ? width : 0);
+}
+
 static inline bool tc_rect_empty(tc_rect r)
 {
     return r.x1 <= r.x0 || r.y1 <= r.y0;

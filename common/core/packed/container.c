@@ -11,7 +11,7 @@
 #include "crc32c.h"
 
 static const uint8_t magic[8] = {0x89, 'T', 'C', 'L', 'I', 'P', '\r', '\n'};
-enum { HEAD_SIZE_AT = 12, CRC_AT = 16, FIXED = 20, MOST_HEAD = 1 << 24, MOST_MODEL = UINT16_MAX };
+enum { CRC_AT = 16, MOST_HEAD = 1 << 24, MOST_MODEL = UINT16_MAX };
 
 void tc_container_set_levels(tc_container *c)
 {
@@ -23,6 +23,43 @@ void tc_container_set_levels(tc_container *c)
     c->base = 1;
     while (c->base < c->levels && tc_max64(c->level[c->base].width, c->level[c->base].height) <= TC_BASE_SIZE)
         c->base++;
+    /* A level wraps as long as the halvings on the way to it left no odd column over. */
+    c->wraps_from = c->levels + 1;
+    for (int k = 0; t->wraps_x && k < c->levels && t->width % ((int64_t)1 << k) == 0; k++)
+        c->wraps_from = c->levels - k;
+}
+
+tc_lifting_level tc_container_lifting(const tc_container *c, int l)
+{
+    return (tc_lifting_level){c->level[l - 1].width, c->level[l - 1].height, l - 1 >= c->wraps_from};
+}
+
+int64_t tc_container_cap_begin(const tc_container *c, int n)
+{
+    int64_t at = c->info.bytes;
+    for (int k = n; k < TC_CAP_CHARTS; k++)
+        at -= c->cap_bytes[k];
+    return at;
+}
+
+bool tc_terrain_globe(const tc_pack_terrain *t, tc_globe *globe_ret)
+{
+    const double degree = M_PI / 180, *g = t->georef.transform, slack = 1e-3; /* of a row */
+    double w = (double)t->width, h = (double)t->height, north = g[3] + 0.5 * g[5], south = g[3] + (h - 0.5) * g[5];
+    if (!t->georef.known || !t->georef.geographic || g[2] != 0 || g[4] != 0 || !(g[1] > 0 && g[5] < 0))
+        return false;
+    if (!(north <= 90 - slack * g[5] && south >= -90 + slack * g[5] && fabs(g[0]) <= 1e4 &&
+          w * g[1] < 360 + 0.5 * g[1]))
+        return false;
+    bool round = w * g[1] >= 360 - 0.5 * g[1],
+         near = north >= 90 + (1 + slack) * g[5] && south <= -90 - (1 + slack) * g[5];
+    *globe_ret = (tc_globe){.x0 = degree * (g[0] + 0.5 * g[1]),
+                            .y0 = degree * south,
+                            .dx = round ? 2 * M_PI / w : degree * g[1],
+                            .dy = -degree * g[5],
+                            .round = round,
+                            .poles = round && near && t->height >= 4};
+    return true;
 }
 
 void tc_container_free(tc_container *c)
@@ -210,15 +247,43 @@ static bool read_record(tc_level_record *l, tc_byte_reader *r)
     return true;
 }
 
+static void write_planet(const tc_container *c, tc_byte_writer *w)
+{
+    tc_put_f64(w, c->info.terrain.radius);
+    for (int n = 0; n < c->info.charts - 1; n++)
+        tc_put(w, (uint64_t)c->cap_bytes[n], 8);
+}
+
+static bool read_planet(tc_container *c, tc_byte_reader *r)
+{
+    tc_pack_terrain *t = &c->info.terrain;
+    tc_globe globe;
+    t->radius = tc_get_f64(r);
+    bool good = positive(t->radius) && tc_terrain_globe(t, &globe) && globe.round == t->wraps_x &&
+                (globe.poles || c->info.charts == 1);
+    for (int n = 0; n < c->info.charts - 1; n++) {
+        uint64_t bytes = tc_get(r, 8);
+        good &= bytes >= TC_HEAD_FIXED && bytes <= INT64_MAX;
+        c->cap_bytes[n] = good ? (int64_t)bytes : 0;
+    }
+    return good && !r->failed;
+}
+
+/* Older versions can hold what they could all along, and newer ones are for what older readers cannot read. */
+static int version_of(const tc_container *c)
+{
+    return c->info.terrain.wraps_x || c->info.terrain.radius > 0 || c->info.charts > 1 ? 2 : 1;
+}
+
 tc_status tc_container_write(const tc_container *c, tc_byte_writer *w)
 {
     size_t start = w->size;
     tc_put_bytes(w, magic, sizeof magic);
-    tc_put(w, TC_CONTAINER_VERSION, 4);
+    tc_put(w, (uint64_t)version_of(c), 4);
     tc_put(w, 0, 4), tc_put(w, 0, 4); /* size and checksum of the head, below */
     tc_put(w, (uint64_t)c->info.bytes, 8);
-    tc_put(w, 0, 1), tc_put(w, 1, 1); /* atlas: flat; charts */
-    tc_put(w, c->wrap_x, 1);
+    tc_put(w, c->info.terrain.radius > 0, 1), tc_put(w, c->info.charts > 1 ? (uint64_t)c->info.charts : 1, 1);
+    tc_put(w, c->info.terrain.wraps_x, 1);
     tc_put(w, c->info.mode, 1), tc_put(w, c->info.codec, 1), tc_put_f64(w, c->info.error);
     write_terrain(&c->info.terrain, w);
     tc_put_f64(w, c->z_unit), tc_put_f64(w, c->z_origin);
@@ -227,11 +292,13 @@ tc_status tc_container_write(const tc_container *c, tc_byte_writer *w)
     write_base(c, w);
     for (int l = c->base; l < c->levels; l++)
         write_record(&c->record[l], w);
+    if (c->info.terrain.radius > 0)
+        write_planet(c, w);
     if (w->failed)
         return TC_ERR_MEMORY;
     uint8_t *head = w->bytes + start;
     size_t size = w->size - start;
-    tc_store(head + HEAD_SIZE_AT, size, 4);
+    tc_store(head + TC_HEAD_SIZE_AT, size, 4);
     tc_store(head + CRC_AT, tc_crc32c(0, head, size), 4);
     return TC_OK;
 }
@@ -247,7 +314,7 @@ static bool check_head(const uint8_t *bytes, size_t size)
     static const uint8_t zeros[4];
     uint32_t crc = tc_crc32c(0, bytes, CRC_AT);
     crc = tc_crc32c(crc, zeros, sizeof zeros);
-    crc = tc_crc32c(crc, bytes + FIXED, size - FIXED);
+    crc = tc_crc32c(crc, bytes + TC_HEAD_FIXED, size - TC_HEAD_FIXED);
     return crc == tc_load(bytes + CRC_AT, 4);
 }
 
@@ -261,6 +328,11 @@ static bool check_layout(const tc_container *c, size_t head)
         if (r->begin != at || r->end < r->begin || r->end - r->begin < tc_directory_bytes(&pages))
             return false;
         at = r->end;
+    }
+    for (int n = 0; n < c->info.charts - 1; n++) {
+        if (c->cap_bytes[n] > INT64_MAX - at)
+            return false;
+        at += c->cap_bytes[n];
     }
     return at == c->info.bytes;
 }
@@ -283,9 +355,10 @@ static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
 {
     bool bad = false;
     c->info.bytes = (int64_t)tc_get(r, 8);
-    *unknown_atlas = tc_get(r, 1) != 0;
-    *unknown_atlas |= tc_get(r, 1) != 1;
-    *unknown_atlas |= (c->wrap_x = get_choice(r, 2, &bad)); /* pyramid_packed.c does not read beyond the sides */
+    uint64_t atlas = tc_get(r, 1), charts = tc_get(r, 1);
+    *unknown_atlas = atlas > 1 || (charts != 1 && !(atlas == 1 && charts == 1 + TC_CAP_CHARTS));
+    c->info.charts = *unknown_atlas ? 1 : (int)charts;
+    c->info.terrain.wraps_x = get_choice(r, 2, &bad);
     c->info.mode = (tc_pack_mode)get_choice(r, TC_PACK_LOSSLESS + 1, &bad);
     c->info.codec = (tc_pack_codec)get_choice(r, TC_CODEC_LH04 + 1, &bad);
     c->info.error = tc_get_f64(r);
@@ -303,6 +376,8 @@ static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
     for (int l = c->base; l < c->levels; l++)
         if (!read_record(&c->record[l], r))
             return false;
+    if (atlas == 1 && !read_planet(c, r))
+        return false;
     return !r->failed && r->at == r->end;
 }
 
@@ -313,13 +388,13 @@ tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t si
     if (!tc_container_is(bytes, size))
         return tc_fail(error, TC_ERR_FORMAT, "%s: expected a packed terrain, found %s", subject,
                        size == 0 ? "an empty file" : "something else");
-    if (size < FIXED)
+    if (size < TC_HEAD_FIXED)
         return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head, found %zu bytes", subject, size);
-    uint64_t version = tc_load(bytes + sizeof magic, 4), head = tc_load(bytes + HEAD_SIZE_AT, 4);
-    if (version != TC_CONTAINER_VERSION)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected version %d of the format, found %" PRIu64, subject,
+    uint64_t version = tc_load(bytes + sizeof magic, 4), head = tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+    if (version < 1 || version > TC_CONTAINER_VERSION)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected version 1 to %d of the format, found %" PRIu64, subject,
                        TC_CONTAINER_VERSION, version);
-    if (head < FIXED || head > MOST_HEAD)
+    if (head < TC_HEAD_FIXED || head > MOST_HEAD)
         return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a head of %" PRIu64 " bytes", subject, head);
     *head_size_ret = (size_t)head;
     if (size < head)
@@ -328,15 +403,15 @@ tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t si
     if (!check_head(bytes, (size_t)head))
         return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head's checksum is wrong", subject);
     tc_container c = {0};
-    tc_byte_reader reader = {bytes + FIXED, bytes + head, false};
+    tc_byte_reader reader = {bytes + TC_HEAD_FIXED, bytes + head, false};
     bool unknown_atlas = false, good = read_head(&c, &reader, &unknown_atlas);
-    if (good && check_layout(&c, (size_t)head)) {
-        c.info.version = TC_CONTAINER_VERSION;
+    if (good && version_of(&c) == (int)version && check_layout(&c, (size_t)head)) {
+        c.info.version = (int)version;
         *c_ret = c;
         return TC_OK;
     }
     tc_container_free(&c);
     if (unknown_atlas)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a flat terrain, found another atlas", subject);
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected the atlas flat or lonlat, found another one", subject);
     return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head contradicts itself", subject);
 }

@@ -14,10 +14,13 @@
 #include "index_page.h"
 
 enum {
-    TC_CONTAINER_VERSION = 1,
+    TC_CONTAINER_VERSION = 2, /* the newest; what needs no more is written as version 1 */
+    TC_HEAD_FIXED = 20,       /* bytes that every head begins with; from TC_HEAD_SIZE_AT on, its size */
+    TC_HEAD_SIZE_AT = 12,
     TC_BASE_SIZE = 16,
-    TC_DIRECTORY_ENTRY = 16, /* bytes */
-    TC_DIRECTORY_CHUNK = 255 /* entries that share a checksum */
+    TC_DIRECTORY_ENTRY = 16,  /* bytes */
+    TC_DIRECTORY_CHUNK = 255, /* entries that share a checksum */
+    TC_CAP_CHARTS = 2         /* north, south */
 };
 
 /* How a level's tiles are coded. */
@@ -43,11 +46,12 @@ typedef struct tc_level_record {
 } tc_level_record;
 
 typedef struct tc_container {
-    tc_packed_info info; /* terrain.georef.crs_wkt owned */
-    bool wrap_x;
-    double z_unit, z_origin; /* a height is z_origin + z_unit * k metres above z_base */
-    double z_min, z_max;     /* metres above z_base, of the source without voids */
-    int64_t voids;           /* of the finest level */
+    tc_packed_info info;              /* terrain.georef.crs_wkt owned */
+    int wraps_from;                   /* the coarsest level that wraps; above `levels`: none does */
+    double z_unit, z_origin;          /* a height is z_origin + z_unit * k metres above z_base */
+    double z_min, z_max;              /* metres above z_base, of the source without voids */
+    int64_t voids;                    /* of the finest level */
+    int64_t cap_bytes[TC_CAP_CHARTS]; /* of the caps' containers, which follow level m; planets of 3 charts */
     int levels, base;
     tc_level level[TC_MAX_PYRAMID_LEVELS];         /* [l - 1] */
     tc_level_record record[TC_MAX_PYRAMID_LEVELS]; /* [l - 1]; for l > base */
@@ -55,9 +59,24 @@ typedef struct tc_container {
     uint8_t base_void[TC_BASE_SIZE * TC_BASE_SIZE];
 } tc_container;
 
-/* Sets levels and base from info.terrain. */
+/* Sets levels, base and wraps_from from info.terrain. */
 void tc_container_set_levels(tc_container *c);
+
+/* Level l > 1 as the transform sees it. It wraps where the next coarser one still does: where its width is even. */
+tc_lifting_level tc_container_lifting(const tc_container *c, int l);
 void tc_container_free(tc_container *c);
+
+/* Where cap n, 0 or 1, of a planet with 3 charts begins: behind level m and the caps before. */
+int64_t tc_container_cap_begin(const tc_container *c, int n);
+
+/* A planet's chart of longitude and latitude, radians: sample (i, j) lies at (x0 + i dx, y0 + j dy). round: it goes
+ * once around; poles: it also reaches both to within a row, so that there can be caps. False where the terrain's
+ * georeference has no such chart. */
+typedef struct tc_globe {
+    double x0, y0, dx, dy;
+    bool round, poles;
+} tc_globe;
+bool tc_terrain_globe(const tc_pack_terrain *terrain, tc_globe *globe_ret);
 
 /* Pages of a level, and where its directory's entries stand in its bytes. */
 typedef struct tc_pages {

@@ -52,10 +52,10 @@ static tc_status init_lh04(tc_level_coder *c, const tc_level_record *record)
     return TC_OK;
 }
 
-tc_status tc_level_coder_init(tc_level_coder *c, const tc_level *size, const tc_level_record *record, bool wrap_x)
+tc_status tc_level_coder_init(tc_level_coder *c, const tc_lifting_level *level, const tc_level_record *record)
 {
     *c = (tc_level_coder){.coder = record->coder,
-                          .level = {size->width, size->height, wrap_x},
+                          .level = *level,
                           .correction_step = record->correction_step,
                           .correction_snap = record->correction_snap};
     switch (record->coder) {

@@ -34,7 +34,7 @@ typedef struct tc_level_coder {
 } tc_level_coder;
 
 /* Reads the model of a level's record. TC_ERR_FORMAT: damaged. */
-tc_status tc_level_coder_init(tc_level_coder *coder, const tc_level *size, const tc_level_record *record, bool wrap_x);
+tc_status tc_level_coder_init(tc_level_coder *coder, const tc_lifting_level *level, const tc_level_record *record);
 void tc_level_coder_free(tc_level_coder *coder);
 size_t tc_level_coder_bytes(const tc_level_coder *coder);
 

@@ -10,7 +10,7 @@
 
 tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error)
 {
-    p->done = fmin(p->done + share, 1);
+    p->done = fmin(p->done + (p->most < 1 ? p->most * share : share), p->most);
     if (p->options.progress && !p->options.progress(p->options.progress_context, p->done))
         return tc_fail(error, TC_ERR_IO, "%s: interrupted", p->path);
     return TC_OK;
@@ -31,6 +31,12 @@ static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack
         return tc_fail(error, TC_ERR_USAGE, "%s: expected a unit above 0 m, found %g", path, t->unit);
     if (o->mode != TC_PACK_LOSSLESS && !(o->error > 0 && isfinite(o->error)))
         return tc_fail(error, TC_ERR_USAGE, "%s: expected an error above 0 m, found %g", path, o->error);
+    tc_globe globe;
+    if (t->radius != 0 && !(t->radius > 0 && isfinite(t->radius)))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected a radius above 0 m, found %g", path, t->radius);
+    if (t->radius > 0 && (!tc_terrain_globe(t, &globe) || globe.round != t->wraps_x))
+        return tc_fail(error, TC_ERR_USAGE,
+                       "%s: expected a planet's georeference, in degrees, that wraps where it goes once around", path);
     if (o->codec == TC_CODEC_LH04 && o->mode != TC_PACK_RMS)
         return tc_fail(error, TC_ERR_USAGE, "%s: the codec lh04 has a target rms only", path);
     return TC_OK;
@@ -50,6 +56,7 @@ tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, con
     for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
         p->truth[l] = TC_SPOOL_NONE;
     p->body = -1;
+    p->most = 1 - tc_pack_caps_share(terrain);
     p->z_min = INFINITY, p->z_max = -INFINITY;
     p->lattices = terrain->sample_type >= TC_SAMPLE_FLOAT32 && options->mode != TC_PACK_RMS ? UINT32_MAX : 0;
     tc_pack_terrain *t = &p->container.info.terrain;
@@ -192,82 +199,7 @@ static tc_status code_levels(tc_packer *p, int32_t bound, int32_t lattice, tc_er
     return status ? status : check_lossless(p, error);
 }
 
-static tc_status write_all(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error)
-{
-    const char *from = bytes;
-    for (size_t done = 0; done < size;) {
-        ssize_t n = pwrite(file, from + done, size - done, at + (int64_t)done);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", path, strerror(errno));
-        done += (size_t)n;
-    }
-    return TC_OK;
-}
-
-/* Head and body into one file. */
-static tc_status assemble(tc_packer *p, int file, tc_error *error)
-{
-    tc_container *c = &p->container;
-    tc_byte_writer head = {0};
-    tc_status status = tc_container_write(c, &head); /* for its size */
-    int64_t at = (int64_t)head.size;
-    for (int l = c->base; l < c->levels; l++)
-        c->record[l].begin += at, c->record[l].end += at;
-    c->info.bytes = p->result.bytes = at + p->body_size;
-    head.size = 0;
-    if (!status)
-        status = tc_container_write(c, &head);
-    if (status) {
-        tc_fail(error, status, "%s: not enough memory", p->path);
-    } else { /* what a reader would refuse shall not replace an old file */
-        tc_container check = {0};
-        size_t size;
-        status = tc_container_read(p->path, head.bytes, head.size, &check, &size, error);
-        if (status == TC_ERR_FORMAT)
-            tc_fail(error, status = TC_ERR_UNSUPPORTED, "%s: the terrain's numbers are beyond what the format holds",
-                    p->path);
-        tc_container_free(&check);
-    }
-    if (!status)
-        status = write_all(file, head.bytes, head.size, 0, p->path, error);
-    free(head.bytes);
-    enum { BLOCK = 1 << 20 };
-    char *block = malloc(BLOCK);
-    if (!status && !block)
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    for (int64_t done = 0; done < p->body_size && !status;) {
-        ssize_t n = pread(p->body, block, (size_t)tc_min64(BLOCK, p->body_size - done), done);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n <= 0)
-            status = tc_fail(error, TC_ERR_IO, "%s: its temporary file cannot be read", p->path);
-        else
-            status = write_all(file, block, (size_t)n, at + done, p->path, error);
-        done += n;
-    }
-    free(block);
-    return status;
-}
-
-static tc_status put_in_place(tc_packer *p, tc_error *error)
-{
-    int file = tc_outfile_nameless(p->path);
-    if (file < 0)
-        return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
-    tc_status status = assemble(p, file, error);
-    /* Now rather than while a name stands beside the target, which a kill would leave there. */
-    if (!status && fsync(file) != 0)
-        status = tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
-    tc_outfile outfile;
-    if (!status && !(status = tc_outfile_begin(p->path, &outfile, error)))
-        status = tc_outfile_end(&outfile, tc_outfile_adopt(&outfile, file, error), error);
-    close(file);
-    return status;
-}
-
-tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *error)
+tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
 {
     tc_container *c = &p->container;
     tc_pack_terrain *t = &c->info.terrain;
@@ -279,7 +211,7 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
     c->z_min = p->z_min, c->z_max = p->z_max;
     tc_status status = tc_pack_moments(p, &c->info.mean, &c->info.deviation, error);
     c->info.mean += t->z_base;
-    if (!status && c->voids)
+    if (!status && c->voids && !p->filled)
         status = tc_pack_fill(p, error);
     int32_t bound = 0, lattice = 1;
     if (!status)
@@ -288,9 +220,21 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
         status = tc_pack_cascade(p, error);
     if (!status)
         status = code_levels(p, bound, lattice, error);
+    return status;
+}
+
+tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *error)
+{
+    bool planet = p->container.info.terrain.radius > 0;
+    tc_packer *cap[TC_CAP_CHARTS] = {NULL, NULL};
+    tc_status status = tc_pack_all_levels(p, error);
+    if (!status && planet)
+        status = tc_pack_caps(p, cap, error);
     if (!status)
-        status = put_in_place(p, error);
+        status = tc_pack_put_in_place(p, cap, error);
     if (!status)
         *result_ret = p->result;
+    for (int n = 0; n < TC_CAP_CHARTS; n++)
+        tc_packer_destroy(cap[n]);
     return status;
 }

@@ -27,9 +27,9 @@ static void to_units(const tc_container *c, const float *restrict z, int64_t cou
 tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptrdiff_t stride, tc_error *error)
 {
     if (l < p->container.levels)
-        return tc_spool_read(&p->truth[l - 1], rect, z, stride, error);
+        return tc_spool_read_round(&p->truth[l - 1], rect, z, stride, error);
     /* Floats and integers are as long: they are turned in place. */
-    tc_status status = tc_spool_read(&p->source, rect, z, stride, error);
+    tc_status status = tc_spool_read_round(&p->source, rect, z, stride, error);
     for (int64_t j = 0; j < rect.y1 - rect.y0 && !status; j++) {
         float row[1024];
         for (int64_t i = 0; i < rect.x1 - rect.x0; i += 1024) {
@@ -41,18 +41,19 @@ tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptr
     return status;
 }
 
-tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, tc_error *error)
+tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, ptrdiff_t stride,
+                            tc_error *error)
 {
     int64_t width = p->container.info.terrain.width, w = p->container.level[l - 1].width;
     int k = p->container.levels - l;
     if (k == 0)
-        return tc_spool_read(&p->mask, (tc_rect){0, y0, width, y1}, voids, width, error);
+        return tc_spool_read(&p->mask, (tc_rect){0, y0, width, y1}, voids, stride, error);
     uint8_t *row = malloc((size_t)width);
     tc_status status = row ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     for (int64_t y = y0; y < y1 && !status; y++) {
         status = tc_spool_read(&p->mask, (tc_rect){0, y << k, width, (y << k) + 1}, row, width, error);
         for (int64_t i = 0; i < w && !status; i++)
-            voids[(y - y0) * w + i] = row[i << k];
+            voids[(y - y0) * stride + i] = row[i << k];
     }
     free(row);
     return status;
@@ -182,7 +183,7 @@ tc_status tc_pack_cascade(tc_packer *p, tc_error *error)
     for (int l = c->base + 1; l <= c->levels; l++)
         all += (double)c->level[l - 1].width * (double)c->level[l - 1].height;
     for (int l = c->levels; l > c->base; l--) {
-        step s = {.p = p, .fine = l, .level = {c->level[l - 1].width, c->level[l - 1].height, c->wrap_x}};
+        step s = {.p = p, .fine = l, .level = tc_container_lifting(c, l)};
         int64_t cw = tc_coarse_size(s.level.width), ch = tc_coarse_size(s.level.height);
         tc_status status = tc_spool_create(p->path, cw, ch, sizeof(int32_t), &p->truth[l - 2], error);
         if (status)
@@ -210,6 +211,6 @@ tc_status tc_pack_cascade(tc_packer *p, tc_error *error)
     tc_status status =
         tc_pack_truth(p, c->base, (tc_rect){0, 0, base->width, base->height}, c->base_z, base->width, error);
     if (!status && c->voids > 0)
-        status = tc_pack_mask_rows(p, c->base, 0, base->height, c->base_void, error);
+        status = tc_pack_mask_rows(p, c->base, 0, base->height, c->base_void, base->width, error);
     return status;
 }

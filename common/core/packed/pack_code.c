@@ -54,9 +54,10 @@ tc_status tc_coding_level(tc_coding *coding, int l, int32_t bound, bool keep, do
     const tc_level *size = &p->container.level[l - 1];
     tc_spool fine = TC_SPOOL_NONE;
     tc_level_coder coder = {0};
+    tc_lifting_level level = tc_container_lifting(&p->container, l);
     tc_status status =
         keep ? tc_spool_create(p->path, size->width, size->height, sizeof(int32_t), &fine, error) : TC_OK;
-    if (!status && (status = tc_level_coder_init(&coder, size, &p->container.record[l - 1], p->container.wrap_x)))
+    if (!status && (status = tc_level_coder_init(&coder, &level, &p->container.record[l - 1])))
         tc_fail(error, status, "%s: level %d cannot be coded: %s", p->path, l, tc_status_text(status));
     tc_level_coding how = {l, &coder, 0, bound, &coding->coarse, keep ? &fine : NULL, share};
     if (!status)

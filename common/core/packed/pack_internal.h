@@ -6,7 +6,9 @@
  * coarse levels    (pack_level.c)    coarse to fine: tiles encoded against the reconstructed coarser level, and decoded
  *                                 again, so that what the file will give is known and measured
  *     rate      (pack_rate.c)     which quantiser step reaches the target
- *     finish    (pack.c)          the order of all this; head, levels, and the file into its place */
+ *     finish    (pack.c)          the order of all this
+ *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
+ *     file      (pack_file.c)     head, levels, caps, and the file into its place */
 #ifndef TC_PACK_INTERNAL_H
 #define TC_PACK_INTERNAL_H
 
@@ -34,6 +36,7 @@ struct tc_packer {
     tc_container container;
     tc_pack_result result;
     /* Put. */
+    bool filled;     /* heights under voids are given, in whole rows, each once */
     tc_spool source; /* floats; see pack_source.c */
     tc_spool mask;   /* bytes, 1 void; none where no sample is */
     tc_rect *given;  /* rectangles so far, where not of whole rows in order */
@@ -41,6 +44,7 @@ struct tc_packer {
     float z_min, z_max;
     unsigned lattices; /* of pack_source.c's candidates, those that all heights are multiples of */
     double done;       /* share of the work */
+    double most;       /* share that its own levels take, the rest is for the caps */
     /* Cascade. */
     tc_spool truth[TC_MAX_PYRAMID_LEVELS]; /* [l - 1] height units, base <= l < m */
     tc_detail_histogram histogram[TC_MAX_PYRAMID_LEVELS][TC_BANDS];
@@ -66,7 +70,7 @@ double tc_pack_lattice(const tc_packer *p, double *origin_ret);
 
 /* ---- pack_cascade.c ------------------------------------------------------------------------------------------- */
 
-/* True heights of level l over rect, in height units. */
+/* True heights of level l over rect, in height units; beyond the sides those of the other one. */
 tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptrdiff_t stride, tc_error *error);
 tc_status tc_pack_cascade(tc_packer *p, tc_error *error);
 
@@ -77,7 +81,8 @@ double tc_detail_bin(int bin);
 void tc_pack_count(const tc_plane *band, tc_detail_histogram *histogram);
 
 /* Void mask of level l over rows y0 .. y1 - 1, whole width. */
-tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, tc_error *error);
+tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, ptrdiff_t stride,
+                            tc_error *error);
 
 static inline float tc_pack_metres(const tc_container *c, int32_t k)
 {
@@ -167,7 +172,24 @@ tc_status tc_coding_below(tc_coding *coding, int last, double q, tc_error *error
 /* Mean square error of the last level's samples, in squared height units. */
 double tc_coding_error(const tc_coding *coding);
 
+/* ---- pack_caps.c ----------------------------------------------------------------------------------------------- */
+
+/* Share of a planet's work that its caps are. */
+double tc_pack_caps_share(const tc_pack_terrain *terrain);
+
+/* Packs the polar caps of a planet whose levels are packed, but for files of their own: packers for the caller to
+ * destroy, also where this fails. None where a cap has no height. */
+tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *error);
+
+/* ---- pack_file.c ----------------------------------------------------------------------------------------------- */
+
+/* Puts a file of all that has been packed into its place. */
+tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], tc_error *error);
+
 /* ---- pack.c --------------------------------------------------------------------------------------------------- */
+
+/* Packs what was put, but for the file. */
+tc_status tc_pack_all_levels(tc_packer *p, tc_error *error);
 
 /* Adds to the work done and says so; TC_ERR_IO where the caller wants to stop. */
 tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error);

@@ -16,6 +16,7 @@
 
 enum {
     BEFORE = 8, /* rows of positions kept before the group: more than the filters reach */
+    BEYOND = 8, /* columns of planes beyond the seam: more than anything looks at */
     GROUP_BYTES = 96 << 20,
     GROUP_TASKS = 64, /* for each thread, at least */
     CHUNK = 32        /* fine rows synthesised by one task */
@@ -30,14 +31,14 @@ static int64_t plane_room(int64_t rows, int64_t width, int64_t height)
 
 static bool reserve(level_state *s)
 {
-    int64_t w = s->level.width, h = s->level.height, g = s->rows_at_once;
+    int64_t w = s->level.width + 2 * s->beyond, h = s->level.height, cw = s->cw + 2 * s->beyond, g = s->rows_at_once;
     size_t n = sizeof(int32_t);
     s->truth.z = malloc((size_t)plane_room((g + 1) * FINE + 4 * MARGIN + 2 * BEFORE, w, h) * n);
     s->fine.z = malloc((size_t)plane_room((g + 2) * FINE, w, h) * n);
-    s->coarse.z = malloc((size_t)plane_room(g * TC_TILE + 2 * BEFORE, s->cw, s->ch) * n);
+    s->coarse.z = malloc((size_t)plane_room(g * TC_TILE + 2 * BEFORE, cw, s->ch) * n);
     bool good = s->truth.z && s->fine.z && s->coarse.z;
     for (int b = 0; b < TC_BANDS; b++) {
-        s->band[b].z = malloc((size_t)plane_room((g + 1) * TC_TILE + BEFORE, s->cw, s->ch) * n);
+        s->band[b].z = malloc((size_t)plane_room((g + 1) * TC_TILE + BEFORE, cw, s->ch) * n);
         good &= s->band[b].z != NULL;
     }
     s->tile = calloc((size_t)((g + 1) * s->pages.tiles_x), sizeof *s->tile);
@@ -65,16 +66,39 @@ static void release(level_state *s)
     pthread_mutex_destroy(&s->mutex);
 }
 
-/* Lets a plane of whole rows start at row y0, keeping what it has from there on. */
-static void slide(tc_plane *plane, int64_t y0, int64_t width)
+/* Lets a plane of whole rows, and columns beyond their ends, start at row y0, keeping what it has from there on. */
+static void slide(tc_plane *plane, int64_t y0, int64_t width, int64_t beyond)
 {
-    int64_t from = tc_clamp64(y0, plane->rect.y0, plane->rect.y1);
-    memmove(plane->z, plane->z + (from - plane->rect.y0) * width,
-            (size_t)((plane->rect.y1 - from) * width) * sizeof *plane->z);
-    plane->stride = width;
-    plane->rect = (tc_rect){0, from, width, tc_max64(from, plane->rect.y1)};
+    int64_t from = tc_clamp64(y0, plane->rect.y0, plane->rect.y1), stride = width + 2 * beyond;
+    memmove(plane->z, plane->z + (from - plane->rect.y0) * stride,
+            (size_t)((plane->rect.y1 - from) * stride) * sizeof *plane->z);
+    plane->stride = stride;
+    plane->rect = (tc_rect){-beyond, from, width + beyond, tc_max64(from, plane->rect.y1)};
     if (plane->rect.y0 == plane->rect.y1)
         plane->rect.y0 = plane->rect.y1 = y0;
+}
+
+/* Copies the columns beyond either end of rows y0 .. y1 - 1 from the other side. */
+static void close_ring(const tc_plane *plane, int64_t y0, int64_t y1, int64_t width)
+{
+    for (int64_t y = y0; y < y1; y++) {
+        int32_t *row = tc_plane_at(plane, 0, y);
+        for (int64_t x = plane->rect.x0; x < 0; x++)
+            row[x] = row[x - tc_turn(x, width)];
+        for (int64_t x = width; x < plane->rect.x1; x++)
+            row[x] = row[x - tc_turn(x, width)];
+    }
+}
+
+static void close_mask_ring(const tc_mask_plane *mask, int64_t width)
+{
+    for (int64_t y = mask->rect.y0; y < mask->rect.y1; y++) {
+        uint8_t *row = mask->v + (y - mask->rect.y0) * mask->stride - mask->rect.x0;
+        for (int64_t x = mask->rect.x0; x < 0; x++)
+            row[x] = row[x - tc_turn(x, width)];
+        for (int64_t x = width; x < mask->rect.x1; x++)
+            row[x] = row[x - tc_turn(x, width)];
+    }
 }
 
 /* Rows that are read and converted, by all threads in chunks. */
@@ -83,6 +107,7 @@ typedef struct row_load {
     enum { LOAD_TRUTH, LOAD_SOURCE, LOAD_MASK } what;
     int64_t y0, y1;
     void *to;
+    ptrdiff_t stride;
     pthread_mutex_t mutex;
     tc_status status;
     tc_error error;
@@ -93,13 +118,14 @@ static void load_chunk(void *context, int64_t n)
     row_load *load = context;
     const level_state *s = load->s;
     int64_t y0 = load->y0 + n * CHUNK, y1 = tc_min64(y0 + CHUNK, load->y1), w = s->level.width;
-    int64_t at = (y0 - load->y0) * w;
+    ptrdiff_t at = (y0 - load->y0) * load->stride;
     tc_error error = {TC_OK, ""};
     tc_status status =
         load->what == LOAD_TRUTH
-            ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, w, &error)
-        : load->what == LOAD_SOURCE ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
-                                    : tc_pack_mask_rows(s->p, s->coding->l, y0, y1, (uint8_t *)load->to + at, &error);
+            ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, load->stride, &error)
+        : load->what == LOAD_SOURCE
+            ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
+            : tc_pack_mask_rows(s->p, s->coding->l, y0, y1, (uint8_t *)load->to + at, load->stride, &error);
     if (!status)
         return;
     pthread_mutex_lock(&load->mutex);
@@ -108,9 +134,10 @@ static void load_chunk(void *context, int64_t n)
     pthread_mutex_unlock(&load->mutex);
 }
 
-static tc_status load_rows(level_state *s, int what, int64_t y0, int64_t y1, void *to, tc_error *error)
+static tc_status load_rows(level_state *s, int what, int64_t y0, int64_t y1, void *to, ptrdiff_t stride,
+                           tc_error *error)
 {
-    row_load load = {.s = s, .what = what, .y0 = y0, .y1 = y1, .to = to};
+    row_load load = {.s = s, .what = what, .y0 = y0, .y1 = y1, .to = to, .stride = stride};
     pthread_mutex_init(&load.mutex, NULL);
     tc_parallel_for(s->p->options.threads, (y1 - y0 + CHUNK - 1) / CHUNK, load_chunk, &load);
     pthread_mutex_destroy(&load.mutex);
@@ -124,19 +151,20 @@ static tc_status load_group(level_state *s, tc_error *error)
 {
     int64_t w = s->level.width, h = s->level.height;
     int64_t j0 = s->t0 * TC_TILE, j1 = tc_min64(s->t1 * TC_TILE, s->ch);
-    slide(&s->truth, tc_min64(s->finished * FINE, tc_max64(2 * (j0 - MARGIN), 0)), w);
+    slide(&s->truth, tc_min64(s->finished * FINE, tc_max64(2 * (j0 - MARGIN), 0)), w, s->beyond);
     int64_t from = s->truth.rect.y1, until = tc_min64(2 * (j1 + MARGIN), h);
-    tc_status status = load_rows(s, LOAD_TRUTH, from, until, s->truth.z + (from - s->truth.rect.y0) * w, error);
+    tc_status status = load_rows(s, LOAD_TRUTH, from, until, tc_plane_at(&s->truth, 0, from), s->truth.stride, error);
     s->truth.rect.y1 = tc_max64(from, until);
-    s->coarse.stride = s->cw;
-    s->coarse.rect = (tc_rect){0, tc_max64(j0 - BEFORE, 0), s->cw, tc_min64(j1 + BEFORE, s->ch)};
+    close_ring(&s->truth, from, s->truth.rect.y1, w);
+    s->coarse.stride = s->cw + 2 * s->beyond;
+    s->coarse.rect = (tc_rect){-s->beyond, tc_max64(j0 - BEFORE, 0), s->cw + s->beyond, tc_min64(j1 + BEFORE, s->ch)};
     if (!status)
-        status = tc_spool_read(s->coding->coarse, s->coarse.rect, s->coarse.z, s->cw, error);
+        status = tc_spool_read_round(s->coding->coarse, s->coarse.rect, s->coarse.z, s->coarse.stride, error);
     for (int b = 0; b < TC_BANDS; b++) {
-        slide(&s->band[b], tc_max64(s->finished * TC_TILE - BEFORE, 0), s->cw);
+        slide(&s->band[b], tc_max64(s->finished * TC_TILE - BEFORE, 0), s->cw, s->beyond);
         s->band[b].rect.y1 = j1;
     }
-    slide(&s->fine, s->finished * FINE, w);
+    slide(&s->fine, s->finished * FINE, w, 0);
     s->ready_before = s->ready;
     bool at_once = !s->coding->coder->codec; /* tiles give heights by themselves */
     s->ready = j1 == s->ch ? h : tc_max64(s->ready, 2 * (at_once ? j1 : j1 - TC_LIFTING_REACH));
@@ -219,11 +247,15 @@ static tc_status finish_rows(level_state *s, tc_error *error)
     int64_t y0 = s->finished * FINE, y1 = tc_min64(s->finish_to * FINE, h);
     tc_status status = TC_OK;
     if (s->source)
-        status = load_rows(s, LOAD_SOURCE, y0, y1, s->source, error);
+        status = load_rows(s, LOAD_SOURCE, y0, y1, s->source, w, error);
     if (!status && s->voids.v) {
-        s->voids.stride = w;
-        s->voids.rect = (tc_rect){0, tc_max64(y0 - 2 * TC_MASK_MARGIN, 0), w, tc_min64(y1 + 2 * TC_MASK_MARGIN, h)};
-        status = load_rows(s, LOAD_MASK, s->voids.rect.y0, s->voids.rect.y1, s->voids.v, error);
+        s->voids.stride = w + 2 * s->beyond;
+        s->voids.rect = (tc_rect){-s->beyond, tc_max64(y0 - 2 * TC_MASK_MARGIN, 0), w + s->beyond,
+                                  tc_min64(y1 + 2 * TC_MASK_MARGIN, h)};
+        status =
+            load_rows(s, LOAD_MASK, s->voids.rect.y0, s->voids.rect.y1, s->voids.v + s->beyond, s->voids.stride, error);
+        if (!status)
+            close_mask_ring(&s->voids, w);
     }
     if (status)
         return status;
@@ -259,6 +291,8 @@ static tc_status run_group(level_state *s, tc_error *error)
     if (status)
         return status;
     tc_parallel_for(s->p->options.threads, (s->t1 - s->t0) * s->pages.tiles_x, tc_pack_code_tile, s);
+    for (int b = 0; b < TC_BANDS && s->coding->coder->codec; b++)
+        close_ring(&s->band[b], s->t0 * TC_TILE, s->band[b].rect.y1, s->cw);
     if (!s->status && s->coding->coder->codec)
         tc_parallel_for(s->p->options.threads, (s->ready - s->ready_before + CHUNK - 1) / CHUNK, synthesise_rows, s);
     if (s->status == TC_ERR_UNSUPPORTED)
@@ -293,6 +327,7 @@ tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_ou
     level_state s = {.p = p, .coding = coding, .record = &p->container.record[coding->l - 1]};
     s.level = coding->coder->level;
     s.cw = tc_coarse_size(size->width), s.ch = tc_coarse_size(size->height);
+    s.beyond = s.level.wrap_x ? BEYOND : 0;
     s.pages = tc_level_pages(size);
     s.rows_at_once = group_rows(&s);
     s.written = tc_directory_bytes(&s.pages);

@@ -32,6 +32,7 @@ typedef struct level_state {
     tc_lifting_level level;
     tc_pages pages;
     int64_t cw, ch;
+    int64_t beyond; /* columns of the other side that planes have on either; 0 where the level does not wrap */
     /* The group. */
     int64_t rows_at_once, t0, t1, finished; /* rows of tiles */
     tc_plane truth, coarse, band[TC_BANDS], fine;

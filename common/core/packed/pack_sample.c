@@ -34,7 +34,7 @@ static tc_status load_tile(const tc_packer *p, int l, const tc_spool *coarse, tc
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     tc_status status = tc_pack_truth(p, l, fine->rect, fine->z, fine->stride, error);
     if (!status)
-        status = tc_spool_read(coarse, t->coarse.rect, t->coarse.z, t->coarse.stride, error);
+        status = tc_spool_read_round(coarse, t->coarse.rect, t->coarse.z, t->coarse.stride, error);
     if (!status)
         tc_pack_details(&s->level, t->band[0].rect, fine, t->band, scratch);
     return status;
@@ -43,12 +43,11 @@ static tc_status load_tile(const tc_packer *p, int l, const tc_spool *coarse, tc
 tc_status tc_pack_sample(const tc_packer *p, int l, const tc_spool *coarse, int wanted, tc_sample **sample_ret,
                          tc_error *error)
 {
-    const tc_level *size = &p->container.level[l - 1];
     int32_t *scratch = malloc(tc_pack_details_scratch() * sizeof *scratch);
     tc_sample *s = *sample_ret = calloc(1, sizeof *s);
     tc_status status = s && scratch ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     if (!status) {
-        s->level = (tc_lifting_level){size->width, size->height, p->container.wrap_x};
+        s->level = tc_container_lifting(&p->container, l);
         s->count = tc_codec_sample(&s->level, wanted, s->tile);
     }
     for (int i = 0; !status && i < s->count; i++)

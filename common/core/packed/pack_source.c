@@ -114,7 +114,7 @@ static void merge_row(tc_packer *p, const float *z, const uint8_t *voids, int64_
             }
             continue;
         }
-        bits[i] = is_void ? VOID_BITS : to_bits(z[i]);
+        bits[i] = is_void && !p->filled ? VOID_BITS : to_bits(z[i]);
         if (is_void)
             continue;
         valid++;
@@ -122,6 +122,19 @@ static void merge_row(tc_packer *p, const float *z, const uint8_t *voids, int64_
     }
     p->result.samples += valid;
     p->z_min = lo, p->z_max = hi;
+}
+
+static void note_levels(tc_packer *p, const uint8_t *row, int64_t y);
+
+/* The mask of whole rows whose heights under voids are given. */
+static tc_status put_mask(tc_packer *p, tc_rect rect, const uint8_t *voids, ptrdiff_t stride, tc_error *error)
+{
+    for (int64_t y = rect.y0; y < rect.y1; y++)
+        note_levels(p, voids + (y - rect.y0) * stride, y);
+    tc_status status = TC_OK;
+    if (p->mask.file < 0)
+        status = tc_spool_create(p->path, p->source.width, p->source.height, 1, &p->mask, error);
+    return status ? status : tc_spool_write(&p->mask, rect, voids, stride, error);
 }
 
 tc_status tc_packer_put(tc_packer *p, tc_rect rect, const float *z, const uint8_t *voids, ptrdiff_t stride,
@@ -156,6 +169,8 @@ tc_status tc_packer_put(tc_packer *p, tc_rect rect, const float *z, const uint8_
             status = tc_spool_write(&p->source, part, bits, count, error);
     }
     free(bits);
+    if (!status && p->filled && voids)
+        status = put_mask(p, rect, voids, stride, error);
     if (!status && !remember(p, rect))
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     double share = TC_SHARE_PUT * (double)tc_rect_area(rect) / ((double)t->width * (double)t->height);
@@ -179,20 +194,26 @@ tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret,
     const tc_pack_terrain *t = &p->container.info.terrain;
     int64_t w = t->width, h = t->height, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, h), valid = 0;
     double base = 0.5 * ((double)p->z_min + p->z_max), sum = 0, square = 0;
+    bool masked = p->filled && p->mask.file >= 0;
     float *z = malloc((size_t)(rows * w) * sizeof *z);
-    tc_status status = z ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    uint8_t *voids = masked ? malloc((size_t)(rows * w)) : NULL;
+    tc_status status = TC_OK;
+    if (!z || (masked && !voids))
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     for (int64_t y = 0; y < h && !status; y++) {
         if (y % rows == 0)
             status = tc_pack_source_rows(p, y, tc_min64(y + rows, h), z, error);
+        if (y % rows == 0 && masked && !status)
+            status = tc_pack_mask_rows(p, p->container.levels, y, tc_min64(y + rows, h), voids, w, error);
         double row_sum = 0, row_square = 0;
         for (int64_t i = y % rows * w; i < (y % rows + 1) * w && !status; i++)
-            if (!isnan(z[i])) {
+            if (!isnan(z[i]) && !(masked && voids[i])) {
                 double d = z[i] - base;
                 row_sum += d, row_square += d * d, valid++;
             }
         sum += row_sum, square += row_square;
     }
-    free(z);
+    free(z), free(voids);
     double mean = valid ? sum / (double)valid : 0;
     *mean_ret = mean + base;
     *deviation_ret = valid ? sqrt(fmax(square / (double)valid - mean * mean, 0)) : 0;

@@ -12,9 +12,11 @@ enum { WINDOW = TC_TILE + 2 * MARGIN };
 tc_rect tc_pack_details_need(const tc_lifting_level *level, tc_rect t)
 {
     int64_t cw = tc_coarse_size(level->width), ch = tc_coarse_size(level->height);
-    tc_rect r = {tc_max64(t.x0 - MARGIN, 0), tc_max64(t.y0 - MARGIN, 0), tc_min64(t.x1 + MARGIN, cw),
-                 tc_min64(t.y1 + MARGIN, ch)};
-    return (tc_rect){2 * r.x0, 2 * r.y0, tc_min64(2 * r.x1, level->width), tc_min64(2 * r.y1, level->height)};
+    tc_rect r = {t.x0 - MARGIN, tc_max64(t.y0 - MARGIN, 0), t.x1 + MARGIN, tc_min64(t.y1 + MARGIN, ch)};
+    if (!level->wrap_x)
+        r.x0 = tc_max64(r.x0, 0), r.x1 = tc_min64(r.x1, cw);
+    int64_t limit = level->wrap_x ? INT64_MAX : level->width;
+    return (tc_rect){2 * r.x0, 2 * r.y0, tc_min64(2 * r.x1, limit), tc_min64(2 * r.y1, level->height)};
 }
 
 size_t tc_pack_details_scratch(void)
@@ -173,6 +175,11 @@ static tc_rect fine_rect(const level_state *s, int64_t tx, int64_t ty)
                      tc_min64((ty + 1) * FINE, s->level.height)};
 }
 
+static const uint8_t *voids_at(const level_state *s, int64_t x, int64_t y)
+{
+    return s->voids.v + (y - s->voids.rect.y0) * s->voids.stride + x - s->voids.rect.x0;
+}
+
 /* Adds a tile's mask to its bytes. False: no memory. */
 static bool add_mask(const level_state *s, tc_rect rect, coded_tile *tile)
 {
@@ -202,7 +209,7 @@ static tc_status correct_tile(const level_state *s, int64_t tx, int64_t ty, code
     for (int64_t y = r.y0; y < r.y1; y++) {
         int32_t *z = tc_plane_at(&s->fine, r.x0, y), *n = tc_plane_at(&k, r.x0, y);
         const int32_t *truth = tc_plane_at(&s->truth, r.x0, y);
-        const uint8_t *voids = s->voids.v ? s->voids.v + (y - s->voids.rect.y0) * s->voids.stride + r.x0 : NULL;
+        const uint8_t *voids = s->voids.v ? voids_at(s, r.x0, y) : NULL;
         for (int64_t i = 0; i < r.x1 - r.x0; i++) {
             int64_t off = (int64_t)truth[i] - tc_corrected(c, z[i], 0), step = c->correction_step;
             int64_t up = llabs(off) > s->coding->bound && !(voids && voids[i]) ? off + (off > 0 ? step : -step) / 2 : 0;
@@ -286,7 +293,7 @@ void tc_pack_finish_tile(void *context, int64_t n)
             errors_of_source(c, z, s->source + (y - s->finished * FINE) * w + r.x0, count, error);
         else
             errors_of_level(c, z, tc_plane_at(&s->truth, r.x0, y), count, error);
-        const uint8_t *voids = s->voids.v ? s->voids.v + (y - s->voids.rect.y0) * w + r.x0 : NULL;
+        const uint8_t *voids = s->voids.v ? voids_at(s, r.x0, y) : NULL;
         samples += count;
         for (int64_t i = 0; i < count && voids; i++)
             if (voids[i])

@@ -45,7 +45,7 @@ static void close_file(void *context)
     free(context);
 }
 
-static tc_status file_source(const char *path, tc_byte_source *source_ret, tc_error *error)
+tc_status tc_file_source(const char *path, tc_byte_source *source_ret, tc_error *error)
 {
     int *file = malloc(sizeof *file);
     struct stat about;
@@ -121,6 +121,7 @@ tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *sour
         return status;
     }
     tc_container *c = &f->container;
+    c->info.cut_short = source->size < c->info.bytes;
     while (c->levels > c->base && c->record[c->levels - 1].end > source->size)
         c->levels--, c->info.levels_missing++;
     return TC_OK;
@@ -129,7 +130,7 @@ tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *sour
 tc_status tc_packed_file_open(const char *path, tc_packed_file *f, tc_error *error)
 {
     tc_byte_source source;
-    tc_status status = file_source(path, &source, error);
+    tc_status status = tc_file_source(path, &source, error);
     return status ? status : tc_packed_file_open_bytes(path, &source, f, error);
 }
 

@@ -13,6 +13,9 @@ typedef struct tc_packed_file {
     tc_block_cache pages;
 } tc_packed_file;
 
+/* A file as a source of bytes. */
+tc_status tc_file_source(const char *path, tc_byte_source *source_ret, tc_error *error);
+
 /* The finest levels that are missing are taken off container.levels and counted in info.levels_missing. The second one
  * takes over the source, also where it fails. */
 tc_status tc_packed_file_open(const char *path, tc_packed_file *file_ret, tc_error *error);
@@ -25,5 +28,11 @@ tc_status tc_packed_file_entry(tc_packed_file *file, int l, int64_t tx, int64_t 
 
 /* The bytes of a tile, tc_tile_bytes(entry) of them, which must not be more than room. TC_ERR_FORMAT: damaged. */
 tc_status tc_packed_file_tile(tc_packed_file *file, const tc_tile_entry *entry, uint8_t *bytes, size_t room);
+
+/* Bytes of a packed pyramid's own container, whatever follows it in the file. */
+int64_t tc_packed_chart_bytes(const tc_pyramid *pyramid);
+
+/* The head of a packed pyramid's file; NULL for another. Lives as long as the pyramid. */
+const tc_container *tc_packed_container(const tc_pyramid *pyramid);
 
 #endif

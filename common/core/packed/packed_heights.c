@@ -29,17 +29,25 @@ static void copy_rect(const int32_t *from, ptrdiff_t stride, tc_rect rect, const
                (size_t)(r.x1 - r.x0) * sizeof *from);
 }
 
+/* The same for planes that may stick out of a level `width` wide, on every turn that they reach into. */
+static void copy_round(const int32_t *from, ptrdiff_t stride, tc_rect rect, int64_t width, const tc_plane *to)
+{
+    for (int64_t turn = tc_turn(to->rect.x0, width); turn < to->rect.x1; turn += width)
+        copy_rect(from, stride, (tc_rect){rect.x0 + turn, rect.y0, rect.x1 + turn, rect.y1}, to);
+}
+
 static void copy_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_decoded_tile *tile,
                       const tile_planes *to)
 {
     tc_rect samples = tc_level_coder_samples(c, tx, ty), positions = tc_level_coder_positions(c, tx, ty);
+    int64_t width = c->level.width, cw = tc_coarse_size(width);
     if (c->codec)
         for (int b = 0; b < TC_BANDS; b++)
-            copy_rect(tile->band[b][0], TC_TILE, positions, &to->band[b]);
+            copy_round(tile->band[b][0], TC_TILE, positions, cw, &to->band[b]);
     else
-        copy_rect(tile->sample[0], TC_TILE_SIDE, samples, &to->sample);
+        copy_round(tile->sample[0], TC_TILE_SIDE, samples, width, &to->sample);
     if (c->correction)
-        copy_rect(tile->correction[0], TC_TILE_SIDE, samples, &to->correction);
+        copy_round(tile->correction[0], TC_TILE_SIDE, samples, width, &to->correction);
 }
 
 /* The least rectangle that holds both. */
@@ -53,8 +61,28 @@ static tc_rect rect_around(tc_rect a, tc_rect b)
 /* A tile of a gathering. */
 typedef struct wanted_tile {
     int64_t tx, ty;
+    int64_t turn;    /* positions: where the gathering goes round, the turn on which it meets the tile first */
     tc_block *block; /* NULL: another thread is making it */
 } wanted_tile;
+
+/* Columns of tiles that positions x0 .. x1 - 1 touch, each once: the first of them, on its turn; the others follow. */
+typedef struct tile_columns {
+    int64_t turn, first, count, across;
+} tile_columns;
+
+static tile_columns columns_of(const tc_level_coder *c, int64_t x0, int64_t x1)
+{
+    int64_t cw = tc_coarse_size(c->level.width), turn = tc_turn(x0, cw), last_turn = tc_turn(x1 - 1, cw);
+    tile_columns t = {turn, (x0 - turn) / TC_TILE, 0, (cw + TC_TILE - 1) / TC_TILE};
+    t.count = tc_min64(t.across, (last_turn - turn) / cw * t.across + (x1 - 1 - last_turn) / TC_TILE - t.first + 1);
+    return t;
+}
+
+static wanted_tile column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty)
+{
+    int64_t at = t->first + n;
+    return (wanted_tile){at % t->across, ty, t->turn + at / t->across * tc_coarse_size(c->level.width), NULL};
+}
 
 static uint64_t tile_key(int l, int64_t across, const wanted_tile *t)
 {
@@ -66,13 +94,16 @@ static tc_status read_coarse(packed_pyramid *p, int l, tc_rect need, const wante
                              tc_plane *coarse, scratch *s)
 {
     for (int n = 0; n < count; n++)
-        if (tile[n].block && !tile[n].block->made)
-            need = rect_around(need, tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty));
+        if (tile[n].block && !tile[n].block->made) {
+            tc_rect own = tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty);
+            own.x0 += tile[n].turn, own.x1 += tile[n].turn;
+            need = rect_around(need, own);
+        }
     tc_status status = tc_scratch_plane(s, need, coarse);
     return status ? status : tc_packed_units(p, l - 1, coarse, s);
 }
 
-/* Tiles read and decoded, one or two. What is wrong with them is counted, and they count as empty. */
+/* Tiles of one turn read and decoded, one or two. What is wrong with them is counted, and they count as empty. */
 static tc_status make_few(packed_pyramid *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
                           scratch *s)
 {
@@ -88,7 +119,9 @@ static tc_status make_few(packed_pyramid *p, int l, const wanted_tile *const *ti
             return status;
         t->bytes = status ? NULL : s->stream[n];
     }
-    tc_level_coder_decode(&p->level[l - 1].coder, job, count, coarse);
+    tc_plane turned = *coarse; /* as the tiles see it */
+    turned.rect.x0 -= tile[0]->turn, turned.rect.x1 -= tile[0]->turn;
+    tc_level_coder_decode(&p->level[l - 1].coder, job, count, &turned);
     for (int n = 0; n < count; n++)
         if (job[n].status)
             p->damaged++;
@@ -108,7 +141,7 @@ static tc_status make_tiles(packed_pyramid *p, int l, const wanted_tile *tile, i
     for (int n = 0; n < count; n++) {
         if (tile[n].block && !tile[n].block->made)
             few[held++] = &tile[n];
-        if (held == 0 || (held < AT_ONCE && n < count - 1))
+        if (held == 0 || (held < AT_ONCE && n < count - 1 && tile[n + 1].turn == few[0]->turn))
             continue;
         if (coarse && !status)
             status = make_few(p, l, few, held, coarse, s);
@@ -141,18 +174,17 @@ static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect nee
                         tc_plane *coarse, scratch *s)
 {
     const tc_level_coder *coder = &p->level[l - 1].coder;
-    int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
-    tc_rect t = {positions.x0 / TC_TILE, positions.y0 / TC_TILE, (positions.x1 - 1) / TC_TILE + 1,
-                 (positions.y1 - 1) / TC_TILE + 1};
-    wanted_tile *tile = tc_scratch_take(s, (size_t)tc_rect_area(t) * sizeof *tile);
+    tile_columns t = columns_of(coder, positions.x0, positions.x1);
+    int64_t across = t.across, ty = positions.y0 / TC_TILE, all = ((positions.y1 - 1) / TC_TILE + 1 - ty) * t.count;
+    wanted_tile *tile = tc_scratch_take(s, (size_t)all * sizeof *tile);
     if (!tile)
         return TC_ERR_MEMORY;
     int count = 0;
     tc_status status = TC_OK;
-    for (int64_t k = 0; k < tc_rect_area(t) && !status; k++) {
+    for (int64_t k = 0; k < all && !status; k++) {
         wanted_tile *w = &tile[count];
         bool busy;
-        w->tx = t.x0 + k % (t.x1 - t.x0), w->ty = t.y0 + k / (t.x1 - t.x0);
+        *w = column(coder, &t, k % t.count, ty + k / t.count);
         w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
         if (w->block || busy)
             count++;
@@ -208,7 +240,7 @@ static tc_status synthesise_lifting(packed_pyramid *p, int l, const tc_plane *to
 static tc_rect positions_of(const tc_level_coder *c, tc_rect rect)
 {
     return c->codec ? tc_lifting_needs(&c->level, rect)
-                    : (tc_rect){rect.x0 / 2, rect.y0 / 2, (rect.x1 + 1) / 2, (rect.y1 + 1) / 2};
+                    : (tc_rect){tc_floor_shift(rect.x0, 1), rect.y0 / 2, tc_ceil_shift(rect.x1, 1), (rect.y1 + 1) / 2};
 }
 
 static tc_rect coarse_of(const tc_level_coder *c, tc_rect rect)
@@ -246,7 +278,8 @@ static tc_status prepare(packed_pyramid *p, int l, scratch *s)
     if (!level->ready) {
         const tc_level *size = &p->head.level[l - 1];
         const tc_container *c = &p->file.container;
-        tc_status status = l > c->base ? tc_level_coder_init(&level->coder, size, &c->record[l - 1], c->wrap_x) : TC_OK;
+        tc_lifting_level lifting = l > c->base ? tc_container_lifting(c, l) : (tc_lifting_level){0};
+        tc_status status = l > c->base ? tc_level_coder_init(&level->coder, &lifting, &c->record[l - 1]) : TC_OK;
         if (!status && l > c->base && is_whole(p, l)) {
             tc_plane whole = {malloc((size_t)(size->width * size->height) * sizeof(int32_t)),
                               size->width,
@@ -274,12 +307,24 @@ tc_status tc_packed_units(packed_pyramid *p, int l, const tc_plane *to, scratch 
         return TC_OK;
     tc_status status = prepare(p, l, s);
     const level_state *level = &p->level[l - 1];
-    if (status || !level->whole)
-        return status ? status : synthesise(p, l, to, s);
-    for (int64_t y = to->rect.y0; y < to->rect.y1; y++)
-        memcpy(tc_plane_at(to, to->rect.x0, y), level->whole + y * p->head.level[l - 1].width + to->rect.x0,
-               (size_t)(to->rect.x1 - to->rect.x0) * sizeof(int32_t));
-    return TC_OK;
+    tc_rect r = to->rect;
+    int64_t width = p->head.level[l - 1].width;
+    if (status)
+        return status;
+    if (level->whole) {
+        copy_round(level->whole, width, (tc_rect){0, 0, width, p->head.level[l - 1].height}, width, to);
+        return TC_OK;
+    }
+    if (level->coder.level.wrap_x || (r.x0 >= 0 && r.x1 <= width))
+        return synthesise(p, l, to, s);
+    /* The last level that goes round: what it is made of does not. */
+    for (int64_t x = r.x0, x1; x < r.x1 && !status; x = x1) {
+        int64_t turn = tc_turn(x, width);
+        x1 = tc_min64(r.x1, turn + width);
+        tc_plane part = {tc_plane_at(to, x, r.y0), to->stride, {x - turn, r.y0, x1 - turn, r.y1}};
+        status = synthesise(p, l, &part, s);
+    }
+    return status;
 }
 
 bool tc_packed_decoded(packed_pyramid *p, int l, tc_rect rect)
@@ -288,15 +333,19 @@ bool tc_packed_decoded(packed_pyramid *p, int l, tc_rect rect)
         if (!p->level[l - 1].ready || p->level[l - 1].status)
             return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
         const tc_level_coder *coder = &p->level[l - 1].coder;
+        if (!coder->level.wrap_x && (rect.x0 < 0 || rect.x1 > coder->level.width))
+            rect.x0 = 0, rect.x1 = coder->level.width;
         tc_rect r = positions_of(coder, rect);
-        tc_rect t = {r.x0 / TC_TILE, r.y0 / TC_TILE, (r.x1 - 1) / TC_TILE + 1, (r.y1 - 1) / TC_TILE + 1};
-        if (tc_rect_area(t) > p->tiles.most / 4)
+        tile_columns t = columns_of(coder, r.x0, r.x1);
+        int64_t y0 = r.y0 / TC_TILE, y1 = (r.y1 - 1) / TC_TILE + 1;
+        if ((y1 - y0) * t.count > p->tiles.most / 4)
             return true;
-        int64_t across = (coder->level.width + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
-        for (int64_t ty = t.y0; ty < t.y1; ty++)
-            for (int64_t tx = t.x0; tx < t.x1; tx++)
-                if (!tc_block_has(&p->tiles, tile_key(l, across, &(wanted_tile){tx, ty, NULL})))
+        for (int64_t ty = y0; ty < y1; ty++)
+            for (int64_t n = 0; n < t.count; n++) {
+                wanted_tile tile = column(coder, &t, n, ty);
+                if (!tc_block_has(&p->tiles, tile_key(l, t.across, &tile)))
                     return false;
+            }
         rect = coarse_of(coder, rect);
     }
     return tc_rect_empty(rect) || p->level[l - 1].ready;

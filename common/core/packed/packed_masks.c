@@ -34,6 +34,16 @@ tc_status tc_packed_mask(packed_pyramid *p, int l, const tc_mask_plane *to, scra
     const tc_container *c = &p->file.container;
     tc_rect r = to->rect;
     tc_status status = TC_OK;
+    int64_t width = c->level[l - 1].width;
+    if (r.x0 < 0 || r.x1 > width) { /* each turn for itself */
+        for (int64_t x = r.x0, x1; x < r.x1 && !status; x = x1) {
+            int64_t turn = tc_turn(x, width);
+            x1 = tc_min64(r.x1, turn + width);
+            tc_mask_plane part = {to->v + (x - r.x0), to->stride, {x - turn, r.y0, x1 - turn, r.y1}};
+            status = tc_packed_mask(p, l, &part, s);
+        }
+        return status;
+    }
     if (l <= c->base || !c->record[l - 1].mask) {
         int k = c->base - l; /* coarser masks are finer ones on the same spots */
         for (int64_t y = r.y0; y < r.y1; y++)

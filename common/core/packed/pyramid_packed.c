@@ -219,7 +219,7 @@ static tc_status make_base(packed_pyramid *p)
             continue;
         }
         int32_t memory[TC_BANDS][TC_BASE_SIZE * TC_BASE_SIZE];
-        tc_lifting_level fine = {c->level[l].width, c->level[l].height, c->wrap_x};
+        tc_lifting_level fine = tc_container_lifting(c, l + 1);
         tc_rect rect = {0, 0, size->width, size->height};
         tc_plane from = {p->level[l].whole, fine.width, {0, 0, fine.width, fine.height}}, band[TC_BANDS];
         tc_plane low = {state->whole, size->width, rect};
@@ -245,6 +245,7 @@ static void set_info(packed_pyramid *p, const tc_open_options *o)
     info->z_base = t->z_base;
     info->z_min = (float)c->z_min, info->z_max = (float)c->z_max;
     info->void_count = c->voids;
+    info->wraps_x = c->levels >= c->wraps_from;
     info->other_body = t->georef.semi_major > 0 && (t->georef.semi_major < 6.3e6 || t->georef.semi_major > 6.45e6);
     p->voids = o->has_policy ? o->voids : t->voids;
     p->void_height = (float)((o->has_policy ? o->void_constant : t->void_constant) - t->z_base);
@@ -316,6 +317,18 @@ const tc_packed_info *tc_pyramid_packed_info(const tc_pyramid *pyramid)
 {
     packed_pyramid *p = as_packed(pyramid);
     return p ? &p->file.container.info : NULL;
+}
+
+const tc_container *tc_packed_container(const tc_pyramid *pyramid)
+{
+    packed_pyramid *p = as_packed(pyramid);
+    return p ? &p->file.container : NULL;
+}
+
+int64_t tc_packed_chart_bytes(const tc_pyramid *pyramid)
+{
+    const tc_container *c = tc_packed_container(pyramid);
+    return c ? tc_container_cap_begin(c, 0) : 0;
 }
 
 tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level)

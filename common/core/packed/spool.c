@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "common/core/base/outfile.h"
+#include "common/core/base/rect.h"
 #include "common/core/base/status.h"
 
 tc_status tc_spool_create(const char *path, int64_t width, int64_t height, size_t element, tc_spool *spool_ret,
@@ -70,6 +71,18 @@ static tc_status move_rect(const tc_spool *s, tc_rect r, char *memory, ptrdiff_t
 tc_status tc_spool_read(const tc_spool *spool, tc_rect rect, void *to, ptrdiff_t stride, tc_error *error)
 {
     return move_rect(spool, rect, to, stride, false, error);
+}
+
+tc_status tc_spool_read_round(const tc_spool *spool, tc_rect rect, void *to, ptrdiff_t stride, tc_error *error)
+{
+    tc_status status = TC_OK;
+    for (int64_t x = rect.x0, x1; x < rect.x1 && !status; x = x1) {
+        int64_t turn = tc_turn(x, spool->width);
+        x1 = tc_min64(rect.x1, turn + spool->width);
+        tc_rect part = {x - turn, rect.y0, x1 - turn, rect.y1};
+        status = tc_spool_read(spool, part, (char *)to + (x - rect.x0) * (int64_t)spool->size, stride, error);
+    }
+    return status;
 }
 
 tc_status tc_spool_write(const tc_spool *spool, tc_rect rect, const void *from, ptrdiff_t stride, tc_error *error)

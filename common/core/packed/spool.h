@@ -19,6 +19,8 @@ void tc_spool_close(tc_spool *spool);
 
 /* Copies a rectangle, to or from elements with a row stride in elements. Thread-safe for rectangles apart. */
 tc_status tc_spool_read(const tc_spool *spool, tc_rect rect, void *to, ptrdiff_t stride, tc_error *error);
+/* The same where columns go round: of a rectangle that sticks out in x, those of the other side. */
+tc_status tc_spool_read_round(const tc_spool *spool, tc_rect rect, void *to, ptrdiff_t stride, tc_error *error);
 tc_status tc_spool_write(const tc_spool *spool, tc_rect rect, const void *from, ptrdiff_t stride, tc_error *error);
 
 #endif

@@ -1,0 +1,421 @@
+/* test_packed_planet.c - planets packed: all charts come back as they are made in memory; files cut short lose caps
+ * first; heads that contradict themselves are refused. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/atlas/atlas_packed.h"
+#include "common/core/base/rect.h"
+#include "common/core/packed/crc32c.h"
+#include "common/core/packed/packed_file.h"
+#include "common/core/pyramid/fill.h"
+#include "tests/support/made_files.h"
+#include "tests/support/packing.h"
+#include "tests/support/terrains.h"
+
+enum { WIDTH = 384, HEIGHT = 193 };
+static const double radius = 1737400;
+
+static int close_all(void **state)
+{
+    (void)state;
+    made_folder_remove();
+    return 0;
+}
+
+/* ---- A planet ---------------------------------------------------------------------------------------------------- */
+
+static float height_at(double lambda, double phi)
+{
+    double x = cos(phi) * cos(lambda), y = cos(phi) * sin(lambda), z = sin(phi);
+    return (float)rint(2000 * sin(3 * x + 2 * y) + 900 * sin(9 * z + 4 * x) + 70 * sin(60 * y) * cos(50 * x + 30 * z));
+}
+
+/* Longitudes from 0 on, rows from pole to pole; a void of a cap near the north pole and one on the seam. */
+static tc_grid planet_grid(bool voids)
+{
+    tc_grid g = {.width = WIDTH, .height = HEIGHT, .wraps_x = true, .spacing_x = 1, .spacing_y = 1};
+    double step = 180.0 / (HEIGHT - 1), across = 360.0 / WIDTH;
+    g.georef = (tc_georef){.known = true, .geographic = true, .semi_major = radius};
+    const double t[6] = {-0.5 * across, across, 0, 90 + 0.5 * step, 0, -step};
+    memcpy(g.georef.transform, t, sizeof t);
+    g.z = malloc(sizeof *g.z * WIDTH * HEIGHT);
+    g.voids = voids ? calloc(WIDTH * HEIGHT, 1) : NULL;
+    g.z_min = INFINITY, g.z_max = -INFINITY;
+    for (int j = 0; j < HEIGHT; j++)
+        for (int i = 0; i < WIDTH; i++) {
+            int at = j * WIDTH + i, column = i < WIDTH / 2 ? i : WIDTH - i;
+            g.z[at] = height_at(across * i * M_PI / 180, (step * j - 90) * M_PI / 180);
+            bool is_void = voids && (hypot(column, j - 80) < 12 || (j > 170 && j < 180 && i > 40 && i < 90));
+            if (is_void)
+                g.voids[at] = 1, g.void_count++;
+            else
+                g.z_min = fminf(g.z_min, g.z[at]), g.z_max = fmaxf(g.z_max, g.z[at]);
+        }
+    return g;
+}
+
+static tc_pack_terrain planet_terrain(const tc_grid *g)
+{
+    double metres = radius * M_PI / 180;
+    return (tc_pack_terrain){.width = g->width,
+                             .height = g->height,
+                             .wraps_x = true,
+                             .radius = radius,
+                             .spacing_x = metres * g->georef.transform[1],
+                             .spacing_y = -metres * g->georef.transform[5],
+                             .georef = g->georef,
+                             .sample_type = TC_SAMPLE_INT16,
+                             .unit = 1};
+}
+
+static tc_status pack_planet(const char *path, const tc_pack_options *how, bool voids, tc_pack_result *result,
+                             tc_error *error)
+{
+    tc_grid g = planet_grid(voids);
+    tc_pack_terrain terrain = planet_terrain(&g);
+    tc_packer *packer = NULL;
+    tc_status status = tc_packer_create(path, &terrain, how, &packer, error);
+    for (int j = HEIGHT - 1; j >= 0 && !status; j--) { /* a row at a time, from the north */
+        const uint8_t *v = voids ? g.voids + j * WIDTH : NULL;
+        status = tc_packer_put(packer, (tc_rect){0, j, WIDTH, j + 1}, g.z + j * WIDTH, v, WIDTH, error);
+    }
+    if (!status)
+        status = tc_packer_finish(packer, result, error);
+    tc_packer_destroy(packer);
+    tc_grid_free(&g);
+    return status;
+}
+
+/* ---- All of it comes back ---------------------------------------------------------------------------------------- */
+
+/* Root mean square and the largest of the errors of a level, over samples that are not void. */
+static void compare_level(const tc_pyramid *file, const tc_pyramid *truth, int l, double *rms, double *most)
+{
+    tc_level level = tc_pyramid_level(truth, l), other = tc_pyramid_level(file, l);
+    assert_true(level.width == other.width && level.height == other.height);
+    assert_float_equal(level.spacing_y, other.spacing_y, 1e-6 * level.spacing_y);
+    uint8_t *v, *u;
+    float *z = packing_read(file, l, &v), *y = packing_read(truth, l, &u);
+    double sum = 0, count = 0;
+    *most = 0;
+    for (int64_t i = 0; i < level.width * level.height; i++) {
+        assert_int_equal(v[i], u[i]);
+        if (v[i])
+            continue;
+        double e = fabs((double)z[i] - y[i]);
+        sum += e * e, count++, *most = fmax(*most, e);
+    }
+    *rms = sqrt(sum / fmax(count, 1));
+    free(z), free(v), free(y), free(u);
+}
+
+/* Coarser levels' errors are as declared, but for height units. */
+static bool declared_well(const tc_pyramid *file, int l, double rms)
+{
+    double declared = tc_pyramid_packed_level(file, l).rms;
+    return fabs(rms - declared) <= 1e-4 * declared + 2 * tc_packed_container(file)->z_unit;
+}
+
+static const tc_pack_options ways[] = {
+    {.mode = TC_PACK_RMS, .error = 5},
+    {.mode = TC_PACK_MAX_ERROR, .error = 12},
+    {.mode = TC_PACK_LOSSLESS},
+    {.mode = TC_PACK_RMS, .codec = TC_CODEC_LH04, .error = 5},
+};
+enum { WAYS = sizeof ways / sizeof *ways };
+
+static void charts_come_back(void **state)
+{
+    (void)state;
+    const char *path = made_path("a.tclip");
+    for (int k = 0; k < 2 * WAYS; k++) {
+        const tc_pack_options *how = &ways[k / 2];
+        tc_pack_result result;
+        tc_error error = {TC_OK, ""};
+        tc_atlas file, truth;
+        bool voids = k % 2;
+        if (pack_planet(path, how, voids, &result, &error))
+            fail_msg("%s", error.text);
+        assert_int_equal(made_folder_count(), 1);
+        tc_grid g = planet_grid(voids);
+        if (voids)
+            assert_int_equal(tc_fill_voids(g.z, g.voids, WIDTH, HEIGHT), TC_OK);
+        assert_int_equal(tc_atlas_build(&g, radius, 0, &truth, NULL), TC_OK);
+        if (tc_atlas_open(path, NULL, &file, &error))
+            fail_msg("%s", error.text);
+        assert_true(file.charts == 3 && truth.charts == 3 && file.radius == radius);
+        for (int c = 0; c < 3; c++) {
+            const tc_chart *a = &file.chart[c], *b = &truth.chart[c];
+            assert_true(a->projection == b->projection && a->wraps == b->wraps && a->wraps == (c == 0));
+            assert_float_equal(a->x0, b->x0, 1e-12), assert_float_equal(a->y0, b->y0, 1e-12);
+            assert_float_equal(a->dx, b->dx, 1e-14), assert_float_equal(a->dy, b->dy, 1e-14);
+            int m = tc_pyramid_info(b->pyramid)->levels;
+            assert_int_equal(tc_pyramid_info(a->pyramid)->levels, m);
+            assert_int_equal(tc_pyramid_info(a->pyramid)->void_count, tc_pyramid_info(b->pyramid)->void_count);
+            for (int l = m; l > m - 4; l--) {
+                double rms, most, bound = how->mode == TC_PACK_LOSSLESS ? c ? 0.5 : 0 : how->error;
+                compare_level(a->pyramid, b->pyramid, l, &rms, &most);
+                if (how->mode == TC_PACK_RMS && l == m)
+                    assert_true(rms <= bound * (1 + 1e-6) && rms > 0.9 * bound);
+                else if (l == m)
+                    assert_true(most <= bound + 1e-3);
+                else
+                    assert_true(tc_pyramid_wraps(a->pyramid, l) == (c == 0) && declared_well(a->pyramid, l, rms));
+            }
+        }
+        /* The flat map is chart 0. */
+        tc_pyramid *flat;
+        assert_int_equal(tc_pyramid_open(path, NULL, &flat, NULL), TC_OK);
+        const tc_packed_info *info = tc_pyramid_packed_info(flat);
+        assert_true(info->charts == 3 && info->terrain.radius == radius && info->version == 2 && !info->cut_short);
+        assert_true(tc_pyramid_info(flat)->wraps_x && info->bytes == result.bytes);
+        size_t size;
+        free(packing_bytes(path, &size));
+        assert_int_equal(size, result.bytes);
+        tc_pyramid_destroy(flat);
+        tc_atlas_free(&file), tc_atlas_free(&truth);
+    }
+}
+
+static void threads_make_no_difference(void **state)
+{
+    (void)state;
+    uint8_t *bytes[2];
+    size_t size[2];
+    for (int k = 0; k < 2; k++) {
+        tc_pack_options how = {.error = 5, .threads = k ? 3 : 1};
+        tc_pack_result result;
+        assert_int_equal(pack_planet(made_path("a.tclip"), &how, true, &result, NULL), TC_OK);
+        bytes[k] = packing_bytes(made_path("a.tclip"), &size[k]);
+    }
+    assert_true(size[0] == size[1] && !memcmp(bytes[0], bytes[1], size[0]));
+    free(bytes[0]), free(bytes[1]);
+}
+
+/* ---- Parts of a file ----------------------------------------------------------------------------------------------
+ */
+
+typedef struct memory {
+    const uint8_t *bytes;
+    int closed;
+} memory;
+
+static tc_status read_memory(void *context, int64_t offset, void *to, size_t size)
+{
+    memcpy(to, ((memory *)context)->bytes + offset, size);
+    return TC_OK;
+}
+
+static void close_memory(void *context)
+{
+    ((memory *)context)->closed++;
+}
+
+/* Opens the first `size` bytes; whatever comes of it, the source is closed once in the end. */
+static tc_status open_part(const uint8_t *bytes, size_t size, tc_atlas *atlas, tc_error *error)
+{
+    static memory m;
+    m = (memory){bytes, 0};
+    tc_byte_source source = {&m, (int64_t)size, read_memory, close_memory};
+    *error = (tc_error){TC_OK, ""};
+    tc_status status = tc_atlas_open_bytes("memory", &source, NULL, atlas, error);
+    assert_int_equal(m.closed, status != TC_OK);
+    assert_true((status == TC_OK) == (*error->text == 0));
+    return status;
+}
+
+static uint8_t *packed_planet(size_t *size_ret)
+{
+    const tc_pack_options how = {.error = 5};
+    tc_pack_result result;
+    assert_int_equal(pack_planet(made_path("a.tclip"), &how, true, &result, NULL), TC_OK);
+    return packing_bytes(made_path("a.tclip"), size_ret);
+}
+
+static tc_container head_of(const uint8_t *bytes, size_t size)
+{
+    tc_container c;
+    size_t head;
+    assert_int_equal(tc_container_read("memory", bytes, size, &c, &head, NULL), TC_OK);
+    return c;
+}
+
+static void files_cut_short_lose_caps_first(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = packed_planet(&size);
+    tc_container c = head_of(bytes, size);
+    int64_t caps = tc_container_cap_begin(&c, 0), south = tc_container_cap_begin(&c, 1), south_head;
+    south_head = south + (int64_t)tc_load(bytes + south + TC_HEAD_SIZE_AT, 4);
+    assert_int_equal(south + c.cap_bytes[1], size);
+    assert_int_equal(caps, c.record[c.levels - 1].end);
+    for (size_t part = 0; part <= size; part += part + 97 < size ? 97 : 1) {
+        /* A copy, that no byte beyond is read. */
+        uint8_t *copy = malloc(part + 1);
+        memcpy(copy, bytes, part);
+        tc_atlas atlas;
+        tc_error error;
+        int64_t head = (int64_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+        tc_status status = open_part(copy, part, &atlas, &error);
+        assert_true((status == TC_OK) == ((int64_t)part >= head));
+        if (!status) {
+            const tc_packed_info *info = tc_pyramid_packed_info(atlas.chart[0].pyramid);
+            assert_int_equal(atlas.charts, (int64_t)part >= south_head ? 3 : 1);
+            assert_true(info->cut_short == (part < size) && info->charts == 3);
+            assert_true((info->levels_missing > 0) == ((int64_t)part < caps));
+            assert_float_equal(atlas.chart[0].dx, ldexp(2 * M_PI / WIDTH, info->levels_missing), 1e-12);
+            float z;
+            for (int k = 0; k < atlas.charts; k++)
+                assert_int_equal(tc_pyramid_read(atlas.chart[k].pyramid,
+                                                 tc_pyramid_info(atlas.chart[k].pyramid)->levels, (tc_rect){0, 0, 1, 1},
+                                                 &z, NULL, 1),
+                                 TC_OK);
+            tc_atlas_free(&atlas);
+        }
+        free(copy);
+    }
+    tc_container_free(&c);
+    free(bytes);
+}
+
+/* ---- Heads --------------------------------------------------------------------------------------------------------
+ */
+
+/* Puts `size` bytes at an offset of the head and gives it its checksum; then back. */
+static tc_status try_bytes(uint8_t *bytes, size_t size, size_t at, const void *what, size_t count)
+{
+    uint8_t old[16], *head = malloc(size);
+    memcpy(head, bytes, size);
+    memcpy(old, head + at, count);
+    memcpy(head + at, what, count);
+    size_t head_size = (size_t)tc_load(head + TC_HEAD_SIZE_AT, 4);
+    memset(head + 16, 0, 4);
+    tc_store(head + 16, tc_crc32c(0, head, head_size), 4);
+    tc_atlas atlas;
+    tc_error error;
+    tc_status status = open_part(head, size, &atlas, &error);
+    if (!status)
+        tc_atlas_free(&atlas);
+    free(head);
+    return status;
+}
+
+static tc_status try_u64(uint8_t *bytes, size_t size, size_t at, uint64_t v, size_t count)
+{
+    uint8_t what[8];
+    tc_store(what, v, count);
+    return try_bytes(bytes, size, at, what, count);
+}
+
+static tc_status try_f64(uint8_t *bytes, size_t size, size_t at, double v)
+{
+    uint64_t bits;
+    memcpy(&bits, &v, 8);
+    return try_u64(bytes, size, at, bits, 8);
+}
+
+static void heads_that_lie_are_refused(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = packed_planet(&size);
+    tc_container c = head_of(bytes, size);
+    size_t head = (size_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4), planet = head - 24;
+    uint64_t north = (uint64_t)c.cap_bytes[0], south = (uint64_t)c.cap_bytes[1];
+    assert_int_equal(try_u64(bytes, size, planet + 8, north, 8), TC_OK);
+    static const double radii[] = {0, -1, NAN, INFINITY, -INFINITY};
+    for (int k = 0; k < 5; k++)
+        assert_int_equal(try_f64(bytes, size, planet, radii[k]), TC_ERR_FORMAT);
+    assert_int_equal(try_f64(bytes, size, planet, 1), TC_OK);
+    const uint64_t sizes[] = {
+        0, 19, north - 1, north + 1, north + south, INT64_MAX, 1ull << 63, UINT64_MAX, (uint64_t)INT64_MAX - south};
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        assert_int_equal(try_u64(bytes, size, planet + 8, sizes[k], 8), TC_ERR_FORMAT);
+        assert_int_equal(try_u64(bytes, size, planet + 16, sizes[k] == north + south ? 5 : sizes[k], 8), TC_ERR_FORMAT);
+    }
+    /* One cap longer, the other shorter: the heads are not where they should be. */
+    uint8_t both[16];
+    tc_store(both, north + 8, 8), tc_store(both + 8, south - 8, 8);
+    assert_int_equal(try_bytes(bytes, size, planet + 8, both, 16), TC_ERR_FORMAT);
+    assert_int_equal(try_u64(bytes, size, 8, 1, 4), TC_ERR_FORMAT); /* version */
+    assert_int_equal(try_u64(bytes, size, 8, 3, 4), TC_ERR_UNSUPPORTED);
+    assert_int_equal(try_u64(bytes, size, 28, 2, 1), TC_ERR_UNSUPPORTED); /* atlas */
+    assert_int_equal(try_u64(bytes, size, 28, 0, 1), TC_ERR_UNSUPPORTED);
+    static const int charts[] = {0, 2, 4, 255};
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(try_u64(bytes, size, 29, (uint64_t)charts[k], 1), TC_ERR_UNSUPPORTED);
+    assert_int_equal(try_u64(bytes, size, 29, 1, 1), TC_ERR_FORMAT);
+    assert_int_equal(try_u64(bytes, size, 30, 0, 1), TC_ERR_FORMAT); /* wraps in x */
+    assert_int_equal(try_u64(bytes, size, 30, 2, 1), TC_ERR_FORMAT);
+    assert_int_equal(try_u64(bytes, size, 117, 0, 1), TC_ERR_FORMAT); /* georeference */
+    assert_int_equal(try_u64(bytes, size, 118, 0, 1), TC_ERR_FORMAT);
+    const double t[6] = {1e5, 0.9, 1e-9, 95, 1e-9, -0.9};
+    for (size_t k = 0; k < 6; k++) {
+        assert_int_equal(try_f64(bytes, size, 119 + 8 * k, t[k]), TC_ERR_FORMAT);
+        assert_int_equal(try_f64(bytes, size, 119 + 8 * k, NAN), TC_ERR_FORMAT);
+    }
+    /* A cap that is no cap: one that says it is another container. */
+    for (int n = 0; n < 2; n++) {
+        size_t at = (size_t)tc_container_cap_begin(&c, n);
+        bytes[at + 40] ^= 1;
+        tc_atlas atlas;
+        tc_error error;
+        assert_int_equal(open_part(bytes, size, &atlas, &error), TC_ERR_FORMAT);
+        bytes[at + 40] ^= 1;
+    }
+    tc_container_free(&c);
+    free(bytes);
+}
+
+static void flat_terrains_are_no_planets(void **state)
+{
+    (void)state;
+    packing p = {.width = 60, .height = 50, .error = 1};
+    tc_pack_result result;
+    tc_atlas atlas;
+    tc_error error;
+    assert_int_equal(packing_write(&p, made_path("a.tclip"), &result, NULL), TC_OK);
+    assert_int_equal(tc_atlas_open(made_path("a.tclip"), NULL, &atlas, &error), TC_ERR_UNSUPPORTED);
+    assert_non_null(strstr(error.text, "flat"));
+    assert_int_equal(tc_atlas_open(made_path("none.tclip"), NULL, &atlas, &error), TC_ERR_IO);
+}
+
+static void planets_need_a_georeference(void **state)
+{
+    (void)state;
+    tc_grid g = planet_grid(false);
+    const tc_pack_options how = {.error = 5};
+    for (int k = 0; k < 6; k++) {
+        tc_pack_terrain t = planet_terrain(&g);
+        tc_packer *packer = NULL;
+        tc_error error;
+        switch (k) {
+        case 0: t.radius = -1; break;
+        case 1: t.radius = NAN; break;
+        case 2: t.georef.known = false; break;
+        case 3: t.georef.geographic = false; break;
+        case 4: t.wraps_x = false; break;
+        default: t.georef.transform[3] = 95;
+        }
+        assert_int_equal(tc_packer_create(made_path("a.tclip"), &t, &how, &packer, &error), TC_ERR_USAGE);
+        assert_null(packer);
+    }
+    tc_grid_free(&g);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(charts_come_back),
+        cmocka_unit_test(threads_make_no_difference),
+        cmocka_unit_test(files_cut_short_lose_caps_first),
+        cmocka_unit_test(heads_that_lie_are_refused),
+        cmocka_unit_test(flat_terrains_are_no_planets),
+        cmocka_unit_test(planets_need_a_georeference),
+    };
+    return cmocka_run_group_tests(tests, NULL, close_all);
+}
