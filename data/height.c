@@ -1,8 +1,8 @@
 /* height.c - `terraclip height`: heights at points, of a packed terrain or of any DEM.
  *
  * A point is taken to columns and rows by the file's transform, and from there to samples of a level. Heights are those
- * of the level's mesh of triangles: what the viewers draw. Around a planet longitudes go on, and between its last row and
- * the pole the polar cap has the height. */
+ * of the level's mesh of triangles: what the viewers draw. Around a planet longitudes go on, and between its last row
+ * and the pole the polar cap has the height. */
 #include "height.h"
 
 #include "common/core/atlas/atlas_packed.h"

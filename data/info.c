@@ -69,7 +69,10 @@ static void name_crs(const char *wkt, char *name, size_t capacity)
 
 static facts gather(const tc_pyramid *pyramid, const tc_atlas *atlas)
 {
-    facts f = {.pyramid = pyramid, .atlas = atlas, .packed = tc_pyramid_packed_info(pyramid), .info = tc_pyramid_info(pyramid)};
+    facts f = {.pyramid = pyramid,
+               .atlas = atlas,
+               .packed = tc_pyramid_packed_info(pyramid),
+               .info = tc_pyramid_info(pyramid)};
     const tc_pack_terrain *t = &f.packed->terrain;
     f.finest = tc_pyramid_packed_level(pyramid, f.info->levels);
     f.bits = 8 * (double)f.packed->bytes / ((double)t->width * (double)t->height);

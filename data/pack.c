@@ -93,7 +93,8 @@ static const tc_option table[] = {
     TC_SWITCH(struct arguments, planet, 0, "planet",
               "the inputs go around a globe: polar caps are packed too, and the levels of detail join at its seam"),
     {0, "radius", "M", "metres, 1 or more",
-     "of the planet (the semi-major axis of the coordinate system, else 6371000)", read_radius, offsetof(struct arguments, radius)},
+     "of the planet (the semi-major axis of the coordinate system, else 6371000)", read_radius,
+     offsetof(struct arguments, radius)},
     {0, "atlas", "NAME", "lonlat, hex or cube", "lonlat: as the inputs are; hex, cube: not in this version (lonlat)",
      read_atlas, offsetof(struct arguments, atlas)},
 
@@ -307,8 +308,7 @@ static tc_status run(struct arguments *a, tc_error *error)
     status = tc_mosaic_open(a->inputs, a->count, &a->source, &mosaic, error);
     tc_planet_input planet;
     if (status == TC_OK && a->planet)
-        status =
-            tc_planet_input_settle(mosaic, a->inputs[0], &a->source, a->radius, a->lossless, &planet, error);
+        status = tc_planet_input_settle(mosaic, a->inputs[0], &a->source, a->radius, a->lossless, &planet, error);
     if (status == TC_OK)
         status = pack(a, mosaic, a->planet ? &planet : NULL, &progress, error);
     tc_mosaic_close(mosaic);

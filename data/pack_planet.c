@@ -193,7 +193,8 @@ tc_status tc_planet_input_read(const tc_planet_input *in, const char *scratch, t
         status = give_gathered(&r, error);
     double base = in->terrain.z_base;
     if (status == TC_OK && r.low <= r.high)
-        status = tc_planet_check_relief(in->path, base + (double)r.low, base + (double)r.high, in->terrain.radius, error);
+        status =
+            tc_planet_check_relief(in->path, base + (double)r.low, base + (double)r.high, in->terrain.radius, error);
     tc_row_resampler_destroy(r.resampler);
     tc_spool_close(&r.rows);
     return status;

@@ -9,7 +9,9 @@
  *         tile=N (tiff: square tiles), channels=N, palette=1, place=LON,LAT (tiff: the degree square north-east of it),
  *         metres=M (tiff: projected, M between samples; 30, 0 for no place at all), nodata=V,
  *         from=X,Y: columns and rows of a larger map before this part of it; lift=M: added to all heights,
- *         epsg=N, area=1: of a projected tiff. */
+ *         epsg=N, area=1: of a projected tiff,
+ *         globe=LON,W,H: tiff of longitude and latitude, (part of) W x H samples once around from LON on, from pole to
+ *         pole; area=1: samples half a row from them. */
 #include "tests/support/made_files.h"
 
 #include <math.h>
@@ -21,6 +23,7 @@ typedef struct request {
     int width, height, tile, channels;
     char type[8], heights[8];
     bool palette, all, placed, area;
+    int globe_width, globe_height; /* 0: no globe */
     int from_x, from_y, lift, epsg;
     double longitude, latitude, metres;
     const char *nodata;
@@ -84,6 +87,9 @@ static void make_tiff_file(const char *path, const request *r, const void *sampl
     double dx = 1. / (r->width - 1), dy = 1. / (r->height - 1); /* point samples on the degree lines */
     double degrees[6] = {r->longitude, dx, 0, r->latitude + 1, 0, -dy};
     double metres[6] = {500000 + r->from_x * r->metres, r->metres, 0, 5200000 - r->from_y * r->metres, 0, -r->metres};
+    double across = r->globe_width ? 360. / r->globe_width : 0;
+    double up = r->globe_width ? 180. / (r->area ? r->globe_height : r->globe_height - 1) : 0;
+    double globe[6] = {r->longitude + r->from_x * across, across, 0, 90 - r->from_y * up, 0, -up};
     made_format format = r->type[0] == 'f' ? MADE_FLOAT : r->type[0] == 'i' ? MADE_INT : MADE_UINT;
     make_tiff(path, &(made_tiff){.width = r->width,
                                  .height = r->height,
@@ -93,10 +99,11 @@ static void make_tiff_file(const char *path, const request *r, const void *sampl
                                  .channels = r->channels,
                                  .tile = r->tile,
                                  .palette = r->palette,
-                                 .transform = r->placed       ? degrees
+                                 .transform = r->globe_width  ? globe
+                                              : r->placed     ? degrees
                                               : r->metres > 0 ? metres
                                                               : NULL,
-                                 .epsg = r->placed ? 4326 : r->epsg,
+                                 .epsg = r->placed || r->globe_width ? 4326 : r->epsg,
                                  .point = !r->area,
                                  .nodata = r->nodata});
 }
@@ -108,6 +115,8 @@ static void read_setting(request *r, const char *text)
         sscanf(text, "channels=%d", &r->channels) == 1 || sscanf(text, "metres=%lf", &r->metres) == 1 ||
         sscanf(text, "from=%d,%d", &r->from_x, &r->from_y) == 2 || sscanf(text, "lift=%d", &r->lift) == 1 ||
         sscanf(text, "epsg=%d", &r->epsg) == 1)
+        return;
+    if (sscanf(text, "globe=%lf,%d,%d", &r->longitude, &r->globe_width, &r->globe_height) == 3)
         return;
     if (sscanf(text, "place=%lf,%lf", &r->longitude, &r->latitude) == 2)
         r->placed = true;

@@ -90,7 +90,6 @@ refuses 2 'found all of them' $pack hills.tif --max-error 1 --lossless --rms 2
 refuses 2 '--codec: expected lifting with --lossless' $pack hills.tif --codec lh04 --lossless
 refuses 2 '--codec: expected lifting with --max-error' $pack hills.tif --codec lh04 --max-error 1
 refuses 2 '--radius: expected --planet' $pack hills.tif --radius 6371000
-refuses 1 '--planet: .*not in this version' $pack hills.tif --planet --radius 6371000
 refuses 1 '--atlas: .*not in this version' $pack hills.tif --atlas cube
 refuses 2 'FILE: expected a packed terrain, found none' $terraclip info
 refuses 2 "found also 'b'" $terraclip info a b

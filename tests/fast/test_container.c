@@ -115,7 +115,8 @@ static void heads_come_back(void **state)
         assert_int_equal(tc_container_write(&c, &w), TC_OK);
         if (tc_container_read("test", w.bytes, w.size, &back, &needed, &error))
             fail_msg("%s", error.text);
-        assert_true(needed == w.size && tc_container_is(w.bytes, w.size) && back.info.version == 1 + c.info.terrain.wraps_x);
+        assert_true(needed == w.size && tc_container_is(w.bytes, w.size) &&
+                    back.info.version == 1 + c.info.terrain.wraps_x);
         assert_true(back.info.terrain.radius == c.info.terrain.radius && back.wraps_from == c.wraps_from);
         for (int k = 0; k < TC_CAP_CHARTS; k++)
             assert_int_equal(tc_container_cap_begin(&back, k), tc_container_cap_begin(&c, k));

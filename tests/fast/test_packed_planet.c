@@ -10,7 +10,6 @@
 #include "common/core/base/rect.h"
 #include "common/core/packed/crc32c.h"
 #include "common/core/packed/packed_file.h"
-#include "common/core/pyramid/fill.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -142,7 +141,7 @@ static void charts_come_back(void **state)
         assert_int_equal(made_folder_count(), 1);
         tc_grid g = planet_grid(voids);
         if (voids)
-            assert_int_equal(tc_fill_voids(g.z, g.voids, WIDTH, HEIGHT), TC_OK);
+            packing_fill(g.z, g.voids, WIDTH, HEIGHT, true);
         assert_int_equal(tc_atlas_build(&g, radius, 0, &truth, NULL), TC_OK);
         if (tc_atlas_open(path, NULL, &file, &error))
             fail_msg("%s", error.text);
@@ -178,6 +177,27 @@ static void charts_come_back(void **state)
         tc_pyramid_destroy(flat);
         tc_atlas_free(&file), tc_atlas_free(&truth);
     }
+}
+
+/* The void on the seam is filled from both sides. */
+static void filled_voids_meet_at_the_seam(void **state)
+{
+    (void)state;
+    const tc_pack_options how = {.mode = TC_PACK_MAX_ERROR, .error = 1};
+    tc_pack_result result;
+    tc_pyramid *file;
+    assert_int_equal(pack_planet(made_path("a.tclip"), &how, true, &result, NULL), TC_OK);
+    assert_int_equal(tc_pyramid_open(made_path("a.tclip"), NULL, &file, NULL), TC_OK);
+    int m = tc_pyramid_info(file)->levels;
+    double inner = 0, seam = 0;
+    for (int64_t j = 68; j < 92; j++) {
+        float z[8];
+        assert_int_equal(tc_pyramid_read(file, m, (tc_rect){-4, j, 4, j + 1}, z, NULL, 8), TC_OK);
+        for (int i = 0; i < 7; i++)
+            *(i == 3 ? &seam : &inner) = fmax(i == 3 ? seam : inner, fabs((double)z[i + 1] - z[i]));
+    }
+    assert_true(seam < 1.5 * inner);
+    tc_pyramid_destroy(file);
 }
 
 static void threads_make_no_difference(void **state)
@@ -412,6 +432,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(charts_come_back),
         cmocka_unit_test(threads_make_no_difference),
+        cmocka_unit_test(filled_voids_meet_at_the_seam),
         cmocka_unit_test(files_cut_short_lose_caps_first),
         cmocka_unit_test(heads_that_lie_are_refused),
         cmocka_unit_test(flat_terrains_are_no_planets),

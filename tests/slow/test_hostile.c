@@ -105,12 +105,14 @@ static tc_status try_bytes(const uint8_t *head, size_t head_size, const uint8_t 
 
 /* ---- The intact files -------------------------------------------------------------------------------------------- */
 
-enum { KINDS = 4 };
+enum { KINDS = 6 };
 static const packing kinds[KINDS] = {
     {.width = 140, .height = 90, .kind = PACKING_HILLS, .voids = PACKING_LAKES, .error = 3, .type = TC_SAMPLE_FLOAT32},
     {.width = 90, .height = 60, .kind = PACKING_INTEGERS, .mode = TC_PACK_MAX_ERROR, .error = 12, .type = 3},
     {.width = 60, .height = 50, .kind = PACKING_INTEGERS, .voids = PACKING_LAKES, .mode = TC_PACK_LOSSLESS, .type = 3},
     {.width = 70, .height = 50, .kind = PACKING_HILLS, .error = 2, .codec = TC_CODEC_LH04, .type = TC_SAMPLE_FLOAT32},
+    {.width = 136, .height = 60, .voids = PACKING_LAKES, .error = 3, .type = TC_SAMPLE_FLOAT32, .wraps = true},
+    {.width = 64, .height = 50, .kind = PACKING_INTEGERS, .mode = TC_PACK_LOSSLESS, .type = 3, .wraps = true},
 };
 
 typedef struct intact {

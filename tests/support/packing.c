@@ -107,6 +107,23 @@ tc_status packing_write(const packing *p, const char *path, tc_pack_result *resu
     return status;
 }
 
+void packing_fill(float *z, uint8_t *voids, int64_t width, int64_t height, bool wraps)
+{
+    /* Around a globe, rows that go on from the other side. */
+    int64_t beyond = wraps ? tc_min64(width / 2, 512) / 64 * 64 : 0, w = width + 2 * beyond;
+    float *y = get((size_t)(w * height) * sizeof *y);
+    uint8_t *v = get((size_t)(w * height));
+    for (int64_t i = 0; i < w * height; i++) {
+        int64_t from = i / w * width + (i % w + width - beyond) % width;
+        y[i] = z[from], v[i] = voids[from];
+    }
+    if (tc_fill_voids(y, v, w, height))
+        puts("packing: no filling"), exit(99);
+    for (int64_t i = 0; i < width * height; i++)
+        z[i] = y[i / width * w + beyond + i % width];
+    free(y), free(v);
+}
+
 tc_pyramid *packing_truth(const packing *p)
 {
     tc_grid g = {.width = p->width, .height = p->height, .spacing_x = 10, .spacing_y = 12, .wraps_x = p->wraps};
@@ -120,7 +137,9 @@ tc_pyramid *packing_truth(const packing *p)
     if (g.void_count == 0)
         free(g.voids), g.voids = NULL;
     tc_pyramid *pyramid;
-    if ((g.void_count && tc_fill_voids(g.z, g.voids, g.width, g.height)) || tc_pyramid_build(&g, 1, &pyramid, NULL))
+    if (g.void_count)
+        packing_fill(g.z, g.voids, g.width, g.height, p->wraps);
+    if (tc_pyramid_build(&g, 1, &pyramid, NULL))
         puts("packing: no truth"), exit(99);
     return pyramid;
 }

@@ -46,6 +46,9 @@ tc_pack_options packing_options(const packing *p);
 /* Packs in one put. */
 tc_status packing_write(const packing *p, const char *path, tc_pack_result *result_ret, tc_error *error);
 
+/* Fills voids as the packer does. */
+void packing_fill(float *z, uint8_t *voids, int64_t width, int64_t height, bool wraps);
+
 /* The true pyramid: of the same heights, with voids filled. */
 tc_pyramid *packing_truth(const packing *p);
 

@@ -233,17 +233,39 @@ static void note_levels(tc_packer *p, const uint8_t *row, int64_t y)
     }
 }
 
-/* Rows of the source, or of a coarser level, for the filling. */
+/* Rows of the source, or of a coarser level, for the filling. Around a globe the source's rows go on beyond either end
+ * by so many columns: a void on the seam is filled from both sides, and its surface meets there. */
 typedef struct fill_context {
     const tc_packer *p;
     tc_spool *spool;
+    int64_t beyond;
     tc_error *error;
 } fill_context;
+
+/* More than most voids are wide, but no more than the globe is. A multiple of what coarser levels of the filling halve
+ * first, so that they have the same samples on both sides. */
+static int64_t columns_beyond(const tc_pack_terrain *t)
+{
+    enum { MOST = 512, MULTIPLE = 64 };
+    return t->wraps_x ? tc_min64(t->width / 2, MOST) / MULTIPLE * MULTIPLE : 0;
+}
 
 static tc_status read_source(void *context, int64_t y0, int64_t rows, float *z)
 {
     const fill_context *f = context;
-    return tc_pack_source_rows(f->p, y0, y0 + rows, z, f->error);
+    int64_t w = f->spool->width, b = f->beyond, stride = w + 2 * b;
+    if (b == 0)
+        return tc_pack_source_rows(f->p, y0, y0 + rows, z, f->error);
+    float *row = malloc((size_t)w * sizeof *row);
+    tc_status status = row ? TC_OK : TC_ERR_MEMORY;
+    for (int64_t j = 0; j < rows && !status; j++) {
+        status = tc_pack_source_rows(f->p, y0 + j, y0 + j + 1, row, f->error);
+        memcpy(z + j * stride, row + w - b, (size_t)b * sizeof *z);
+        memcpy(z + j * stride + b, row, (size_t)w * sizeof *z);
+        memcpy(z + j * stride + b + w, row, (size_t)b * sizeof *z);
+    }
+    free(row);
+    return status;
 }
 
 static tc_status write_source(void *context, int64_t y0, int64_t rows, const float *z)
@@ -254,7 +276,7 @@ static tc_status write_source(void *context, int64_t y0, int64_t rows, const flo
         for (int64_t x = 0; x < f->spool->width; x += 1024) {
             int64_t count = tc_min64(1024, f->spool->width - x);
             for (int64_t i = 0; i < count; i++)
-                bits[i] = to_bits(z[(y - y0) * f->spool->width + x + i]);
+                bits[i] = to_bits(z[(y - y0) * (f->spool->width + 2 * f->beyond) + f->beyond + x + i]);
             tc_status status = tc_spool_write(f->spool, (tc_rect){x, y, x + count, y + 1}, bits, count, f->error);
             if (status)
                 return status;
@@ -287,7 +309,7 @@ static tc_status make_level(void *context, int64_t width, int64_t height, tc_fil
     if (f->count == TC_MAX_PYRAMID_LEVELS)
         return TC_ERR_MEMORY;
     fill_context *c = &f->context[f->count];
-    *c = (fill_context){f->context[0].p, &f->spool[f->count], f->context[0].error};
+    *c = (fill_context){f->context[0].p, &f->spool[f->count], 0, f->context[0].error};
     tc_status status = tc_spool_create(c->p->path, width, height, sizeof(float), c->spool, c->error);
     if (!status) {
         f->count++;
@@ -331,10 +353,12 @@ tc_status tc_pack_fill(tc_packer *p, tc_error *error)
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     if (!status) {
         tc_error why = {TC_OK, ""};
-        levels->context[0] = (fill_context){p, &p->source, &why};
+        int64_t beyond = columns_beyond(&p->container.info.terrain);
+        levels->context[0] = (fill_context){p, &p->source, beyond, &why};
         levels->spool[0] = p->source;
         levels->count = 1;
-        tc_fill_rows rows = {&levels->context[0], p->source.width, p->source.height, read_source, write_source};
+        tc_fill_rows rows = {&levels->context[0], p->source.width + 2 * beyond, p->source.height, read_source,
+                             write_source};
         if ((status = tc_fill_void_rows(&rows, make_level, levels, NULL)))
             tc_fail(error, status, "%s: its voids cannot be filled: %s", p->path,
                     why.status ? why.text : tc_status_text(status));

@@ -1,0 +1,136 @@
+#!/bin/sh
+# Packed planets by way of the programs.
+. "${0%/*}/lib.sh"
+
+does() { # REGEX COMMAND...
+    regex=$1
+    shift
+    run "$@"
+    wrong=
+    [ $rc = 0 ] || wrong="exit code $rc instead of 0"
+    if [ -z "$regex" ]; then
+        [ ! -s stderr.txt ] || wrong="$wrong, something on stderr"
+    else
+        grep -Eq -- "$regex" stderr.txt || wrong="$wrong, stderr does not match '$regex'"
+    fi
+    [ -z "$wrong" ] || report "$wrong" "$@"
+    out=$(cat stdout.txt)
+}
+
+equal() { # FILE FILE SETTING...
+    cases=$((cases + 1))
+    difference=$($compare "$@") || fail "$1 and $2 differ: $difference"
+}
+
+holds() { # REGEX FILE
+    cases=$((cases + 1))
+    grep -Eq -- "$1" "$2" || fail "$2 does not match '$1': $(head -c 2000 "$2")"
+}
+
+# The height at a point, within so much of another one.
+height() { # FILE LON LAT
+    does '' $terraclip height "$1" -- "$2" "$3"
+}
+
+near() { # A B WITHIN WHAT
+    cases=$((cases + 1))
+    awk "BEGIN { d = $1 - $2; exit !(d <= $3 && -d <= $3) }" || fail "expected $1 near $2: $4"
+}
+
+pack="$terraclip pack -o out/a.tclip --planet"
+$make_file tiff hills.tif size=300x200 metres=30
+$make_file tiff placed.tif size=120x90 place=8,46
+$make_file tiff beyond.tif size=100x100 place=8,89.5
+$make_file tiff area.tif size=320x160 globe=-180,320,160 area=1
+$make_file tiff points.tif size=384x193 globe=0,384,193
+$make_file tiff repeated.tif size=385x193 globe=0,384,193
+$make_file tiff odd.tif size=514x257 globe=0,514,257 type=f32 heights=plane
+$make_file png square.png size=200x200
+$make_file png globe.png size=320x160
+
+# ---- What is not a globe is refused
+
+refuses 1 'hills.tif: expected longitude and latitude' $pack hills.tif
+refuses 2 'placed.tif: expected a map of all 360 degrees' $pack placed.tif
+refuses 1 'beyond.tif: expected latitudes from -90 to 90' $pack beyond.tif
+refuses 1 'square.png: expected a georeference .*twice as wide as high' $pack square.png
+refuses 1 'odd.tif: lossless: expected a number of columns' $pack odd.tif --lossless
+refuses 2 '--spacing: expected none for a planet' $pack area.tif --spacing 30
+refuses 1 'expected heights that are small beside the radius of 900 m' $pack area.tif --radius 900
+refuses 1 '--atlas: .*not in this version' $pack area.tif --atlas hex
+
+# ---- What is comes back
+
+for file in area points; do
+    does '' $terraclip pack $file.tif -o $file.tclip --planet --lossless
+    does '' $terraclip extract $file.tclip -o $file.out.tif
+    equal $file.tif $file.out.tif stored
+    does '' $terraclip info $file.tclip --json
+    holds '"atlas": "lonlat",' stdout.txt
+    holds '"radius_m": 6378137,' stdout.txt
+    holds '"chart": "south cap", "width": [0-9]+, "height": [0-9]+, "bytes": [0-9]+,' stdout.txt
+    does '' $terraclip info $file.tclip
+    holds 'planet +radius 6378137 m, once around' stdout.txt
+    does '' $viewer $file.tclip -o picture.png --size 96x64
+done
+does '' $terraclip pack area.tif -o moon.tclip --planet --radius 1737400 --rms 5 --json
+holds '"mode": "rms",' stdout.txt
+does '' $terraclip info moon.tclip --json
+holds '"radius_m": 1737400,' stdout.txt
+does 'twice|whole globe' $terraclip pack globe.png -o globe.tclip --planet --atlas lonlat
+does '' $terraclip info globe.tclip
+holds 'radius 6371000 m' stdout.txt
+does '' $terraclip pack area.tif -o paper.tclip --planet --rms 5 --codec lh04
+does '' $terraclip pack area.tif -o bound.tclip --planet --max-error 3
+does '' $terraclip extract bound.tclip -o bound.tif
+equal area.tif bound.tif within=3
+
+# ---- Columns that come round again, rows of several files, widths that cannot be halved
+
+does '' $terraclip pack repeated.tif -o repeated.tclip --planet --lossless
+does '' $terraclip info repeated.tclip --json
+holds '"width": 384,' stdout.txt
+$make_file tiff west.tif size=157x257 globe=0,514,257 type=f32 heights=plane
+$make_file tiff east.tif size=357x257 globe=0,514,257 from=157,0 type=f32 heights=plane
+does '' $terraclip pack odd.tif -o odd.tclip --planet --rms 5
+does '' $terraclip pack west.tif east.tif -o two.tclip --planet --rms 5
+does '' $terraclip info odd.tclip --json
+holds '"width": 516,' stdout.txt
+same odd.tclip two.tclip 'one file and two'
+
+# ---- Heights
+
+for at in '0 0' '-179.9 40' '33 -77'; do
+    height area.tclip ${at% *} ${at#* }
+    one=$out
+    for turn in 360 -360 1080; do
+        height area.tclip "$(awk "BEGIN { print ${at% *} + $turn }")" ${at#* }
+        near "$out" "$one" 0.01 "a turn of $turn at $at"
+    done
+done
+height area.tclip 180 10
+one=$out
+height area.tclip 179.9999 10
+near "$out" "$one" 0.1 'across the seam'
+for latitude in 90 -90; do
+    height area.tclip 0 $latitude
+    one=$out
+    height area.tclip 137 $latitude
+    near "$out" "$one" 0.01 "a pole is one point: $latitude"
+done
+refuses 1 'found one outside' $terraclip height area.tclip 0 90.01
+
+# ---- Files cut short
+
+does '' $terraclip info moon.tclip --json
+chart=$(sed -n 's/.*"chart": "lonlat".*"bytes": \([0-9]*\).*/\1/p' stdout.txt)
+head -c $((chart + 50)) moon.tclip >cut.tclip
+does 'cut short: .*polar caps are not whole' $terraclip info cut.tclip --json
+cases=$((cases + 1))
+[ "$(grep -c '"chart":' stdout.txt)" = 1 ] || fail "charts of a file without caps: $(grep chart stdout.txt)"
+does 'cut short' $terraclip height cut.tclip 0 90
+head -c $((chart - 50)) moon.tclip >cut.tclip
+does 'missing: the finest . of its levels' $terraclip info cut.tclip
+does 'cut short' $viewer cut.tclip -o picture.png --size 96x64
+
+finish
