@@ -57,7 +57,7 @@ static rings_error planet(globe_function f, const char *name, double radius, tc_
                 take_worst(&here, &level[i]);
             take_worst(&by_altitude[k], &here);
             if (getenv("VERBOSE") && (here.pixels > PIXELS || here.texels > TEXELS))
-                printf("  place %d (%g, %g), altitude %g: %.3g pixels, %.3g texels\n", place, c.x, c.y,
+                fflush(stdout), printf("  place %d (%g, %g), altitude %g: %.3g pixels, %.3g texels\n", place, c.x, c.y,
                        rings_altitude(k, radius), here.pixels, here.texels);
         }
     for (int k = 0; k < RINGS_ALTITUDES; k++)

@@ -21,7 +21,10 @@ static long double chart_height(const rings_surface *s, int chart, long double x
             continue;
         int64_t n = tc_clipmap_n(clipmap);
         alpha = level > 1 ? fmaxl(alpha, 1 - inside * 10 / n) : 0;
-        long double i = fmaxl(fminl(floorl(u), held.x1 - 1), held.x0), j = fmaxl(fminl(floorl(v), held.y1 - 1), held.y0);
+        rings_extent lattice = tc_rings_lattice(clipmap, level); /* beyond its last sample heights go on */
+        u = fminl(u, lattice.x1), v = fminl(v, lattice.y1);
+        long double i = fmaxl(fminl(floorl(u), lattice.x1 - 1), lattice.x0);
+        long double j = fmaxl(fminl(floorl(v), lattice.y1 - 1), lattice.y0);
         long double z = 0;
         for (int corner = 0; corner < 4; corner++) {
             int right = corner & 1, up = corner >> 1;
