@@ -80,13 +80,14 @@ enum { RADII = sizeof radii / sizeof radii[0] };
 
 static void exact_within_bounds(globe_function f, const char *name)
 {
-    double pixels = 0, texels = 0;
+    double pixels = 0, texels = 0, oracle = 0;
     for (int i = 0; i < RADII; i++) {
         rings_error e = planet(f, name, radii[i], TC_RINGS_EXACT, RINGS_PLACES, 3);
         assert_true(e.seen > 100000);
-        assert_true(e.oracle < 1e-11);
+        oracle = fmax(oracle, e.oracle);
         pixels = fmax(pixels, e.pixels), texels = fmax(texels, e.texels);
     }
+    assert_true(oracle < 1e-11);
     assert_true(pixels < PIXELS);
     assert_true(texels < TEXELS);
 }

@@ -101,7 +101,11 @@ static void compare(const rings_surface *s, const rings_view *view, const tc_cam
             e->texels = worse(e->texels, texel_error(s, v, &o, chart));
     double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
     height = tc_rings_height(s, view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
-    e->oracle = worse(e->oracle, fabs((double)(height - o.height)) / s->atlas->radius);
+    /* Half a turn from the viewer is on both sides, and each may hold another level. */
+    const tc_chart *c = &s->atlas->chart[0];
+    double turn = o.weight[0] > 0 ? fabs((double)(o.x[0] - view->place[0].x)) * c->dx : 0;
+    if (turn < M_PI * (1 - 1e-9))
+        e->oracle = worse(e->oracle, fabs((double)(height - o.height)) / s->atlas->radius);
     long double pixel[2];
     e->vertices++;
     if (!rings_oracle_pixel(camera, o.position, pixel))
