@@ -64,6 +64,13 @@ static tc_status reserve(const tc_packer *p, int64_t side, cap_memory *m, tc_err
     return TC_OK;
 }
 
+/* Lets go of the pages; what they hold stays in the file. */
+static void forget(const cap_memory *m)
+{
+    if (m->bytes)
+        madvise(m->bytes, m->size, MADV_DONTNEED);
+}
+
 static void release(cap_memory *m)
 {
     if (m->bytes)
@@ -72,7 +79,8 @@ static void release(cap_memory *m)
 }
 
 /* Gives rows y0 .. y1 - 1 of the planet to the caps. */
-static tc_status give_rows(const tc_packer *p, tc_caps *caps, int64_t y0, int64_t y1, tc_error *error)
+static tc_status give_rows(const tc_packer *p, tc_caps *caps, const cap_memory memory[TC_CAPS], int64_t y0, int64_t y1,
+                           tc_error *error)
 {
     int64_t w = p->container.info.terrain.width, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, y1 - y0);
     bool some = p->container.voids > 0;
@@ -88,6 +96,8 @@ static tc_status give_rows(const tc_packer *p, tc_caps *caps, int64_t y0, int64_
             status = tc_pack_mask_rows(p, p->container.levels, y, end, voids, w, error);
         if (!status && (status = tc_caps_put(caps, y, end - y, z, voids)))
             tc_fail(error, status, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(status));
+        for (int n = 0; n < TC_CAPS; n++)
+            forget(&memory[n]);
     }
     free(z), free(voids);
     return status;
@@ -102,9 +112,9 @@ static tc_status make_heights(const tc_packer *p, const tc_lonlat *grid, const c
     tc_status status = tc_caps_create(grid, target, p->options.threads, &caps), finished = TC_OK;
     if (status)
         return tc_fail(error, status, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(status));
-    status = give_rows(p, caps, 0, tc_min64(reach, h), error);
+    status = give_rows(p, caps, memory, 0, tc_min64(reach, h), error);
     if (!status)
-        status = give_rows(p, caps, tc_max64(north, tc_min64(reach, h)), h, error);
+        status = give_rows(p, caps, memory, tc_max64(north, tc_min64(reach, h)), h, error);
     if (!status && (finished = tc_caps_finish(caps, result)))
         status = tc_fail(error, finished, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(finished));
     tc_caps_destroy(caps);
@@ -163,6 +173,7 @@ static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const cap_memory 
     for (int64_t y = 0; y < side && !status; y += rows) {
         tc_rect rect = {0, y, side, tc_min64(y + rows, side)};
         const uint8_t *voids = memory->target.voids;
+        forget(memory); /* the rows before */
         status =
             tc_packer_put(*cap_ret, rect, memory->target.z + y * side, voids ? voids + y * side : NULL, side, error);
     }
