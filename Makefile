@@ -37,6 +37,7 @@ CORE := $(wildcard common/core/*/*.c)
 PLUGIN_SRC := $(wildcard common/shell/plugin_*.c common/shell/plugin_*.cpp)
 SHELL_SRC := $(filter-out $(PLUGIN_SRC),$(wildcard common/shell/*.c))
 PLANAR := $(filter-out planar/main.c,$(wildcard planar/*.c))
+SPHERICAL := $(filter-out spherical/main.c,$(wildcard spherical/*.c))
 DATA := $(filter-out data/main.c,$(wildcard data/*.c))
 SHADERS := $(wildcard shaders/*.glsl shaders/*.vert shaders/*.frag)
 
@@ -44,7 +45,7 @@ obj = $(patsubst %,$(OBJ)/%.o,$(basename $(1)))
 
 LIBRARY := $(O)/libterraclip.a
 SHELL_LIBRARY := $(OBJ)/shell.a
-PROGRAMS := $(O)/terraclip $(O)/planar-viewer
+PROGRAMS := $(O)/terraclip $(O)/planar-viewer $(O)/planet-viewer
 PLUGINS := $(O)/terraclip-gdal.so $(O)/terraclip-oiio.so $(O)/terraclip-window.so
 
 .PHONY: all
@@ -96,6 +97,7 @@ $(OBJ)/gen/shaders.o: $(O)/gen/shaders.c | build/.packages
 CORE_OBJ := $(call obj,$(CORE))
 SHELL_OBJ := $(call obj,$(SHELL_SRC)) $(OBJ)/gen/shaders.o
 PLANAR_OBJ := $(call obj,$(PLANAR))
+SPHERICAL_OBJ := $(call obj,$(SPHERICAL))
 DATA_OBJ := $(call obj,$(DATA))
 
 $(LIBRARY): $(CORE_OBJ)
@@ -108,6 +110,9 @@ $(O)/terraclip: $(OBJ)/data/main.o $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
 	$(LINK)
 
 $(O)/planar-viewer: $(OBJ)/planar/main.o $(PLANAR_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+	$(LINK)
+
+$(O)/planet-viewer: $(OBJ)/spherical/main.o $(SPHERICAL_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
 	$(LINK)
 
 $(O)/terraclip-gdal.so: $(OBJ)/common/shell/plugin_gdal.o $(OBJ)/common/shell/plugin_gdal_write.o \
@@ -129,7 +134,7 @@ FAST := $(patsubst tests/fast/%.c,$(O)/tests/%,$(wildcard tests/fast/test_*.c))
 SLOW := $(patsubst tests/slow/%.c,$(O)/tests/%,$(wildcard tests/slow/test_*.c))
 BENCH := $(patsubst tests/bench/%.c,$(O)/tests/%,$(wildcard tests/bench/bench_*.c))
 SUPPORT_OBJ := $(call obj,$(wildcard tests/support/*.c))
-TEST_OBJ := $(SUPPORT_OBJ) $(PLANAR_OBJ) $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+TEST_OBJ := $(SUPPORT_OBJ) $(PLANAR_OBJ) $(SPHERICAL_OBJ) $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
 
 define test_rule
 $(O)/tests/%: $(OBJ)/tests/$(1)/%.o $(TEST_OBJ)

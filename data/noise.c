@@ -112,3 +112,86 @@ float tc_fbm(uint32_t seed, double x, double y, int octaves, float gain)
     }
     return sum;
 }
+
+/* ---- In space --------------------------------------------------------------------------------------------------- */
+
+/* Unit vectors to the corners of an icosahedron and a dodecahedron, turned off the axes. */
+static const float gradient3[32][4] = {
+    {-0.233854237f, 0.092848457f, -0.967828166f, 0},  {0.231535552f, -0.771903856f, -0.592077465f, 0},
+    {-0.763505470f, -0.554641825f, -0.330804842f, 0}, {0.847937750f, -0.486499859f, 0.210521873f, 0},
+    {-0.762072444f, -0.134962508f, 0.633269857f, 0},  {0.094921253f, 0.912698776f, -0.397455533f, 0},
+    {-0.847937750f, 0.486499859f, -0.210521873f, 0},  {0.762072444f, 0.134962508f, -0.633269857f, 0},
+    {-0.094921253f, -0.912698776f, 0.397455533f, 0},  {0.233854237f, -0.092848457f, 0.967828166f, 0},
+    {-0.231535552f, 0.771903856f, 0.592077465f, 0},   {0.763505470f, 0.554641825f, 0.330804842f, 0},
+    {-0.321239894f, -0.517498388f, -0.793095423f, 0}, {0.412989580f, -0.910711329f, 0.006669541f, 0},
+    {-0.385609985f, 0.184527209f, -0.904021376f, 0},  {0.365541008f, -0.657492199f, -0.658850346f, 0},
+    {-0.698245262f, -0.684196584f, -0.210543555f, 0}, {-0.995617486f, -0.085196137f, 0.038567346f, 0},
+    {-0.261388012f, -0.478409078f, 0.838332310f, 0},  {0.802398258f, -0.451704694f, 0.390025518f, 0},
+    {-0.725624857f, 0.041987536f, 0.686808280f, 0},   {0.244466492f, 0.927215546f, -0.283738376f, 0},
+    {0.261388012f, 0.478409078f, -0.838332310f, 0},   {0.995617486f, 0.085196137f, -0.038567346f, 0},
+    {-0.802398258f, 0.451704694f, -0.390025518f, 0},  {0.725624857f, -0.041987536f, -0.686808280f, 0},
+    {-0.244466492f, -0.927215546f, 0.283738376f, 0},  {-0.412989580f, 0.910711329f, -0.006669541f, 0},
+    {0.321239894f, 0.517498388f, 0.793095423f, 0},    {0.385609985f, -0.184527209f, 0.904021376f, 0},
+    {-0.365541008f, 0.657492199f, 0.658850346f, 0},   {0.698245262f, 0.684196584f, 0.210543555f, 0},
+};
+
+/* Lattices are turned, each octave's against the one before, or creases would run along the axes, and a sphere is
+ * tangent to their planes. A rotation by whole numbers over 39, times two. */
+static const double turn3[3][3] = {
+    {2 * 19 / 39.0, 2 * 2 / 39.0, 2 * 34 / 39.0},
+    {2 * 22 / 39.0, 2 * 29 / 39.0, 2 * -14 / 39.0},
+    {2 * -26 / 39.0, 2 * 26 / 39.0, 2 * 13 / 39.0},
+};
+
+float tc_noise3(uint32_t seed, double x, double y, double z)
+{
+    int32_t ix = floor_int(x), iy = floor_int(y), iz = floor_int(z);
+    float fx = (float)(x - ix), fy = (float)(y - iy), fz = (float)(z - iz);
+    uint32_t hx = (uint32_t)ix * 0x9E3779B1u, hy = (uint32_t)iy * 0x85EBCA77u, hz = (uint32_t)iz * 0xC2B2AE3Du;
+    float corner[8];
+    for (int k = 0; k < 8; k++) {
+        uint32_t a = k & 1 ? hx + 0x9E3779B1u : hx, b = k & 2 ? hy + 0x85EBCA77u : hy;
+        uint32_t c = k & 4 ? hz + 0xC2B2AE3Du : hz;
+        uint32_t h = seed ^ a ^ (b << 13 | b >> 19) ^ (c << 21 | c >> 11);
+        h = (h ^ (h >> 16)) * 0x7FEB352Du;
+        h = (h ^ (h >> 15)) * 0x846CA68Bu;
+        const float *g = gradient3[h >> 27];
+        corner[k] = g[0] * (k & 1 ? fx - 1 : fx) + g[1] * (k & 2 ? fy - 1 : fy) + g[2] * (k & 4 ? fz - 1 : fz);
+    }
+    float u = fade(fx), v = fade(fy), w = fade(fz);
+    for (int k = 0; k < 8; k += 2)
+        corner[k] += u * (corner[k + 1] - corner[k]);
+    float south = corner[0] + v * (corner[2] - corner[0]), north = corner[4] + v * (corner[6] - corner[4]);
+    return south + w * (north - south);
+}
+
+static void turn(const double p[3], double scale, double shift, double at[3])
+{
+    double x = p[0], y = p[1], z = p[2];
+    at[0] = scale * (turn3[0][0] * x + turn3[0][1] * y + turn3[0][2] * z) + 0.37 * shift;
+    at[1] = scale * (turn3[1][0] * x + turn3[1][1] * y + turn3[1][2] * z) + 0.61 * shift;
+    at[2] = scale * (turn3[2][0] * x + turn3[2][1] * y + turn3[2][2] * z) + 0.83 * shift;
+}
+
+void tc_first_octave3(const double p[3], double frequency, double at[3])
+{
+    turn(p, 0.5 * frequency, 0, at);
+}
+
+void tc_next_octave3(double at[3])
+{
+    turn(at, 1, 1, at);
+}
+
+float tc_fbm3(uint32_t seed, const double p[3], double frequency, int octaves, float gain)
+{
+    double at[3];
+    tc_first_octave3(p, frequency, at);
+    float sum = 0, amplitude = 1;
+    for (int k = 0; k < octaves; k++) {
+        sum += amplitude * tc_noise3(seed + (uint32_t)k * 0x632BE5ABu, at[0], at[1], at[2]);
+        amplitude *= gain;
+        tc_next_octave3(at);
+    }
+    return sum;
+}

@@ -21,6 +21,17 @@ void tc_noise_row(uint32_t seed, double x, double dx, double y, int64_t count, f
  * normalised: the first has amplitude 1. */
 float tc_fbm(uint32_t seed, double x, double y, int octaves, float gain);
 
+/* Gradient noise at (x, y, z) in lattice units: 0 at lattice points, about -0.8..0.8, rms 0.25. */
+float tc_noise3(uint32_t seed, double x, double y, double z);
+
+/* Sum of octaves of tc_noise3 at frequency * p, as tc_fbm. */
+float tc_fbm3(uint32_t seed, const double p[3], double frequency, int octaves, float gain);
+
+/* Where p is in the lattice of the first octave, and from there to the next one's, of twice the frequency and another
+ * orientation. */
+void tc_first_octave3(const double p[3], double frequency, double at[3]);
+void tc_next_octave3(double at[3]);
+
 /* 0 below a, 1 above b, a cubic in between. */
 static inline float tc_smoothstep(float a, float b, float x)
 {

@@ -1,7 +1,23 @@
 /* main.c - planar-viewer: a terrain as a flat map of square nested grids. */
 #include "square.h"
 
+#include "common/shell/flight.h"
 #include "common/shell/viewer.h"
+
+static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *request, tc_surface **surface_ret,
+                              tc_error *error)
+{
+    tc_clipmap_options options = {
+        .n = request->n, .max_levels = request->levels, .normals = request->normals, .holes = request->holes};
+    if (!options.n) {
+        options.n = tc_clipmap_n_for(request->camera);
+        if (request->interactive && options.n > 255)
+            options.n = 255;
+    }
+    tc_clipmap *clipmap;
+    tc_status status = tc_clipmap_create(atlas->chart[0].pyramid, &options, &clipmap, error);
+    return status ? status : tc_square_create(clipmap, surface_ret, error);
+}
 
 int main(int argc, char **argv)
 {
@@ -10,7 +26,8 @@ int main(int argc, char **argv)
         .summary =
             "Shows any elevation file (.hgt, GeoTIFF, VRT, PNG, EXR, ...) as a watertight terrain, in a window or "
             "as a picture.",
-        .make_surface = tc_square_create,
+        .navigation = &tc_flat_navigation,
+        .make_surface = make_surface,
     };
     return tc_viewer_main(&program, argc, argv);
 }

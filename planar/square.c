@@ -21,7 +21,7 @@ typedef struct square_surface {
     int capacity;            /* draws of either kind */
     tc_draw *strips, *lists; /* strips has room for both */
     tc_instance *strip_data, *list_data;
-    float level_uniforms[TC_MAX_LEVELS][TC_LEVEL_UNIFORMS];
+    float layer_uniforms[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
     float surface_uniforms[TC_SURFACE_UNIFORMS];
 } square_surface;
 
@@ -203,16 +203,16 @@ static void set_uniforms(assembly *a, const tc_frame_options *options)
 {
     square_surface *s = a->s;
     const tc_clip_level *l = tc_clipmap_level(a->clipmap, 1);
-    float surface[TC_SURFACE_UNIFORMS] = {(float)a->spacing[0],
-                                          (float)a->spacing[1],
-                                          (float)a->viewer.rest_x,
-                                          (float)a->viewer.rest_y,
-                                          int_bits(l->edge_x - a->viewer.snap_x),
-                                          int_bits(l->edge_y - a->viewer.snap_y)};
+    const float surface[] = {(float)a->spacing[0],
+                             (float)a->spacing[1],
+                             (float)a->viewer.rest_x,
+                             (float)a->viewer.rest_y,
+                             int_bits(l->edge_x - a->viewer.snap_x),
+                             int_bits(l->edge_y - a->viewer.snap_y)};
     memcpy(s->surface_uniforms, surface, sizeof surface);
     for (int level = 1; level <= tc_clipmap_levels(a->clipmap); level++) {
         square_morph m = tc_square_morph(a->clipmap, level, &a->viewer, options);
-        float *u = s->level_uniforms[level - 1];
+        float *u = s->layer_uniforms[level - 1];
         for (int i = 0; i < 4; i++) {
             u[i] = (float)m.start[i];
             u[4 + i] = (float)m.rate[i];
@@ -225,19 +225,29 @@ static void set_uniforms(assembly *a, const tc_frame_options *options)
 
 /* Whether the eye is over the terrain and above the surface as drawn: then the first hit of any ray is from above, and
  * backs of triangles need not be drawn (nearly half of them near the ground). Through holes one sees backs. */
-static bool seen_from_above(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
-                            const tc_frame_options *options)
+static bool seen_from_above(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options)
 {
     double z;
     return !tc_clipmap_voids(clipmap, 1) && !options->two_sided &&
-           tc_square_drawn_height(surface, clipmap, camera, options, camera->x, camera->y, &z) &&
-           camera->z > z + 1e-6 * fabs(z);
+           tc_square_drawn_height(clipmap, camera, options, camera->x, camera->y, &z) && camera->z > z + 1e-6 * fabs(z);
 }
 
-static void square_frame(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
-                         const tc_frame_options *options, tc_frame *frame_ret)
+static void square_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS])
+{
+    tc_square_wanted(surface->clipmap[0], camera, wanted[0]);
+}
+
+static bool square_drawn_height(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
+                                double y, double *z_ret)
+{
+    return tc_square_drawn_height(surface->clipmap[0], camera, options, x, y, z_ret);
+}
+
+static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
+                         tc_frame *frame_ret)
 {
     square_surface *s = (square_surface *)surface;
+    const tc_clipmap *clipmap = surface->clipmap[0];
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     const tc_camera *cull = options->cull_camera ? options->cull_camera : camera;
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
@@ -271,16 +281,17 @@ static void square_frame(tc_surface *surface, const tc_clipmap *clipmap, const t
                             .strip_draws = a.strip_count,
                             .list_draws = a.list_count,
                             .triangles = a.triangles,
-                            .one_sided = seen_from_above(surface, clipmap, camera, options),
+                            .one_sided = seen_from_above(clipmap, camera, options),
                             .triangles_unculled = a.triangles_unculled,
                             .levels_active = active,
-                            .level_uniforms = s->level_uniforms,
+                            .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
                             .surface_uniforms = s->surface_uniforms};
 }
 
 static void square_destroy(tc_surface *surface)
 {
     square_surface *s = (square_surface *)surface;
+    tc_clipmap_destroy(surface->clipmap[0]);
     free(s->head.geometry.vertices);
     free(s->head.geometry.indices);
     free(s->index.strip_first);
@@ -291,26 +302,41 @@ static void square_destroy(tc_surface *surface)
     free(s);
 }
 
-tc_status tc_square_create(const tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error)
+tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error)
 {
-    static const char *const parts[] = {"square.glsl", NULL};
+    static const char *const vertex_parts[] = {"square.glsl", NULL}, *const fragment_parts[] = {"square.frag", NULL};
     const tc_clip_level *l = tc_clipmap_level(clipmap, 1);
-    if (tc_max64(l->edge_x, l->edge_y) >= (int64_t)1 << 30)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^30 samples a side, found %lldx%lld",
-                       (long long)l->edge_x + 1, (long long)l->edge_y + 1);
     square_surface *s = calloc(1, sizeof *s);
-    if (!s)
-        return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
-    s->head = (tc_surface){.name = "square",
-                           .vertex_parts = parts,
-                           .wanted = tc_square_wanted,
-                           .frame = square_frame,
-                           .drawn_height = tc_square_drawn_height,
-                           .destroy = square_destroy};
+    tc_status status = TC_OK;
+    if (tc_max64(l->edge_x, l->edge_y) >= (int64_t)1 << 30)
+        status = tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^30 samples a side, found %lldx%lld",
+                         (long long)l->edge_x + 1, (long long)l->edge_y + 1);
+    else if (!s)
+        status = tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
+    if (status) {
+        free(s);
+        tc_clipmap_destroy(clipmap);
+        return status;
+    }
+    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    s->head =
+        (tc_surface){.name = "square",
+                     .vertex_parts = vertex_parts,
+                     .fragment_parts = fragment_parts,
+                     .sky = "sky.frag",
+                     .near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)),
+                     .extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y),
+                     .charts = 1,
+                     .clipmap = {clipmap},
+                     .wanted = square_wanted,
+                     .frame = square_frame,
+                     .drawn_height = square_drawn_height,
+                     .destroy = square_destroy};
     int n = tc_clipmap_n(clipmap), block = n + 1 >= 128 ? (n + 1) / 16 : 8, across = (n + 1) / block + 1;
     /* Blocks of a level: every tile, those around the hole cut in up to four; closers: four sides. */
     s->capacity = tc_clipmap_levels(clipmap) * (across * across + 12 * across + 16);
-    tc_status status = tc_square_geometry(block, &s->head.geometry, &s->index, error);
+    status = tc_square_geometry(block, &s->head.geometry, &s->index, error);
     s->strips = calloc(2 * (size_t)s->capacity, sizeof *s->strips);
     s->lists = calloc((size_t)s->capacity, sizeof *s->lists);
     s->strip_data = calloc(2 * (size_t)s->capacity, sizeof *s->strip_data);

@@ -4,7 +4,7 @@
 
 #include "common/core/clipmap/surface.h"
 
-/* A surface over the clipmap, which must outlive it. */
-tc_status tc_square_create(const tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
+/* A surface over the clipmap, which it takes over, also on failure. */
+tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
 
 #endif

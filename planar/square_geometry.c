@@ -41,15 +41,17 @@ tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *
     count += 2 * 3 * (block / 2);
     geometry->vertex_count = stride * stride;
     geometry->index_count = count;
-    geometry->vertices = malloc((size_t)geometry->vertex_count * sizeof *geometry->vertices);
+    uint16_t(*vertices)[2] = malloc((size_t)geometry->vertex_count * sizeof *vertices);
+    geometry->format = TC_VERTEX_UINT16_2;
+    geometry->vertices = vertices;
     geometry->indices = malloc((size_t)count * sizeof *geometry->indices);
     index->strip_first = malloc((size_t)block * sizeof *index->strip_first);
     if (!geometry->vertices || !geometry->indices || !index->strip_first)
         return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
     for (int j = 0; j < stride; j++)
         for (int i = 0; i < stride; i++) {
-            geometry->vertices[j * stride + i][0] = (uint16_t)i;
-            geometry->vertices[j * stride + i][1] = (uint16_t)j;
+            vertices[j * stride + i][0] = (uint16_t)i;
+            vertices[j * stride + i][1] = (uint16_t)j;
         }
     uint16_t *at = geometry->indices;
     index->block = block;

@@ -39,8 +39,8 @@ square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_
                              const tc_frame_options *options);
 double tc_square_alpha(const square_morph *morph, double x, double y);
 
-void tc_square_wanted(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted);
-bool tc_square_drawn_height(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
-                            const tc_frame_options *options, double x, double y, double *z_ret);
+void tc_square_wanted(const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted);
+bool tc_square_drawn_height(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options,
+                            double x, double y, double *z_ret);
 
 #endif

@@ -48,9 +48,8 @@ static int64_t window_start(double v, int n)
     return 2 * (int64_t)floor((v - (n - 1) / 2 + 1) / 2);
 }
 
-void tc_square_wanted(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted)
+void tc_square_wanted(const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted)
 {
-    (void)surface;
     square_viewer viewer = tc_square_viewer(clipmap, camera);
     int n = tc_clipmap_n(clipmap);
     wanted[0] = tc_clipmap_level(clipmap, 1)->extent;
@@ -156,10 +155,9 @@ static int64_t find_cell(double p, int shift, int64_t edge, double *t_ret)
     return i;
 }
 
-bool tc_square_drawn_height(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
-                            const tc_frame_options *options, double x, double y, double *z_ret)
+bool tc_square_drawn_height(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options,
+                            double x, double y, double *z_ret)
 {
-    (void)surface;
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
     square_viewer viewer = tc_square_viewer(clipmap, camera);

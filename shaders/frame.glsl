@@ -1,9 +1,9 @@
 // frame.glsl - what every stage of a frame knows; laid out as frame_uniforms in common/shell/renderer.c.
 layout(std140, binding = 0) uniform Frame {
     mat4 view_projection;  // from positions relative to the eye
-    vec4 surface[2];       // the surface's own
-    vec4 level[3 * 32];    // the surface's own, three a level
-    vec4 window[32];       // of each level, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
+    vec4 surface[13];      // the surface's own
+    vec4 layer[3 * 96];    // the surface's own, three a layer: a level of a chart
+    vec4 window[96];       // of each layer, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
     vec4 eye;              // x: reference height, y: eye above it, metres above z_base
     vec4 ray[3];           // view axes: right and up to the frame's edge, forward
     vec4 sun;              // xyz: direction to the sun; w: strength

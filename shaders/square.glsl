@@ -1,13 +1,32 @@
-// square.glsl - the map transform of planar/square.c: square grids over a flat map.
+// square.glsl - the map transform of planar/square.c: square grids over a flat map; heights from the vertex texture,
+// morphed (LH04 6.2, AH05).
 //
 // Positions come from one integer, the vertex's place in samples of the finest level relative to the viewer's sample,
 // by the same expression in every level: a vertex that two levels share is bit-identical in both (no cracks).
+//
+// All that the fragment shader needs goes into one vector: on a software renderer each one more costs 4 % of a frame.
+layout(location = 0) in ivec2 in_vertex; // of the static geometry
+layout(location = 1) in ivec4 in_instance; // its block
+layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
+#ifdef HOLES
+layout(binding = 3) uniform sampler2DArray voids_map;
+out float v_void;
+#endif
+#if defined(LIT) || defined(LEVEL_COLOURS)
+INTERPOLATED out vec4 v_terrain; // x: metres above z_base; y, z: place in the normal map
+                                // (multisampled: in samples from the window's first); w: 2 level + 0.5 + alpha
+#else
+INTERPOLATED out float v_height; // metres above z_base
+#endif
+#if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
+flat out int v_level;
+#endif
 
 // texel: in the level's height window; plane: metres east and north of the eye; cell: place in the level's window in
 // samples, for normals; alpha: 0 this level's height, 1 the coarser level's.
 void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
 {
-    vec4 start = level[3 * in_instance.w], rate = level[3 * in_instance.w + 1], rest = level[3 * in_instance.w + 2];
+    vec4 start = layer[3 * in_instance.w], rate = layer[3 * in_instance.w + 1], rest = layer[3 * in_instance.w + 2];
     ivec2 origin = ivec2(in_instance.z & 0xffff, in_instance.z >> 16);
     ivec2 place = min(in_instance.xy + (in_vertex << floatBitsToInt(rest.z)), floatBitsToInt(surface[1].xy));
     texel = origin + in_vertex;
@@ -16,4 +35,34 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
     vec2 c = vec2(place) * rest.y;
     vec4 ramp = vec4(start.x - c.x, c.x - start.y, start.z - c.y, c.y - start.w) * rate;
     alpha = clamp(max(max(max(ramp.x, ramp.y), max(ramp.z, ramp.w)), rest.x), 0.0, 1.0);
+}
+
+vec3 surface_vertex()
+{
+    ivec2 texel;
+    vec2 plane, cell;
+    float alpha;
+    map_vertex(texel, plane, cell, alpha);
+    ivec3 at = ivec3(texel & WINDOW_MASK, in_instance.w);
+    vec2 z = texelFetch(heights_map, at, 0).rg;
+    precise float height = (1.0 - alpha) * z.x + alpha * z.y;
+    precise float above = (height - eye.x) - eye.y;
+#ifdef HOLES
+    v_void = texelFetch(voids_map, at, 0).r;
+#endif
+#if defined(LIT) || defined(LEVEL_COLOURS)
+    const float size = float(WINDOW_MASK + 1);
+#ifdef MULTISAMPLED
+    vec2 place = mod(cell - window[in_instance.w].xy, 2.0 * size);
+#else
+    vec2 place = (2.0 * cell + 0.5) * (0.5 / size);
+#endif
+#ifdef MULTISAMPLED
+    v_level = in_instance.w;
+#endif
+    v_terrain = vec4(height, place, 2.0 * float(in_instance.w) + 0.5 + alpha);
+#else
+    v_height = height;
+#endif
+    return vec3(plane, above);
 }

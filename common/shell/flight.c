@@ -18,16 +18,17 @@ const double tc_flight_speed = 0.7;
 
 /* ---- Views in words ----------------------------------------------------------------------------------------- */
 
-bool tc_view_parse(const char *text, tc_view *view_ret)
+bool tc_view_parse(const tc_navigation *navigation, const char *text, tc_view *view_ret)
 {
-    static const double limits[5] = {TC_VIEW_LIMIT, TC_VIEW_LIMIT, TC_VIEW_LIMIT, 360, 90};
+    const double limits[5] = {navigation->x_limit, navigation->y_limit, TC_VIEW_LIMIT, 360, 90};
     double v[5];
     for (int i = 0; i < 5; i++) {
         if (!tc_take_number(&text, &v[i]) || *text != (i < 4 ? ',' : '\0') || !(fabs(v[i]) <= limits[i]))
             return false;
         text++;
     }
-    *view_ret = (tc_view){v[0], v[1], v[2], v[3] * DEGREE, v[4] * DEGREE};
+    double unit = navigation->unit;
+    *view_ret = (tc_view){v[0] * unit, v[1] * unit, v[2], v[3] * DEGREE, v[4] * DEGREE};
     return true;
 }
 
@@ -40,7 +41,7 @@ static int append(char *text, int used, double value, int decimals, char after)
     return used + snprintf(text + used, TC_VIEW_TEXT - (size_t)used, "%s%c", number + minus_zero, after);
 }
 
-void tc_view_format(tc_view *view, double spacing, char text[TC_VIEW_TEXT])
+void tc_view_format(const tc_navigation *navigation, tc_view *view, double spacing, char text[TC_VIEW_TEXT])
 {
     int decimals = 3;
     if (spacing > 0 && spacing < 1)
@@ -51,13 +52,15 @@ void tc_view_format(tc_view *view, double spacing, char text[TC_VIEW_TEXT])
     heading = round(heading * 1e4) / 1e4;
     if (heading >= 360)
         heading = 0;
-    const double position[3] = {view->x, view->y, view->z};
+    navigation->settle(view);
+    double unit = navigation->unit;
+    const double position[3] = {view->x / unit, view->y / unit, view->z};
     int used = 0;
     for (int i = 0; i < 3; i++)
-        used = append(text, used, fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, position[i])), decimals, ',');
+        used = append(text, used, position[i], i < 2 && unit != 1 ? 9 : decimals, ',');
     used = append(text, used, heading, 4, ',');
     append(text, used, fmax(-90, fmin(90, view->pitch / DEGREE)), 4, '\0');
-    tc_view_parse(text, view);
+    tc_view_parse(navigation, text, view);
 }
 
 void tc_view_to_camera(const tc_view *view, tc_camera *camera)
@@ -67,6 +70,13 @@ void tc_view_to_camera(const tc_view *view, tc_camera *camera)
     camera->z = view->z;
     camera->heading = view->heading;
     camera->pitch = view->pitch;
+}
+
+static void settle(tc_view *view)
+{
+    double *const position[3] = {&view->x, &view->y, &view->z};
+    for (int i = 0; i < 3; i++)
+        *position[i] = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, *position[i]));
 }
 
 /* ---- The whole terrain -------------------------------------------------------------------------------------- */
@@ -127,9 +137,7 @@ tc_view tc_view_whole(const tc_flight_box *box, double fov, int width, int heigh
             break;
     }
     view.z = fmax(view.z, b.z_max + 0.05 * size);
-    view.x = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view.x));
-    view.y = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view.y));
-    view.z = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view.z));
+    settle(&view);
     return view;
 }
 
@@ -140,14 +148,18 @@ double tc_flight_clearance(double spacing)
     return fmin(2, 0.5 * spacing);
 }
 
-/* The ground as far as it matters to an eye: also a little to all sides, since a wall may be beside it. */
+double tc_highest_ground(const tc_ground *ground, double x, double y, double dx, double dy)
+{
+    double z = ground->height(ground->context, x, y);
+    z = fmax(z, ground->height(ground->context, x - dx, y));
+    z = fmax(z, ground->height(ground->context, x + dx, y));
+    z = fmax(z, ground->height(ground->context, x, y - dy));
+    return fmax(z, ground->height(ground->context, x, y + dy));
+}
+
 static double highest_ground(const tc_ground *ground, double x, double y)
 {
-    double d = ground->clearance, z = ground->height(ground->context, x, y);
-    z = fmax(z, ground->height(ground->context, x - d, y));
-    z = fmax(z, ground->height(ground->context, x + d, y));
-    z = fmax(z, ground->height(ground->context, x, y - d));
-    return fmax(z, ground->height(ground->context, x, y + d));
+    return tc_highest_ground(ground, x, y, ground->clearance, ground->clearance);
 }
 
 void tc_flight_step(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground)
@@ -166,8 +178,22 @@ void tc_flight_step(tc_flight *flight, const tc_flight_input *input, const tc_gr
         move[i] = input->right * axes.right[i] + input->forward * axes.forward[i] + (i == 2 ? input->up : 0);
     double length = sqrt(dot(move, move));
     double scale = length > 1 ? way / length : way; /* two keys are no faster than one */
-    view->x = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view->x + scale * move[0]));
-    view->y = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view->y + scale * move[1]));
-    view->z = fmin(TC_VIEW_LIMIT, view->z + scale * move[2]);
+    view->x += scale * move[0];
+    view->y += scale * move[1];
+    view->z += scale * move[2];
+    settle(view);
     view->z = fmax(view->z, highest_ground(ground, view->x, view->y) + ground->clearance);
 }
+
+const tc_navigation tc_flat_navigation = {
+    .form = "X,Y,Z,HEADING,PITCH",
+    .bounds = "X,Y,Z,HEADING,PITCH in metres and degrees, |PITCH| up to 90",
+    .help =
+        "eye in metres from the south-west sample, degrees clockwise from north, degrees up (default: all of the terrain)",
+    .unit = 1,
+    .x_limit = TC_VIEW_LIMIT,
+    .y_limit = TC_VIEW_LIMIT,
+    .settle = settle,
+    .whole = tc_view_whole,
+    .step = tc_flight_step,
+};

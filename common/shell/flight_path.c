@@ -34,13 +34,16 @@ static bool add_key(tc_flight_path *path, int *capacity, tc_view key)
     }
     if (path->count > 0) /* the short way round */
         key.heading += 2 * HALF_TURN * round((path->keys[path->count - 1].heading - key.heading) / (2 * HALF_TURN));
+    double period = path->navigation->x_period;
+    if (path->count > 0 && period > 0)
+        key.x += period * round((path->keys[path->count - 1].x - key.x) / period);
     path->keys[path->count++] = key;
     return true;
 }
 
-tc_status tc_flight_path_parse(const char *name, const char *text, tc_flight_path *path_ret, tc_error *error)
+tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name, const char *text, tc_flight_path *path_ret, tc_error *error)
 {
-    tc_flight_path path = {0};
+    tc_flight_path path = {.navigation = navigation};
     int capacity = 0, number = 0;
     for (const char *line = text; *line;) {
         const char *next = line + strcspn(line, "\n");
@@ -56,10 +59,10 @@ tc_status tc_flight_path_parse(const char *name, const char *text, tc_flight_pat
             tc_view key;
             bool fits = length < sizeof content;
             snprintf(content, sizeof content, "%.*s", (int)(fits ? length : sizeof content - 1), begin);
-            if (!fits || !tc_view_parse(content, &key)) {
+            if (!fits || !tc_view_parse(navigation, content, &key)) {
                 tc_flight_path_free(&path);
-                return tc_fail(error, TC_ERR_FORMAT, "%s: line %d: expected X,Y,Z,HEADING,PITCH, found '%.60s%s'", name,
-                               number, content, strlen(content) > 60 ? "..." : "");
+                return tc_fail(error, TC_ERR_FORMAT, "%s: line %d: expected %s, found '%.60s%s'", name, number,
+                               navigation->form, content, strlen(content) > 60 ? "..." : "");
             }
             if (!add_key(&path, &capacity, key)) {
                 tc_flight_path_free(&path);
@@ -69,12 +72,12 @@ tc_status tc_flight_path_parse(const char *name, const char *text, tc_flight_pat
         line = *next ? next + 1 : next;
     }
     if (path.count == 0)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: expected lines of X,Y,Z,HEADING,PITCH, found none", name);
+        return tc_fail(error, TC_ERR_FORMAT, "%s: expected lines of %s, found none", name, navigation->form);
     *path_ret = path;
     return TC_OK;
 }
 
-tc_status tc_flight_path_load(const char *path, tc_flight_path *path_ret, tc_error *error)
+tc_status tc_flight_path_load(const tc_navigation *navigation, const char *path, tc_flight_path *path_ret, tc_error *error)
 {
     FILE *file = fopen(path, "rb");
     if (!file)
@@ -104,7 +107,7 @@ tc_status tc_flight_path_load(const char *path, tc_flight_path *path_ret, tc_err
             status = tc_fail(error, TC_ERR_FORMAT, "%s: expected text, found zero bytes", path);
     }
     if (status == TC_OK)
-        status = tc_flight_path_parse(path, text, path_ret, error);
+        status = tc_flight_path_parse(navigation, path, text, path_ret, error);
     free(text);
     return status;
 }
@@ -154,8 +157,6 @@ tc_view tc_flight_path_view(const tc_flight_path *path, int frame, int frames)
     }
     /* The curve swings beyond its keys. */
     view.pitch = fmax(-HALF_TURN / 2, fmin(HALF_TURN / 2, view.pitch));
-    view.x = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view.x));
-    view.y = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view.y));
-    view.z = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view.z));
+    path->navigation->settle(&view);
     return view;
 }

@@ -16,10 +16,11 @@ static GLuint array_texture(const tc_gl *gl, GLenum format, int size, int layers
     return t;
 }
 
-tc_status tc_level_textures_create(const tc_gl *gl, const tc_clipmap *clipmap, tc_level_textures *textures_ret,
+tc_status tc_level_textures_create(const tc_gl *gl, const tc_surface *surface, tc_level_textures *textures_ret,
                                    tc_error *error)
 {
-    int size = tc_clipmap_n(clipmap) + 1, levels = tc_clipmap_levels(clipmap);
+    const tc_clipmap *clipmap = surface->clipmap[0];
+    int size = tc_clipmap_n(clipmap) + 1, levels = tc_surface_first_layer(surface, surface->charts);
     size_t texels = (size_t)size * (size_t)size * (size_t)levels;
     tc_level_textures t = {.heights = array_texture(gl, GL_RG32F, size, levels, GL_NEAREST),
                            .height_bytes = texels * 8};
@@ -33,7 +34,7 @@ tc_status tc_level_textures_create(const tc_gl *gl, const tc_clipmap *clipmap, t
     }
     if (gl->GetError() != GL_NO_ERROR) {
         tc_level_textures_destroy(gl, &t);
-        return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d levels of %dx%d", levels, size, size);
+        return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", levels, size, size);
     }
     *textures_ret = t;
     return TC_OK;
@@ -73,29 +74,35 @@ static int64_t upload_wrapped(const target *t, int64_t x, int64_t y, int64_t w, 
     return w * h * t->bytes;
 }
 
-int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, tc_clipmap *clipmap)
+/* Uploads what changed of a level, whose layer it is. */
+static int64_t upload_level(const tc_gl *gl, const tc_level_textures *textures, tc_clipmap *clipmap, int level,
+                            int layer)
 {
     int64_t bytes = 0, size = tc_clipmap_n(clipmap) + 1;
-    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    for (int level = 1; level <= tc_clipmap_levels(clipmap); level++) {
-        tc_rect changes[TC_MAX_CHANGES];
-        int count = tc_clipmap_take_changes(clipmap, level, changes);
-        target heights = {
-            gl, textures->heights, GL_RG, GL_FLOAT, size, 8, level - 1, tc_clipmap_heights(clipmap, level)};
-        target voids = {
-            gl, textures->voids, GL_RED, GL_UNSIGNED_BYTE, size, 1, level - 1, tc_clipmap_voids(clipmap, level)};
-        target normals = {
-            gl, textures->normals, GL_RGBA, GL_BYTE, 2 * size, 4, level - 1, tc_clipmap_normals(clipmap, level)};
-        for (int i = 0; i < count; i++) {
-            tc_rect r = changes[i];
-            bytes += upload_wrapped(&heights, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
-            if (textures->voids)
-                bytes += upload_wrapped(&voids, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
-            if (textures->normals) /* from half a sample before to half a sample behind */
-                bytes +=
-                    upload_wrapped(&normals, 2 * r.x0 - 1, 2 * r.y0 - 1, 2 * (r.x1 - r.x0) + 1, 2 * (r.y1 - r.y0) + 1);
-        }
+    tc_rect changes[TC_MAX_CHANGES];
+    int count = tc_clipmap_take_changes(clipmap, level, changes);
+    target heights = {gl, textures->heights, GL_RG, GL_FLOAT, size, 8, layer, tc_clipmap_heights(clipmap, level)};
+    target voids = {gl, textures->voids, GL_RED, GL_UNSIGNED_BYTE, size, 1, layer, tc_clipmap_voids(clipmap, level)};
+    target normals = {gl, textures->normals, GL_RGBA, GL_BYTE, 2 * size, 4, layer, tc_clipmap_normals(clipmap, level)};
+    for (int i = 0; i < count; i++) {
+        tc_rect r = changes[i];
+        bytes += upload_wrapped(&heights, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
+        if (textures->voids)
+            bytes += upload_wrapped(&voids, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
+        if (textures->normals) /* from half a sample before to half a sample behind */
+            bytes += upload_wrapped(&normals, 2 * r.x0 - 1, 2 * r.y0 - 1, 2 * (r.x1 - r.x0) + 1, 2 * (r.y1 - r.y0) + 1);
     }
+    return bytes;
+}
+
+int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, const tc_surface *surface)
+{
+    int64_t bytes = 0;
+    int layer = 0;
+    gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    for (int chart = 0; chart < surface->charts; chart++)
+        for (int level = 1; level <= tc_clipmap_levels(surface->clipmap[chart]); level++)
+            bytes += upload_level(gl, textures, surface->clipmap[chart], level, layer++);
     gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
     return bytes;
 }

@@ -16,7 +16,7 @@
 static bool set_view(void *options, const char *value)
 {
     tc_options *o = options;
-    return o->has_view = tc_view_parse(value, &o->view);
+    return o->has_view = tc_view_parse(o->navigation, value, &o->view);
 }
 
 static bool set_size(void *options, const char *value)
@@ -56,6 +56,28 @@ static bool read_n(void *n, const char *value)
     return tc_read_int(value, 15, 2047, samples) && (*samples & (*samples + 1)) == 0;
 }
 
+static bool read_n_phi(void *n, const char *value)
+{
+    int *steps = n;
+    return tc_read_int(value, 64, 2048, steps) && *steps % 32 == 0;
+}
+
+static bool read_steps(void *steps, const char *value)
+{
+    return tc_read_int(value, 4, 64, steps) && *(int *)steps % 2 == 0;
+}
+
+static bool read_radius(void *radius, const char *value)
+{
+    return tc_read_number(value, 1e-3, 1e12, radius);
+}
+
+static bool read_scheme(void *scheme, const char *value)
+{
+    *(const char **)scheme = value;
+    return strcmp(value, "rings") == 0 || strcmp(value, "rings-ch06") == 0;
+}
+
 static bool read_samples(void *samples, const char *value)
 {
     return tc_read_int(value, 1, 16, samples);
@@ -89,11 +111,10 @@ static bool read_backend(void *backend, const char *value)
 
 /* ---- The table ---------------------------------------------------------------------------------------------- */
 
+/* Rows of all viewers, of planet viewers alone and of the others alone. */
 static const tc_option table[] = {
     {.help = "What is seen"},
-    {0, "view", "X,Y,Z,HEADING,PITCH", "X,Y,Z,HEADING,PITCH in metres and degrees, |PITCH| up to 90",
-     "eye in metres from the south-west sample, degrees clockwise from north, degrees up (default: all of the terrain)",
-     set_view, 0},
+    {0, "view", NULL, NULL, NULL, set_view, 0}, /* as the navigation says */
     {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)},
     {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
@@ -109,7 +130,7 @@ static const tc_option table[] = {
     {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
      offsetof(tc_options, output)},
     {0, "path", "FILE", "a file name",
-     "fly through the views of FILE, one X,Y,Z,HEADING,PITCH a line; with -o frame-%05d.png write each frame, "
+     "fly through the views of FILE, one a line as --view has it; with -o frame-%05d.png write each frame, "
      "without only measure",
      tc_read_text, offsetof(tc_options, path)},
     {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
@@ -130,9 +151,7 @@ static const tc_option table[] = {
      offsetof(tc_options, threads)},
 
     {.help = "Geometry clipmap"},
-    {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
-     offsetof(tc_options, clipmap.n)},
-    {0, "levels", "M", "1..32", "of detail at most (all)", read_levels, offsetof(tc_options, clipmap.max_levels)},
+    {0, "levels", "M", "1..32", "of detail at most (all)", read_levels, offsetof(tc_options, levels)},
     {0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)", read_budget,
      offsetof(tc_options, scene.budget)},
 
@@ -146,6 +165,30 @@ static const tc_option table[] = {
     TC_HELP_AND_VERSION,
 };
 
+static const tc_option flat_table[] = {
+    {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
+     offsetof(tc_options, n)},
+};
+
+static const tc_option sphere_table[] = {
+    {.help = "Planet"},
+    {0, "scheme", "NAME", "rings or rings-ch06", "rings, or rings-ch06: the paper's own map transform (rings)",
+     read_scheme, offsetof(tc_options, scheme)},
+    {0, "n", "N", "a multiple of 32 of 64..2048", "steps of a ring around the viewer (512)", read_n_phi,
+     offsetof(tc_options, n)},
+    {0, "steps", "M", "an even number of 4..64", "steps outwards in a level of rings (20)", read_steps,
+     offsetof(tc_options, steps)},
+    {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
+     read_radius, offsetof(tc_options, radius)},
+};
+
+/* All rows of a program. */
+enum { MOST_ROWS = 64 };
+typedef struct rows {
+    tc_option row[MOST_ROWS];
+    tc_command_line line;
+} rows;
+
 static tc_status set_terrain(void *options, const char *operand, tc_error *error)
 {
     tc_options *o = options;
@@ -155,8 +198,30 @@ static tc_status set_terrain(void *options, const char *operand, tc_error *error
     return TC_OK;
 }
 
-static const tc_command_line line = {
-    .options = table, .count = sizeof table / sizeof *table, .help = "--help", .operand = set_terrain};
+static void make_rows(const tc_options_program *program, rows *r)
+{
+    const tc_option *own = program->sphere ? sphere_table : flat_table;
+    size_t common = sizeof table / sizeof *table, owned = sizeof flat_table / sizeof *flat_table, count = 0;
+    if (program->sphere)
+        owned = sizeof sphere_table / sizeof *sphere_table;
+    for (size_t i = 0; i < common; i++) {
+        tc_option row = table[i];
+        if (row.name && strcmp(row.name, "view") == 0) {
+            row.argument = program->navigation->form;
+            row.expected = program->navigation->bounds;
+            row.help = program->navigation->help;
+        }
+        r->row[count++] = row;
+        bool flat_place = row.help && !row.name && strcmp(row.help, "Geometry clipmap") == 0;
+        bool sphere_place = row.name && strcmp(row.name, "budget") == 0;
+        if (program->sphere ? sphere_place : flat_place) {
+            memcpy(r->row + count, own, owned * sizeof *own);
+            count += owned;
+        }
+    }
+    r->line =
+        (tc_command_line){.options = r->row, .count = (int)count, .help = "--help", .operand = set_terrain};
+}
 
 /* ---- Parsing ------------------------------------------------------------------------------------------------ */
 
@@ -180,11 +245,14 @@ static tc_status check_together(const tc_options *o, tc_error *error)
     return TC_OK;
 }
 
-tc_status tc_options_parse(int argc, char **argv, tc_options *options_ret, tc_error *error)
+tc_status tc_options_parse(const tc_options_program *program, int argc, char **argv, tc_options *options_ret,
+                           tc_error *error)
 {
-    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE};
+    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE, .navigation = program->navigation};
     tc_action action = TC_RUN;
-    tc_status status = tc_arguments_read(&line, argc, argv, &o, &action, error);
+    rows r;
+    make_rows(program, &r);
+    tc_status status = tc_arguments_read(&r.line, argc, argv, &o, &action, error);
     if (status == TC_OK && action != TC_RUN)
         o = (tc_options){.action = action};
     else if (status == TC_OK)
@@ -197,7 +265,9 @@ tc_status tc_options_parse(int argc, char **argv, tc_options *options_ret, tc_er
 void tc_options_print_help(const tc_options_program *program, FILE *file)
 {
     fprintf(file, "usage: %s [OPTION]... TERRAIN\n\n%s\n", program->name, program->summary);
-    tc_arguments_print(&line, file);
+    rows r;
+    make_rows(program, &r);
+    tc_arguments_print(&r.line, file);
 }
 
 /* ---- Names of frames ---------------------------------------------------------------------------------------- */

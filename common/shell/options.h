@@ -28,7 +28,11 @@ typedef struct tc_options {
     int threads;       /* 0: as many as there are processors */
     bool explain, json, quiet, verbose;
     tc_source_options source;   /* without say */
-    tc_clipmap_options clipmap; /* n and max_levels */
+    int n, levels;              /* of the clipmap; 0: not given */
+    const char *scheme;         /* NULL: not given; the rest of globes only */
+    int steps;                  /* of theta~ in a level of rings; 0: not given */
+    double radius;              /* metres; 0: not given */
+    const tc_navigation *navigation;
     tc_scene_options scene;     /* without holes */
 } tc_options;
 
@@ -36,11 +40,13 @@ typedef struct tc_options {
 typedef struct tc_options_program {
     const char *name;    /* "planar-viewer" */
     const char *summary; /* one sentence for the help */
+    const tc_navigation *navigation;
+    bool sphere; /* has the options of planets */
 } tc_options_program;
 
 /* Reads the command line. On failure *error names the option, what it expects and what was found; status
  * TC_ERR_USAGE. With -h or --version the rest is not looked at. */
-tc_status tc_options_parse(int argc, char **argv, tc_options *options_ret, tc_error *error);
+tc_status tc_options_parse(const tc_options_program *program, int argc, char **argv, tc_options *options_ret, tc_error *error);
 
 /* Prints usage and options; the caller goes on with the keys of the window. */
 void tc_options_print_help(const tc_options_program *program, FILE *file);

@@ -16,6 +16,7 @@ struct tc_window {
     tc_window_input events;  /* since the last poll: pressed, look and wheel */
     bool captured;           /* by a click, until Escape */
     bool held;               /* by the right button, while it is down */
+    bool drags, dragging;    /* the left button does, and is down */
     double last_x, last_y;   /* where the captured pointer was */
     int x, y, width, height; /* of the window before it filled the screen */
 };
@@ -82,6 +83,11 @@ static void on_button(GLFWwindow *glfw, int button, int action, int modifiers)
 {
     (void)modifiers;
     tc_window *window = glfwGetWindowUserPointer(glfw);
+    if (button == GLFW_MOUSE_BUTTON_LEFT && window->drags) {
+        window->dragging = action == GLFW_PRESS;
+        glfwGetCursorPos(glfw, &window->last_x, &window->last_y);
+        return;
+    }
     if (button == GLFW_MOUSE_BUTTON_LEFT && action == GLFW_PRESS)
         window->captured = true;
     if (button == GLFW_MOUSE_BUTTON_RIGHT)
@@ -92,10 +98,13 @@ static void on_button(GLFWwindow *glfw, int button, int action, int modifiers)
 static void on_motion(GLFWwindow *glfw, double x, double y)
 {
     tc_window *window = glfwGetWindowUserPointer(glfw);
-    if (!window->captured && !window->held)
+    bool looking = window->captured || window->held;
+    if (!looking && !window->dragging)
         return;
-    window->events.look_x += x - window->last_x;
-    window->events.look_y += y - window->last_y;
+    double *right = looking ? &window->events.look_x : &window->events.drag_x;
+    double *down = looking ? &window->events.look_y : &window->events.drag_y;
+    *right += x - window->last_x;
+    *down += y - window->last_y;
     window->last_x = x;
     window->last_y = y;
 }
@@ -111,7 +120,7 @@ static void on_focus(GLFWwindow *glfw, int focused)
 {
     tc_window *window = glfwGetWindowUserPointer(glfw);
     if (!focused) { /* the button's release goes to another window */
-        window->held = false;
+        window->held = window->dragging = false;
         apply_capture(window);
     }
 }
@@ -142,6 +151,7 @@ static tc_status window_open(const tc_window_options *options, tc_window **windo
     /* Finished frames are copied in: the window itself needs neither depth nor samples. */
     glfwWindowHint(GLFW_DEPTH_BITS, 0);
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
+    window->drags = options->drag;
     window->glfw = glfwCreateWindow(width, height, options->title ? options->title : "", NULL, NULL);
     if (!window->glfw) {
         tc_status status = fail_glfw(error, "no window with OpenGL 4.5 core");

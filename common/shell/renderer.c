@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/core/base/rect.h"
 #include "common/core/clipmap/camera.h"
 #include "common/core/base/status.h"
 #include "level_textures.h"
@@ -27,8 +28,8 @@ enum {
 typedef struct frame_uniforms {
     float view_projection[16];
     float surface[TC_SURFACE_UNIFORMS];
-    float level[TC_MAX_LEVELS][TC_LEVEL_UNIFORMS];
-    float window[TC_MAX_LEVELS][4];
+    float layer[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
+    float window[TC_MAX_LAYERS][4];
     float eye[4];
     float ray[3][4];
     float sun[4];
@@ -42,11 +43,8 @@ struct tc_renderer {
     const tc_gl *gl;
     const tc_pyramid *pyramid;
     tc_surface *surface;
-    tc_clipmap *clipmap;
     tc_scene_options options;
     tc_palette palette;
-    double extent;     /* metres, the terrain's diagonal */
-    double near_plane; /* metres */
     tc_level_textures textures;
     GLuint ramp;
     GLuint terrain[2][2], sky; /* programs: [level colours][closers]; 0: not built yet, or not needed */
@@ -60,7 +58,7 @@ struct tc_renderer {
     int width, height;                 /* of the framebuffer; 0: none yet */
     frame_uniforms values;
     const char *left_out[MAX_LEFT_OUT + 1];
-    tc_rect wanted[TC_MAX_LEVELS];
+    tc_rect wanted[TC_MAX_CHARTS][TC_MAX_LEVELS];
 };
 
 /* ---- Creation ------------------------------------------------------------------------------------------------ */
@@ -71,23 +69,32 @@ static bool hazy(const tc_renderer *r)
     return !r->options.background_set && r->palette.natural;
 }
 
+/* A stage: what all know, the surface's parts, the renderer's own. */
+static void list_parts(const char *parts[16], const char *const *surface, const char *own)
+{
+    int count = 0;
+    parts[count++] = "frame.glsl";
+    while (*surface && count < 14)
+        parts[count++] = *surface++;
+    parts[count++] = own;
+    parts[count] = NULL;
+}
+
 /* The strips' program, or the crack closers': across a triangle without area nothing can be interpolated, so theirs
  * takes all from one corner. */
 static tc_status build_terrain(tc_renderer *r, bool closers, GLuint *program_ret, tc_error *error)
 {
     const tc_scene_options *o = &r->options;
     char defines[512];
-    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n%s%s%s%s%s%s%s",
-             tc_clipmap_n(r->clipmap), closers ? "flat" : "centroid", o->unlit ? "" : "#define LIT\n",
+    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n%s%s%s%s%s%s%s%s",
+             tc_clipmap_n(r->surface->clipmap[0]), closers ? "flat" : "centroid", o->unlit ? "" : "#define LIT\n",
              o->holes ? "#define HOLES\n" : "", hazy(r) ? "#define HAZE\n" : "",
              o->level_colours ? "#define LEVEL_COLOURS\n" : "", r->palette.natural ? "#define NATURAL_LAND\n" : "",
-             r->palette.water ? "#define WATER\n" : "", o->samples > 1 ? "#define MULTISAMPLED\n" : "");
-    const char *vertex[16] = {"frame.glsl", "vertex_inputs.glsl"};
-    int count = 2;
-    for (const char *const *p = r->surface->vertex_parts; *p && count < 14; p++)
-        vertex[count++] = *p;
-    vertex[count] = "renderer.vert";
-    const char *fragment[] = {"frame.glsl", "renderer.frag", NULL};
+             r->palette.water ? "#define WATER\n" : "", o->samples > 1 ? "#define MULTISAMPLED\n" : "",
+             r->surface->sphere ? "#define SPHERE\n" : "");
+    const char *vertex[16], *fragment[16];
+    list_parts(vertex, r->surface->vertex_parts, "renderer.vert");
+    list_parts(fragment, r->surface->fragment_parts, "renderer.frag");
     return tc_program_build(r->gl, vertex, fragment, defines, program_ret, error);
 }
 
@@ -101,8 +108,14 @@ static tc_status build_programs(tc_renderer *r, tc_error *error)
             status = build_terrain(r, closers, &terrain[closers], error);
     if (!status && !r->sky && !r->options.background_set)
         status = tc_program_build(r->gl, (const char *[]){"frame.glsl", "sky.vert", NULL},
-                                  (const char *[]){"frame.glsl", "sky.frag", NULL}, "", &r->sky, error);
+                                  (const char *[]){"frame.glsl", r->surface->sky, NULL},
+                                  r->palette.natural ? "#define AIR 1.0\n" : "#define AIR 0.0\n", &r->sky, error);
     return status;
+}
+
+static size_t vertex_size(const tc_geometry *g)
+{
+    return g->format == TC_VERTEX_FLOAT_4 ? 4 * sizeof(float) : 2 * sizeof(uint16_t);
 }
 
 static void create_geometry(tc_renderer *r)
@@ -110,14 +123,17 @@ static void create_geometry(tc_renderer *r)
     const tc_gl *gl = r->gl;
     const tc_geometry *g = &r->surface->geometry;
     gl->CreateBuffers(1, &r->vertices);
-    gl->NamedBufferStorage(r->vertices, (GLsizeiptr)((size_t)g->vertex_count * sizeof *g->vertices), g->vertices, 0);
+    gl->NamedBufferStorage(r->vertices, (GLsizeiptr)((size_t)g->vertex_count * vertex_size(g)), g->vertices, 0);
     gl->CreateBuffers(1, &r->indices);
     gl->NamedBufferStorage(r->indices, (GLsizeiptr)((size_t)g->index_count * sizeof *g->indices), g->indices, 0);
     gl->CreateVertexArrays(1, &r->vao);
     gl->VertexArrayElementBuffer(r->vao, r->indices);
-    gl->VertexArrayVertexBuffer(r->vao, 0, r->vertices, 0, sizeof *g->vertices);
+    gl->VertexArrayVertexBuffer(r->vao, 0, r->vertices, 0, (GLsizei)vertex_size(g));
     gl->EnableVertexArrayAttrib(r->vao, 0);
-    gl->VertexArrayAttribIFormat(r->vao, 0, 2, GL_UNSIGNED_SHORT, 0);
+    if (g->format == TC_VERTEX_FLOAT_4)
+        gl->VertexArrayAttribFormat(r->vao, 0, 4, GL_FLOAT, GL_FALSE, 0);
+    else
+        gl->VertexArrayAttribIFormat(r->vao, 0, 2, GL_UNSIGNED_SHORT, 0);
     gl->VertexArrayAttribBinding(r->vao, 0, 0);
     gl->EnableVertexArrayAttrib(r->vao, 1);
     gl->VertexArrayAttribIFormat(r->vao, 1, 4, GL_INT, 0);
@@ -158,23 +174,18 @@ static void note_left_out(tc_renderer *r)
     r->left_out[n] = NULL;
 }
 
-tc_status tc_renderer_create(const tc_gl *gl, const tc_pyramid *pyramid, tc_surface *surface, tc_clipmap *clipmap,
-                             const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error)
+tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
+                             tc_renderer **renderer_ret, tc_error *error)
 {
     tc_renderer *r = calloc(1, sizeof *r);
     if (!r)
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
-    const tc_terrain_info *info = tc_pyramid_info(pyramid);
-    tc_level finest = tc_pyramid_level(pyramid, info->levels);
     r->gl = gl;
-    r->pyramid = pyramid;
+    r->pyramid = tc_clipmap_pyramid(surface->clipmap[0]);
     r->surface = surface;
-    r->clipmap = clipmap;
     r->options = *options;
-    r->palette = tc_palette_make(info);
-    r->extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y);
-    r->near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)); /* costs no precision: depth is a float */
-    tc_status status = tc_level_textures_create(gl, clipmap, &r->textures, error);
+    r->palette = tc_palette_make(tc_pyramid_info(r->pyramid));
+    tc_status status = tc_level_textures_create(gl, surface, &r->textures, error);
     if (!status)
         status = build_programs(r, error);
     if (status) {
@@ -266,16 +277,18 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
 {
     frame_uniforms *u = &r->values;
     double z_base = tc_pyramid_info(r->pyramid)->z_base, eye = camera->z - z_base;
-    tc_camera_matrix(camera, r->near_plane, u->view_projection);
+    tc_camera_matrix(camera, r->surface->near_plane, u->view_projection);
     memcpy(u->surface, frame->surface_uniforms, sizeof u->surface);
-    memcpy(u->level, frame->level_uniforms, sizeof u->level);
-    int64_t torus = 2 * (tc_clipmap_n(r->clipmap) + 1);
-    for (int l = 1; l <= tc_clipmap_levels(r->clipmap); l++) {
-        tc_rect c = tc_clipmap_level(r->clipmap, l)->clip;
-        float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
-                           (float)(c.y1 - 1 - c.y0)};
-        memcpy(u->window[l - 1], window, sizeof window);
-    }
+    memcpy(u->layer, frame->layer_uniforms, sizeof u->layer);
+    int64_t torus = 2 * (tc_clipmap_n(r->surface->clipmap[0]) + 1);
+    int layer = 0;
+    for (int chart = 0; chart < r->surface->charts; chart++)
+        for (int l = 1; l <= tc_clipmap_levels(r->surface->clipmap[chart]); l++) {
+            tc_rect c = tc_clipmap_level(r->surface->clipmap[chart], l)->clip;
+            float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
+                               (float)(c.y1 - 1 - c.y0)};
+            memcpy(u->window[layer++], window, sizeof window);
+        }
     u->eye[0] = (float)eye;
     u->eye[1] = (float)(eye - (double)(float)eye);
     tc_basis b = tc_camera_basis(camera);
@@ -292,9 +305,11 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
                     (float)sin(elevation), 1.1f};
     memcpy(u->sun, sun, sizeof sun);
     double height = fmax(0, eye - tc_pyramid_info(r->pyramid)->z_min);
-    double distance = 0.65 * r->extent + 4 * height; /* half of what one sees there is haze */
+    double distance = 0.65 * r->surface->extent + 4 * height; /* half of what one sees there is haze */
     memcpy(u->haze, r->palette.horizon, sizeof r->palette.horizon);
-    u->haze[3] = (float)(r->near_plane / distance);
+    u->haze[3] = (float)(r->surface->near_plane / distance);
+    if (r->surface->sphere) /* whose own part knows how far one sees */
+        u->haze[3] = (float)r->surface->near_plane;
     memcpy(u->zenith, r->palette.zenith, sizeof r->palette.zenith);
     float lens[4] = {(float)(2 * tx / camera->width), (float)(2 * ty / camera->height), (float)tx, (float)ty};
     memcpy(u->lens, lens, sizeof lens);
@@ -378,16 +393,20 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     if (status)
         return status;
     double start = tc_clock_ms();
-    int64_t n = tc_clipmap_n(r->clipmap), budget = r->options.budget ? r->options.budget : n * n;
-    tc_frame_stats stats = {0};
-    r->surface->wanted(r->surface, r->clipmap, camera, r->wanted);
-    stats.samples_updated = tc_clipmap_update(r->clipmap, r->wanted, budget > 0 && budget < n ? n : budget, finish);
-    stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, r->clipmap);
-    stats.resident = tc_clipmap_resident(r->clipmap);
+    tc_surface *surface = r->surface;
+    int64_t n = tc_clipmap_n(surface->clipmap[0]), budget = r->options.budget ? r->options.budget : n * n;
+    tc_frame_stats stats = {.resident = true};
+    surface->wanted(surface, camera, r->wanted);
+    for (int chart = 0; chart < surface->charts; chart++) { /* each gets at least what makes progress */
+        int64_t share = budget < 0 ? -1 : tc_max64(n, budget - stats.samples_updated);
+        stats.samples_updated += tc_clipmap_update(surface->clipmap[chart], r->wanted[chart], share, finish);
+        stats.resident &= tc_clipmap_resident(surface->clipmap[chart]);
+    }
+    stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, surface);
     double updated = tc_clock_ms();
 
     tc_frame frame;
-    r->surface->frame(r->surface, r->clipmap, camera, &r->options.frame, &frame);
+    surface->frame(surface, camera, &r->options.frame, &frame);
     r->slot = (r->slot + 1) % SLOTS;
     set_uniforms(r, camera, &frame);
     upload_draws(r, &frame);
@@ -401,8 +420,9 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     stats.draws = frame.strip_draws + frame.list_draws;
     stats.levels_active = frame.levels_active;
     *stats_ret = stats;
-    if (tc_clipmap_failed(r->clipmap))
-        return tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read");
+    for (int chart = 0; chart < surface->charts; chart++)
+        if (tc_clipmap_failed(surface->clipmap[chart]))
+            return tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read");
     return TC_OK;
 }
 
@@ -450,7 +470,7 @@ void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera,
                            double position_ret[3])
 {
     tc_basis b = tc_camera_basis(camera);
-    double tx, ty, along = renderer->near_plane / (double)depth;
+    double tx, ty, along = renderer->surface->near_plane / (double)depth;
     tc_camera_tangents(camera, &tx, &ty);
     double u = (2 * x / camera->width - 1) * tx, v = (1 - 2 * y / camera->height) * ty;
     const double eye[3] = {camera->x, camera->y, camera->z};
@@ -461,15 +481,20 @@ void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera,
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
 {
     const tc_geometry *g = &renderer->surface->geometry;
-    size_t draws = 0, heights, normals;
-    tc_clipmap_bytes(renderer->clipmap, &heights, &normals);
+    size_t draws = 0, heights = 0, normals = 0, pyramids = 0;
+    for (int chart = 0; chart < renderer->surface->charts; chart++) {
+        size_t h, n;
+        tc_clipmap_bytes(renderer->surface->clipmap[chart], &h, &n);
+        heights += h, normals += n;
+        pyramids += tc_pyramid_bytes(tc_clipmap_pyramid(renderer->surface->clipmap[chart]));
+    }
     for (int i = 0; i < SLOTS; i++)
         draws += renderer->draw_capacity[i] * (sizeof(tc_draw) + sizeof(tc_instance)) + sizeof(frame_uniforms);
-    *stats_ret = (tc_memory_stats){.geometry = (size_t)g->vertex_count * sizeof *g->vertices +
+    *stats_ret = (tc_memory_stats){.geometry = (size_t)g->vertex_count * vertex_size(g) +
                                                (size_t)g->index_count * sizeof *g->indices + draws,
                                    .heights = renderer->textures.height_bytes + heights,
                                    .normals = renderer->textures.normal_bytes + normals,
-                                   .pyramid = tc_pyramid_bytes(renderer->pyramid)};
+                                   .pyramid = pyramids};
 }
 
 const char *const *tc_renderer_left_out(const tc_renderer *renderer)

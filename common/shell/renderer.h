@@ -34,9 +34,9 @@ typedef struct tc_memory_stats {
 
 typedef struct tc_renderer tc_renderer;
 
-/* pyramid and surface must outlive the renderer; the surface is made for that pyramid. gl must be current. */
-tc_status tc_renderer_create(const tc_gl *gl, const tc_pyramid *pyramid, tc_surface *surface, tc_clipmap *clipmap,
-                             const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error);
+/* The surface and its clipmaps must outlive the renderer. gl must be current. */
+tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
+                             tc_renderer **renderer_ret, tc_error *error);
 void tc_renderer_destroy(tc_renderer *renderer);
 
 /* Changes what may change while running: level_colours, wireframe, frame, budget. */

@@ -27,27 +27,83 @@ static void say(void *context, bool warning, const char *line)
         fprintf(stderr, "%s: %s%s\n", viewer->program->name, warning ? "warning: " : "", line);
 }
 
-static tc_status load_terrain(tc_viewer *v, tc_error *error)
+static tc_status open_file(tc_viewer *v, tc_error *error)
 {
     tc_source_options source = v->options.source;
     source.say = say;
     source.say_context = v;
-    tc_status status = tc_terrain_open(v->options.terrain, &source, v->options.threads, &v->terrain, error);
+    tc_status status;
+    if (v->program->sphere) {
+        status = tc_planet_open(v->options.terrain, &source, v->options.radius, v->options.threads, &v->planet, error);
+        v->atlas = v->planet.atlas;
+        v->voids = v->planet.voids;
+    } else {
+        status = tc_terrain_open(v->options.terrain, &source, v->options.threads, &v->terrain, error);
+        v->atlas = (tc_atlas){.charts = 1, .chart = {{.pyramid = v->terrain.pyramid}}};
+        v->voids = v->terrain.voids;
+    }
+    v->pyramid = v->atlas.chart[0].pyramid;
+    return status;
+}
+
+/* The terrain's height, or that of a coarser level which is drawn in its place and may be higher. */
+static double ground_height(void *context, double x, double y)
+{
+    const tc_viewer *v = context;
+    double z = 0, drawn;
+    if (v->program->sphere)
+        tc_atlas_height(&v->atlas, x, y, &z);
+    else
+        tc_pyramid_height(v->pyramid, x, y, &z);
+    z += tc_pyramid_info(v->pyramid)->z_base;
+    if (v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn))
+        z = fmax(z, drawn);
+    return z;
+}
+
+static tc_status load_terrain(tc_viewer *v, tc_error *error)
+{
+    tc_status status = open_file(v, error);
     if (status != TC_OK)
         return status;
-    v->pyramid = v->terrain.pyramid;
     const tc_terrain_info *info = tc_pyramid_info(v->pyramid);
     const tc_level finest = tc_pyramid_level(v->pyramid, info->levels);
     v->spacing = fmin(finest.spacing_x, finest.spacing_y);
+    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->atlas.radius};
+    double read = v->terrain.read_ms + v->planet.read_ms, build = v->terrain.build_ms + v->planet.build_ms;
     if (v->options.verbose)
         fprintf(stderr,
                 "%s: %s: %" PRId64 " x %" PRId64 " samples every %g x %g m, heights %.2f to %.2f m, %" PRId64
                 " voids; %s in %.0f ms, %d levels in %.0f ms\n",
                 v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
                 info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
-                tc_pyramid_packed_info(v->pyramid) ? "opened" : "read", v->terrain.read_ms, info->levels,
-                v->terrain.build_ms);
+                tc_pyramid_packed_info(v->pyramid) ? "opened" : "read", read, info->levels, build);
+    if (v->options.verbose && v->program->sphere)
+        fprintf(stderr, "%s: radius %.10g m, %d charts\n", v->program->name, v->atlas.radius, v->atlas.charts);
     return TC_OK;
+}
+
+static tc_flight_box whole_box(const tc_viewer *v)
+{
+    const tc_terrain_info *info = tc_pyramid_info(v->pyramid);
+    const tc_level finest = tc_pyramid_level(v->pyramid, info->levels);
+    const tc_chart *c = &v->atlas.chart[0];
+    return (tc_flight_box){.x_max = (double)(finest.width - 1) * finest.spacing_x,
+                           .y_max = (double)(finest.height - 1) * finest.spacing_y,
+                           .z_min = info->z_base + info->z_min,
+                           .z_max = info->z_base + info->z_max,
+                           .radius = v->atlas.radius,
+                           .west = c->x0,
+                           .south = c->y0,
+                           .east = c->x0 + (double)(finest.width - 1) * c->dx,
+                           .north = c->y0 + (double)(finest.height - 1) * c->dy};
+}
+
+void tc_viewer_place(tc_viewer *v, const tc_view *view)
+{
+    tc_view_to_camera(view, &v->camera);
+    if (v->program->sphere) /* an eye inside the planet sees nothing */
+        v->camera.z = fmax(v->camera.z, ground_height(v, view->x, view->y) + 0.01);
 }
 
 /* Where the camera starts. */
@@ -58,20 +114,15 @@ static tc_status place_camera(tc_viewer *v, tc_error *error)
     v->camera.height = v->options.height;
     tc_view view = v->options.view;
     if (v->options.path) {
-        tc_status status = tc_flight_path_load(v->options.path, &v->path, error);
+        tc_status status = tc_flight_path_load(v->program->navigation, v->options.path, &v->path, error);
         if (status != TC_OK)
             return status;
         view = v->path.keys[0];
     } else if (!v->options.has_view) {
-        const tc_terrain_info *info = tc_pyramid_info(v->pyramid);
-        const tc_level finest = tc_pyramid_level(v->pyramid, info->levels);
-        const tc_flight_box box = {.x_max = (double)(finest.width - 1) * finest.spacing_x,
-                                   .y_max = (double)(finest.height - 1) * finest.spacing_y,
-                                   .z_min = info->z_base + info->z_min,
-                                   .z_max = info->z_base + info->z_max};
-        view = tc_view_whole(&box, v->camera.fov, v->camera.width, v->camera.height);
+        const tc_flight_box box = whole_box(v);
+        view = v->program->navigation->whole(&box, v->camera.fov, v->camera.width, v->camera.height);
     }
-    tc_view_to_camera(&view, &v->camera);
+    tc_viewer_place(v, &view);
     return TC_OK;
 }
 
@@ -91,7 +142,8 @@ static tc_status open_window(tc_viewer *v, tc_error *error)
         const tc_window_options options = {.title = v->program->name,
                                            .width = v->options.width,
                                            .height = v->options.height,
-                                           .hidden = !interactive(&v->options)};
+                                           .hidden = !interactive(&v->options),
+                                           .drag = v->program->sphere};
         status = v->window_plugin->open(&options, &v->window, &reason);
     }
     if (status == TC_OK)
@@ -119,29 +171,28 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
     return status;
 }
 
-/* The clipmap and what draws it, as large as frame and machine call for. */
+/* The surface and what draws it, as large as frame and machine call for. */
 static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
-    v->scene.holes = v->terrain.voids == TC_VOIDS_HOLE && tc_pyramid_info(v->pyramid)->void_count > 0;
+    v->scene.holes = v->voids == TC_VOIDS_HOLE && tc_pyramid_info(v->pyramid)->void_count > 0;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
     if (v->options.output && !v->scene.budget)
         v->scene.budget = -1;
     if (!v->scene.samples)
         v->scene.samples = v->options.output ? 4 : 1;
-    tc_clipmap_options clipmap = v->options.clipmap;
-    clipmap.normals = !v->scene.unlit;
-    clipmap.holes = v->scene.holes;
-    if (!clipmap.n) {
-        clipmap.n = tc_clipmap_n_for(&v->camera);
-        if (interactive(&v->options) && tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)))
-            clipmap.n = clipmap.n > 255 ? 255 : clipmap.n;
-    }
-    tc_status status = tc_clipmap_create(v->pyramid, &clipmap, &v->clipmap, error);
+    const tc_surface_request request = {
+        .scheme = v->options.scheme,
+        .n = v->options.n,
+        .levels = v->options.levels,
+        .steps = v->options.steps,
+        .normals = !v->scene.unlit,
+        .holes = v->scene.holes,
+        .interactive = interactive(&v->options) && tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
+        .camera = &v->camera};
+    tc_status status = v->program->make_surface(&v->atlas, &request, &v->surface, error);
     if (status == TC_OK)
-        status = v->program->make_surface(v->clipmap, &v->surface, error);
-    if (status == TC_OK)
-        status = tc_renderer_create(v->gl, v->pyramid, v->surface, v->clipmap, &v->scene, &v->renderer, error);
+        status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
     return status;
 }
 
@@ -193,13 +244,23 @@ static void explain(const tc_viewer *v, const tc_stats_summary *summary, const c
     static const char *const libraries[][2] = {{"gdal", "GDAL"}, {"oiio", "OpenImageIO"}, {"window", "GLFW"}};
     for (int i = 0; left_out[i]; i++)
         printf("left out: %s\n", left_out[i]);
-    printf("left out: %" PRId64 " of %d levels: too fine for the height above ground, or not where the terrain is\n",
-           tc_clipmap_levels(v->clipmap) - summary->levels_active, tc_clipmap_levels(v->clipmap));
+    if (!v->program->sphere)
+        printf("left out: %" PRId64 " of %d levels: too fine for the height above ground, or not where the terrain is\n",
+               tc_clipmap_levels(v->surface->clipmap[0]) - summary->levels_active,
+               tc_clipmap_levels(v->surface->clipmap[0]));
     printf("left out: %" PRId64 " of %" PRId64 " triangles: outside the view\n",
            summary->triangles_unculled - summary->triangles, summary->triangles_unculled);
     for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
         if (!tc_plugin_loaded(libraries[i][0]))
             printf("left out: %s: not loaded\n", libraries[i][1]);
+}
+
+static int64_t sum_charts(const tc_viewer *v, int64_t (*count)(const tc_pyramid *pyramid))
+{
+    int64_t sum = 0;
+    for (int chart = 0; chart < v->atlas.charts; chart++)
+        sum += count(v->atlas.chart[chart].pyramid);
+    return sum;
 }
 
 /* Writes --stats, prints --json and --explain, and a line about a measured flight. */
@@ -209,7 +270,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
     tc_stats_summarise(v->stats, &summary);
     tc_stats_context context = {.renderer = (const char *)v->gl->GetString(GL_RENDERER),
                                 .backend = v->context ? tc_context_backend(v->context) : "window",
-                                .bytes_decoded = tc_terrain_bytes_decoded(v->pyramid),
+                                .bytes_decoded = sum_charts(v, tc_terrain_bytes_decoded),
                                 .left_out = tc_renderer_left_out(v->renderer)};
     tc_renderer_memory(v->renderer, &context.memory);
     if (v->options.explain && !v->options.json) /* which says it, too */
@@ -227,7 +288,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
 /* What could not be shown as it should be. */
 static void report_damage(const tc_viewer *v)
 {
-    int64_t tiles = tc_terrain_damaged(v->pyramid);
+    int64_t tiles = sum_charts(v, tc_terrain_damaged);
     if (tiles > 0 && !v->options.quiet)
         fprintf(stderr, "%s: warning: %s: damaged: %" PRId64 " tiles were shown from the next coarser level\n",
                 v->program->name, v->options.terrain, tiles);
@@ -290,9 +351,10 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
 
     tc_viewer viewer = {.program = program};
     tc_error error = {.text = ""};
-    tc_status status = tc_options_parse(argc, argv, &viewer.options, &error);
+    const tc_options_program about = {program->name, program->summary, program->navigation, program->sphere};
+    tc_status status = tc_options_parse(&about, argc, argv, &viewer.options, &error);
     if (status == TC_OK && viewer.options.action == TC_SHOW_HELP) {
-        tc_options_print_help(&(tc_options_program){.name = program->name, .summary = program->summary}, stdout);
+        tc_options_print_help(&about, stdout);
         tc_viewer_print_keys(stdout);
     } else if (status == TC_OK && viewer.options.action == TC_SHOW_VERSION) {
         printf("%s %s\n", program->name, tc_version());
@@ -310,8 +372,8 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
         viewer.window_plugin->close(viewer.window);
     if (viewer.surface)
         viewer.surface->destroy(viewer.surface);
-    tc_clipmap_destroy(viewer.clipmap);
     tc_terrain_close(&viewer.terrain);
+    tc_planet_close(&viewer.planet);
     tc_flight_path_free(&viewer.path);
     tc_stats_destroy(viewer.stats);
     return tc_exit_code(status);

@@ -9,6 +9,7 @@
 #include "flight.h"
 #include "flight_path.h"
 #include "options.h"
+#include "planet.h"
 #include "renderer.h"
 #include "stats.h"
 #include "terrain.h"
@@ -19,10 +20,13 @@ typedef struct tc_viewer {
     const tc_viewer_program *program;
     tc_options options;
 
-    tc_terrain terrain;
-    tc_pyramid *pyramid; /* the terrain's */
-    tc_clipmap *clipmap;
+    tc_terrain terrain; /* or */
+    tc_planet planet;
+    tc_void_policy voids;      /* of either */
+    tc_atlas atlas;            /* of either; not owned */
+    const tc_pyramid *pyramid; /* chart 0's */
     tc_surface *surface;
+    tc_ground ground;
     double spacing; /* metres; the smaller of the finest level's two */
 
     tc_context *context; /* offscreen, or NULL and a window: */
@@ -37,6 +41,9 @@ typedef struct tc_viewer {
     tc_flight_path path; /* no keys: none */
     tc_stats *stats;
 } tc_viewer;
+
+/* Puts the camera where the view says; above the ground of a planet. */
+void tc_viewer_place(tc_viewer *viewer, const tc_view *view);
 
 /* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
 tc_status tc_viewer_measured_frame(tc_viewer *viewer, tc_frame_stats *frame_ret, tc_error *error);

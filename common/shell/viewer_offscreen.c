@@ -62,7 +62,7 @@ tc_status tc_viewer_flight(tc_viewer *v, tc_error *error)
             break;
         }
         const tc_view view = tc_flight_path_view(&v->path, i, v->options.frames);
-        tc_view_to_camera(&view, &v->camera);
+        tc_viewer_place(v, &view);
         if (pattern) {
             char name[PATH_MAX];
             status = tc_viewer_resident_frame(v, error);

@@ -16,7 +16,6 @@
 typedef struct session {
     tc_viewer *viewer;
     tc_flight flight, start;
-    tc_ground ground;
     tc_camera frozen;    /* culled for, while culling is frozen */
     bool tell;           /* statistics once a second */
     bool picture_wanted; /* once the frame is drawn */
@@ -26,18 +25,6 @@ typedef struct session {
     double title_since, tell_since;
     int title_frames, tell_frames;
 } session;
-
-/* The terrain's height, or that of a coarser level which is drawn in its place and may be higher. */
-static double ground_height(void *context, double x, double y)
-{
-    const tc_viewer *v = context;
-    double z = 0, drawn;
-    tc_pyramid_height(v->pyramid, x, y, &z);
-    z += tc_pyramid_info(v->pyramid)->z_base;
-    if (v->surface->drawn_height(v->surface, v->clipmap, &v->camera, &v->scene.frame, x, y, &drawn))
-        z = fmax(z, drawn);
-    return z;
-}
 
 /* ---- Keys --------------------------------------------------------------------------------------------------- */
 
@@ -109,10 +96,15 @@ static void do_reset(session *s)
 static void do_view(session *s)
 {
     char text[TC_VIEW_TEXT];
-    tc_view_format(&s->flight.view, s->viewer->spacing, text);
+    tc_view_format(s->viewer->program->navigation, &s->flight.view, s->viewer->spacing, text);
     tc_view_to_camera(&s->flight.view, &s->viewer->camera);
     printf("--view %s\n", text);
     fflush(stdout);
+}
+
+static void do_north(session *s)
+{
+    s->flight.view.heading = 0;
 }
 
 static void do_quit(session *s)
@@ -126,11 +118,13 @@ static const struct key {
     void (*action)(session *s);
 } keys[] = {
     {.label = "W A S D, Q E", .help = "fly forward, left, back, right; down, up; the higher, the faster"},
-    {.label = "shift, wheel", .help = "eight times as fast; set the speed"},
-    {.label = "mouse, arrows", .help = "look around: click to let the mouse turn the view, or hold its right button"},
+    {.label = "shift, wheel", .help = "eight times as fast; set the speed, or on a planet come nearer"},
+    {.label = "mouse, arrows", .help = "look around: click to let the mouse turn the view, or hold its right button; on a "
+                                       "planet its left button turns the globe"},
     {{'V'}, "V", "print the view as a --view option", do_view},
     {{'P'}, "P", "write a picture: terraclip-0001.png and on", do_picture},
     {{'R'}, "R", "back to the first view", do_reset},
+    {{'N'}, "N", "north up", do_north},
     {{'G'}, "G", "wireframe", do_wireframe},
     {{'L'}, "L", "level colours", do_level_colours},
     {{'M'}, "M", "morph on or off", do_morph},
@@ -215,10 +209,12 @@ static void fly(session *s, const tc_window_input *input, double dt)
                                           .up = input->up,
                                           .turn = input->look_x * radians_per_pixel + input->turn * key_turn,
                                           .tilt = -input->look_y * radians_per_pixel + input->tilt * key_turn,
+                                          .drag_x = input->drag_x * radians_per_pixel,
+                                          .drag_y = input->drag_y * radians_per_pixel,
                                           .wheel = input->wheel,
                                           .fast = input->fast,
                                           .dt = dt};
-    tc_flight_step(&s->flight, &flight_input, &s->ground);
+    s->viewer->program->navigation->step(&s->flight, &flight_input, &s->viewer->ground);
 }
 
 tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
@@ -229,7 +225,6 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
     session s = {.viewer = v,
                  .flight = {start, tc_flight_speed},
                  .start = {start, tc_flight_speed},
-                 .ground = {ground_height, v, tc_flight_clearance(v->spacing)},
                  .title_since = now,
                  .tell_since = now};
     if (!v->options.quiet && isatty(STDERR_FILENO))
@@ -255,7 +250,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         else
             fly(&s, &input, (now - last) / 1e3);
         last = now;
-        tc_view_to_camera(&s.flight.view, &v->camera);
+        tc_viewer_place(v, &s.flight.view);
 
         tc_frame_stats frame;
         status = tc_renderer_frame(v->renderer, &v->camera, false, &frame, error);

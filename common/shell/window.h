@@ -2,7 +2,8 @@
  * terraclip-window.so (GLFW) exports. It knows nothing of terrains; what keys mean is the viewer's affair.
  *
  * The mouse: a click into the window captures it (the pointer hides and its motion is endless), Escape lets it go;
- * holding the right button captures it for as long. While captured, motion is reported as look_x and look_y. */
+ * holding the right button captures it for as long. While captured, motion is reported as look_x and look_y. Where the
+ * left button drags, it does not capture. */
 #ifndef TC_WINDOW_H
 #define TC_WINDOW_H
 
@@ -21,6 +22,7 @@ typedef enum tc_key {
 typedef struct tc_window_options {
     const char *title;
     int width, height; /* of the framebuffer, pixels; the window system may decide otherwise. 0: 1280 x 720 */
+    bool drag;         /* the left button pulls what it is on instead of capturing the mouse */
     bool hidden;       /* never shown: for drawing offscreen by means of a display */
 } tc_window_options;
 
@@ -34,6 +36,7 @@ typedef struct tc_window_input {
     double turn, tilt;         /* -1, 0 or 1: arrow keys held, right and up positive */
     bool fast;                 /* a shift key is held */
     double look_x, look_y;     /* captured mouse motion in pixels, right and down positive */
+    double drag_x, drag_y;     /* motion with the left button down, where it drags */
     double wheel;              /* notches, away from the user positive */
     int width, height;         /* framebuffer in pixels; 0 while iconified */
     bool close;                /* the user asked to close the window */

@@ -12,11 +12,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "common/core/base/rect.h"
 #include "tests/support/datasets.h"
 #include "tests/support/packed.h"
+#include "tests/support/terrain_files.h"
 
 typedef struct crop {
     const char *name;
@@ -44,27 +44,6 @@ static const crop crops[] = {
     {"moong2k", {"moon_gld100_global_5760x2880.tif", 0, 0}, 2000, 500, 2048, {20, 100}, {0}},
     {"etopo1k", {"earth_etopo20_1080x540_f32.tif", 0, 0}, 0, 0, 1080, {50, 200}, {0}},
 };
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static float *load(const crop *c, int64_t *width_ret, int64_t *height_ret)
-{
-    tc_grid g;
-    if (!dataset_load(&c->set, &g))
-        return NULL;
-    int64_t w = tc_min64(c->size, g.width), h = tc_min64(c->size, g.height), y0 = tc_max64(g.height - c->y0 - h, 0);
-    float *z = malloc((size_t)(w * h) * sizeof *z);
-    for (int64_t y = 0; y < h; y++)
-        memcpy(z + y * w, g.z + (y0 + y) * g.width + c->x0, (size_t)w * sizeof *z);
-    tc_grid_free(&g);
-    *width_ret = w, *height_ret = h;
-    return z;
-}
 
 enum { STEPS = 64 }; /* units to a step of norm 1 */
 
@@ -96,9 +75,9 @@ static double time_read(const packed_level *l, tc_rect rect, tc_simd simd, int r
     void *scratch = malloc(tc_codec_read_scratch(l->codec, rect));
     double best = 1e9;
     for (int n = 0; n < runs; n++) {
-        double start = now();
+        double start = terrain_cpu();
         tc_codec_read(l->codec, &l->coarse, packed_source, (void *)l, &out, scratch, NULL, simd);
-        best = fmin(best, now() - start);
+        best = fmin(best, terrain_cpu() - start);
     }
     free(out.z), free(scratch);
     return best;
@@ -112,7 +91,7 @@ static double time_tiles(const packed_level *l, int runs)
     static int32_t z[TC_BANDS][TC_TILE * TC_TILE];
     double best = 1e9;
     for (int n = 0; n < runs; n++) {
-        double start = now();
+        double start = terrain_cpu();
         for (int64_t ty = 0; ty < c->tiles_y; ty++)
             for (int64_t tx = 0; tx < c->tiles_x; tx++) {
                 tc_rect r = tc_codec_tile_rect(c, tx, ty, 0);
@@ -120,7 +99,7 @@ static double time_tiles(const packed_level *l, int runs)
                 int64_t k = ty * c->tiles_x + tx;
                 tc_codec_decode_tile(c, tx, ty, 0, l->tile[k], l->tile_size[k], &l->coarse, band, work, TC_SIMD_AUTO);
             }
-        best = fmin(best, now() - start);
+        best = fmin(best, terrain_cpu() - start);
     }
     free(work);
     return best;
@@ -141,11 +120,11 @@ static double time_cold(const packed *p, tc_rect rect, int runs)
     void *scratch = malloc(scratch_size + 1);
     double best = 1e9;
     for (int k = 0; k < runs; k++) {
-        double start = now();
+        double start = terrain_cpu();
         for (int n = p->levels - 1; n >= 0; n--)
             tc_codec_read(p->level[n].codec, &plane[n + 1], packed_source, (void *)&p->level[n], &plane[n], scratch,
                           NULL, TC_SIMD_AUTO);
-        best = fmin(best, now() - start);
+        best = fmin(best, terrain_cpu() - start);
     }
     for (int n = 0; n < p->levels; n++)
         free(plane[n].z);
@@ -218,7 +197,7 @@ static int learn(const struct lesson *l, tc_lifting_level *level, tc_training_ti
     while (strcmp(c->name, l->name) != 0)
         c++;
     int64_t w, h;
-    float *z = load(c, &w, &h);
+    float *z = dataset_crop(&c->set, c->x0, c->y0, c->size, &w, &h);
     if (!z)
         exit(1);
     double q = l->rms * l->ratio;
@@ -311,7 +290,7 @@ int main(int argc, char **argv)
         if (*name && strcmp(name, c->name) != 0 && !(strcmp(name, "more") == 0 && !anchored) &&
             strcmp(name, "all") != 0)
             continue;
-        if ((!*name && !anchored) || !(z = load(c, &w, &h)))
+        if ((!*name && !anchored) || !(z = dataset_crop(&c->set, c->x0, c->y0, c->size, &w, &h)))
             continue;
         for (int n = 0; n < 4 && c->rms[n] > 0; n++)
             if (argc < 3 || fabs(atof(argv[2]) - c->rms[n]) < 1e-6)

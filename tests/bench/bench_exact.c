@@ -10,13 +10,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "common/core/base/rect.h"
 #include "common/core/codec/codec_correction.h"
 #include "common/core/codec/codec_exact.h"
 #include "tests/support/datasets.h"
 #include "tests/support/packed.h"
+#include "tests/support/terrain_files.h"
 
 typedef struct crop {
     const char *name;
@@ -32,13 +32,6 @@ static const crop crops[] = {
     {"moon2k", {"moon_gld100_256ppd_ne_4097.png", 0, 0}, 1, 1000, 1000, 2048, {2.07, 1.186, 0.921}},
     {"ps1k", {"ps_height_1k.png", 160, 0.1}, 0.1, 0, 0, 1025, {8.10, 0, 0}},
 };
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Heights in lattice units. */
 static tc_plane load(const crop *c)
@@ -114,7 +107,7 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
     double coarse_bits = 8.0 * (double)coarser_bytes(&p) / (double)n;
     tc_lifting_level level = {w, h, false};
     tc_plane coarse = p.level[1].fine;
-    double start = now();
+    double start = terrain_cpu();
     tc_exact *codec = malloc(sizeof *codec);
     tc_exact_work *work = malloc(tc_exact_work_bytes());
     tc_exact_model model = {.step = step};
@@ -134,10 +127,10 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
     if (tc_exact_model_read(header, bytes, &model))
         puts("exact: header"), exit(1);
     tc_exact_init(codec, &level, &model);
-    double train_s = now() - start, decode_s = 0;
+    double train_s = terrain_cpu() - start, decode_s = 0;
     uint8_t *buffer = malloc(tc_exact_tile_bound() * 1), **stream = calloc((size_t)tiles, sizeof *stream);
     size_t *size = calloc((size_t)tiles, sizeof *size);
-    start = now();
+    start = terrain_cpu();
     for (int64_t t = 0; t < tiles; t++) {
         if (tc_exact_encode_tile(codec, t % codec->tiles_x, t / codec->tiles_x, &coarse, &fine, buffer, &size[t], work))
             puts("exact: not encoded"), exit(1);
@@ -145,13 +138,13 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
         memcpy(stream[t], buffer, size[t]);
         bytes += size[t] + 8;
     }
-    double encode_s = now() - start;
-    start = now();
+    double encode_s = terrain_cpu() - start;
+    start = terrain_cpu();
     for (int64_t t = 0; t < tiles; t++)
         if (tc_exact_decode_tile(codec, t % codec->tiles_x, t / codec->tiles_x, stream[t], size[t], &coarse, &out,
                                  work))
             puts("exact: not decoded"), exit(1);
-    decode_s = now() - start;
+    decode_s = terrain_cpu() - start;
     if (memcmp(out.z, fine.z, (size_t)n * sizeof *out.z) != 0)
         puts("exact: not the same heights"), exit(1);
     double bits = coarse_bits + 8.0 * (double)bytes / (double)n, jxl = bound < 3 ? c->jxl[bound] : 0;
@@ -210,10 +203,10 @@ static void measure_corrected(const crop *c, const tc_plane *z, int bound, doubl
             const int32_t *step = f->codec->model.step;
             if (tc_correction_encode(correction, band, step, &k, bytes, tc_correction_bound(), &size))
                 puts("correction: not encoded"), exit(1);
-            double start = now();
+            double start = terrain_cpu();
             if (tc_correction_decode(correction, band, step, bytes, size, &out))
                 puts("correction: not decoded"), exit(1);
-            spent += now() - start;
+            spent += terrain_cpu() - start;
             for (int64_t y = r.y0; y < r.y1; y++)
                 if (memcmp(tc_plane_at(&k, r.x0, y), tc_plane_at(&out, r.x0, y), (size_t)(r.x1 - r.x0) * 4) != 0)
                     puts("correction: not the same"), exit(1);

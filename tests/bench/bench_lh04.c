@@ -8,12 +8,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "common/core/base/rect.h"
 #include "tests/support/datasets.h"
 #include "tests/support/lh04_packed.h"
-#include "tests/support/packed.h"
+#include "tests/support/terrain_files.h"
 
 typedef struct crop {
     const char *name;
@@ -29,27 +28,6 @@ static const crop crops[] = {
     {"ps1k", {"ps_height_1k.png", 160, 0.1}, 0, 0, 1025, {1, 9.6, 16, 20}},
 };
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static float *load(const crop *c, int64_t *width_ret, int64_t *height_ret)
-{
-    tc_grid g;
-    if (!dataset_load(&c->set, &g))
-        return NULL;
-    int64_t w = tc_min64(c->size, g.width), h = tc_min64(c->size, g.height), y0 = tc_max64(g.height - c->y0 - h, 0);
-    float *z = malloc((size_t)(w * h) * sizeof *z);
-    for (int64_t y = 0; y < h; y++)
-        memcpy(z + y * w, g.z + (y0 + y) * g.width + c->x0, (size_t)w * sizeof *z);
-    tc_grid_free(&g);
-    *width_ret = w, *height_ret = h;
-    return z;
-}
-
 enum { STEPS = 64 }; /* units to a step */
 
 typedef struct result {
@@ -60,37 +38,33 @@ typedef struct result {
 static result pack(const float *z, int64_t w, int64_t h, double q, double finer)
 {
     result r = {.q = q};
-    packed a = {0};
-    lh04_packed b = {0};
     double unit = q / STEPS, sum = 0, start;
     int32_t *v = malloc((size_t)(w * h) * sizeof *v);
     for (int64_t i = 0; i < w * h; i++)
         v[i] = (int32_t)lrint(z[i] / unit);
-    start = now();
-    if (finer > 0)
-        b = lh04_new(v, w, h, &(lh04_options){.q = STEPS, .finer = finer});
-    else
-        a = packed_new(v, w, h, &(packed_options){.q = STEPS, .threads = 1});
-    r.encode_s = now() - start;
-    const tc_plane *fine = finer > 0 ? &b.level[0].fine : &a.level[0].fine;
+    start = terrain_cpu();
+    packed p = finer > 0 ? lh04_new(v, w, h, &(lh04_options){.q = STEPS, .finer = finer})
+                         : packed_new(v, w, h, &(packed_options){.q = STEPS, .threads = 1});
+    r.encode_s = terrain_cpu() - start;
+    const tc_plane *fine = &p.level[0].fine;
     for (int64_t i = 0; i < w * h; i++) {
         double e = fine->z[i] * unit - z[i];
         sum += e * e, r.max = fmax(r.max, fabs(e));
     }
     r.rms = sqrt(sum / (double)(w * h));
-    r.bits = 8.0 * (double)(finer > 0 ? lh04_bytes(&b) : packed_bytes(&a)) / (double)(w * h);
+    r.bits = 8.0 * (double)packed_bytes(&p) / (double)(w * h);
     r.decode_s = 1e9;
     for (int n = 0; n < 3; n++) {
         tc_plane out = packed_plane(fine->rect);
-        start = now();
+        start = terrain_cpu();
         if (finer > 0)
-            lh04_read(&b.level[0], &out, TC_SIMD_AUTO);
+            lh04_read(&p.level[0], &out, TC_SIMD_AUTO);
         else
-            packed_read(&a.level[0], &out, NULL, TC_SIMD_AUTO);
-        r.decode_s = fmin(r.decode_s, now() - start);
+            packed_read(&p.level[0], &out, NULL, TC_SIMD_AUTO);
+        r.decode_s = fmin(r.decode_s, terrain_cpu() - start);
         free(out.z);
     }
-    packed_free(&a), lh04_free(&b);
+    packed_free(&p);
     free(v);
     return r;
 }
@@ -136,7 +110,7 @@ int main(int argc, char **argv)
         const crop *c = &crops[i];
         int64_t w, h;
         float *z;
-        if ((argc > 1 && strcmp(argv[1], c->name) != 0) || !(z = load(c, &w, &h)))
+        if ((argc > 1 && strcmp(argv[1], c->name) != 0) || !(z = dataset_crop(&c->set, c->x0, c->y0, c->size, &w, &h)))
             continue;
         for (int n = 0; n < 6 && c->rms[n] > 0; n++) {
             if (argc > 2 && fabs(atof(argv[2]) - c->rms[n]) > 1e-6)

@@ -3,13 +3,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "common/core/base/rect.h"
 #include "common/core/codec/void_mask.h"
 #include "common/core/pyramid/fill.h"
 #include "tests/support/datasets.h"
 #include "tests/support/memory_rows.h"
+#include "tests/support/terrain_files.h"
 
 static const dataset sets[] = {
     {"srtm3_canyonlands_voids_2401x3601.tif", 0, 0},
@@ -18,13 +18,6 @@ static const dataset sets[] = {
     {"N37W120.hgt", 0, 0},
 };
 enum { SETS = sizeof sets / sizeof *sets };
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- Masks --------------------------------------------------------------------------------------------------- */
 
@@ -71,12 +64,12 @@ static void mask_row(const dataset *d)
                 if (tc_mask_classify(tile, &fine) != TC_MASK_CODED)
                     continue;
                 uint8_t stream[TC_MASK_BOUND], back[4 * TC_TILE * TC_TILE];
-                double start = now();
+                double start = terrain_cpu();
                 size_t size = tc_mask_encode(&level, tile, &coarse, &fine, stream);
-                double between = now();
+                double between = terrain_cpu();
                 tc_mask_plane out = {back, 2 * TC_TILE, tile};
                 tc_mask_decode(&level, tile, TC_MASK_CODED, &coarse, stream, size, &out);
-                decoding += now() - between, encoding += between - start;
+                decoding += terrain_cpu() - between, encoding += between - start;
                 bytes += size, coded++;
             }
         }
@@ -135,9 +128,9 @@ static void fill_rows(const dataset *d, bool disc)
         voids += g.voids[i];
     }
     memcpy(membrane, g.z, (size_t)count * sizeof *membrane);
-    double start = now();
+    double start = terrain_cpu();
     tc_fill_voids(membrane, g.voids, g.width, g.height);
-    double seconds = now() - start;
+    double seconds = terrain_cpu() - start;
     roughness r = measure(membrane, g.voids, g.width, g.height);
     printf("%-38s %s %lld voids\n  in memory             %8s %8s %8.3f %8.3f %9.2f %9.0f\n", d->name,
            disc ? "+ disc" : "", (long long)voids, "", "", r.inside, r.across, 1e9 * seconds / (double)count,
@@ -148,9 +141,9 @@ static void fill_rows(const dataset *d, bool disc)
         row_store store;
         tc_fill_rows rows = row_store_begin(&store, z, g.width, g.height);
         tc_fill_options options = {.memory_samples = (g.width >> pulls) * (g.height >> pulls) * 11 / 10};
-        start = now();
+        start = terrain_cpu();
         tc_status status = tc_fill_void_rows(&rows, row_store_scratch, &store, &options);
-        seconds = now() - start;
+        seconds = terrain_cpu() - start;
         double sum = 0, largest = 0;
         for (int64_t i = 0; i < count; i++) {
             double e = fabs((double)z[i] - membrane[i]);

@@ -242,7 +242,10 @@ done <<end
 --threads  0 1025 ""
 --output   ""
 end
-refuses 1 'not in this version' $terraclip synth --kind planet --size 65 -o out/a.tif
+refuses 2 '--size: expected an even number 4..65536' $terraclip synth --kind planet --size 65 -o out/a.tif
+refuses 2 '--size: expected an even number 4..65536' $terraclip synth --kind planet --size 2 -o out/a.tif
+refuses 2 '--spacing: expected none' $terraclip synth --kind planet --size 64 --spacing 30 -o out/a.tif
+refuses 1 'cannot be written' $terraclip synth --kind planet --size 64 -o missing/a.tif
 refuses 1 'found a directory' $terraclip synth --size 65 -o out
 refuses 1 'cannot be written' $terraclip synth --size 65 -o missing/a.tif
 refuses 1 'cannot be written' $terraclip synth --size 65 -o /proc/a.tif

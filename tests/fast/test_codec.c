@@ -10,29 +10,11 @@
 #include "tests/support/packed.h"
 #include "tests/support/terrains.h"
 
-enum { KINDS = 7 };
+enum { KINDS = PACKED_KINDS };
 
-/* Heights of one of KINDS kinds, in units. */
 static int32_t *heights(test_random *r, int kind, int64_t w, int64_t h)
 {
-    int32_t *z = malloc((size_t)(w * h) * sizeof *z);
-    assert_non_null(z);
-    double a = test_random_range(r, 0.02, 0.3), b = test_random_range(r, 0.02, 0.3);
-    for (int64_t y = 0; y < h; y++)
-        for (int64_t x = 0; x < w; x++) {
-            double v = 0, smooth = sin(a * (double)x) * cos(b * (double)y);
-            switch (kind) {
-            case 0: v = test_random_range(r, -20000, 20000); break;
-            case 1: v = 30000 * smooth; break;
-            case 2: v = (x / 7 + y / 5) % 2 ? 400000 : -400000; break;
-            case 3: v = -12345; break;
-            case 4: v = 20000 * smooth + test_random_range(r, -300, 300) * (1 + smooth); break;
-            case 5: v = x == w / 2 && y == h / 3 ? TC_LIFTING_LIMIT / 4 : 0; break;
-            default: v = 3.0 * (double)x - 2.0 * (double)y; break;
-            }
-            z[y * w + x] = (int32_t)lrint(v);
-        }
-    return z;
+    return packed_heights(r, kind, w, h, 400000);
 }
 
 static void assert_plane_equal(const tc_plane *part, const tc_plane *all)
@@ -117,7 +99,7 @@ static void compare(const int32_t *z, int64_t w, int64_t h, const packed_options
 {
     packed p = packed_new(z, w, h, a), q = packed_new(z, w, h, b);
     for (int n = 0; n < p.levels; n++)
-        for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++) {
+        for (int64_t i = 0; i < p.level[n].tiles; i++) {
             assert_int_equal(p.level[n].tile_size[i], q.level[n].tile_size[i]);
             if (p.level[n].tile_size[i])
                 assert_memory_equal(p.level[n].tile[i], q.level[n].tile[i], p.level[n].tile_size[i]);
@@ -159,7 +141,7 @@ static void constants_and_ramps_take_no_tiles(void **state)
         int32_t *z = heights(&r, k, 700, 500);
         packed p = packed_new(z, 700, 500, &(packed_options){.q = 64, .threads = 1, .training_tiles = 4});
         for (int n = 0; n < p.levels; n++)
-            for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++)
+            for (int64_t i = 0; i < p.level[n].tiles; i++)
                 assert_true(p.level[n].tile_size[i] == 0 || k != 3);
         assert_true(packed_bytes(&p) < 2500);
         packed_free(&p);

@@ -37,11 +37,11 @@ static void printed_views_come_back_exactly(void **state)
         const tc_view before = view;
         double spacing = pow(10, 6 * next_random(&seed) - 4);
         char text[TC_VIEW_TEXT], again[TC_VIEW_TEXT];
-        tc_view_format(&view, spacing, text);
+        tc_view_format(&tc_flat_navigation, &view, spacing, text);
         tc_view read;
-        assert_true(tc_view_parse(text, &read));
+        assert_true(tc_view_parse(&tc_flat_navigation, text, &read));
         assert_memory_equal(&read, &view, sizeof view);
-        tc_view_format(&read, spacing, again);
+        tc_view_format(&tc_flat_navigation, &read, spacing, again);
         assert_string_equal(text, again);
         assert_memory_equal(&read, &view, sizeof view);
         /* And it is next to what it was. */
@@ -53,7 +53,7 @@ static void printed_views_come_back_exactly(void **state)
     }
     tc_view view = {-1e-9, 0, 0, -1e-9, -1e-9};
     char text[TC_VIEW_TEXT];
-    tc_view_format(&view, 30, text);
+    tc_view_format(&tc_flat_navigation, &view, 30, text);
     assert_string_equal(text, "0.000,0.000,0.000,0.0000,0.0000");
 }
 
@@ -217,7 +217,7 @@ static tc_flight_path path_of(const char *text)
 {
     tc_flight_path path;
     tc_error error = {.text = ""};
-    if (tc_flight_path_parse("path", text, &path, &error) != TC_OK)
+    if (tc_flight_path_parse(&tc_flat_navigation, "path", text, &path, &error) != TC_OK)
         fail_msg("%s", error.text);
     return path;
 }
@@ -296,7 +296,7 @@ static void bad_paths_name_the_line(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         tc_flight_path path = {.count = 77};
         tc_error error = {.text = ""};
-        assert_int_equal(tc_flight_path_parse("p", cases[i].text, &path, &error), TC_ERR_FORMAT);
+        assert_int_equal(tc_flight_path_parse(&tc_flat_navigation, "p", cases[i].text, &path, &error), TC_ERR_FORMAT);
         if (strncmp(error.text, cases[i].error, strlen(cases[i].error)) != 0)
             fail_msg("%zu: '%s'", i, error.text);
         assert_int_equal(path.count, 77);
@@ -306,11 +306,11 @@ static void bad_paths_name_the_line(void **state)
     memset(endless, '1', 100000);
     endless[100000] = '\0';
     tc_flight_path path;
-    assert_int_equal(tc_flight_path_parse("p", endless, &path, NULL), TC_ERR_FORMAT);
+    assert_int_equal(tc_flight_path_parse(&tc_flat_navigation, "p", endless, &path, NULL), TC_ERR_FORMAT);
     free(endless);
-    assert_int_equal(tc_flight_path_load("/nonexistent/path", &path, NULL), TC_ERR_IO);
-    assert_int_equal(tc_flight_path_load("/", &path, NULL), TC_ERR_IO);
-    assert_int_equal(tc_flight_path_load("/dev/zero", &path, NULL), TC_ERR_FORMAT);
+    assert_int_equal(tc_flight_path_load(&tc_flat_navigation, "/nonexistent/path", &path, NULL), TC_ERR_IO);
+    assert_int_equal(tc_flight_path_load(&tc_flat_navigation, "/", &path, NULL), TC_ERR_IO);
+    assert_int_equal(tc_flight_path_load(&tc_flat_navigation, "/dev/zero", &path, NULL), TC_ERR_FORMAT);
 }
 
 static void a_path_file_is_read(void **state)
@@ -324,7 +324,7 @@ static void a_path_file_is_read(void **state)
         fprintf(file, "%d,0,100,0,0 # key %d\n", i, i);
     fclose(file);
     tc_flight_path path;
-    tc_status status = tc_flight_path_load(name, &path, NULL);
+    tc_status status = tc_flight_path_load(&tc_flat_navigation, name, &path, NULL);
     unlink(name);
     assert_int_equal(status, TC_OK);
     assert_int_equal(path.count, 5000);

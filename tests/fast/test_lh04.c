@@ -8,32 +8,13 @@
 
 #include "common/core/base/rect.h"
 #include "tests/support/lh04_packed.h"
-#include "tests/support/packed.h"
 #include "tests/support/terrains.h"
 
-enum { KINDS = 7 };
+enum { KINDS = PACKED_KINDS };
 
-/* Heights of one of KINDS kinds, in units. */
 static int32_t *heights(test_random *r, int kind, int64_t w, int64_t h)
 {
-    int32_t *z = malloc((size_t)(w * h) * sizeof *z);
-    assert_non_null(z);
-    double a = test_random_range(r, 0.02, 0.3), b = test_random_range(r, 0.02, 0.3);
-    for (int64_t y = 0; y < h; y++)
-        for (int64_t x = 0; x < w; x++) {
-            double v = 0, smooth = sin(a * (double)x) * cos(b * (double)y);
-            switch (kind) {
-            case 0: v = test_random_range(r, -20000, 20000); break;
-            case 1: v = 30000 * smooth; break;
-            case 2: v = (x / 7 + y / 5) % 2 ? TC_LIFTING_LIMIT : -TC_LIFTING_LIMIT; break;
-            case 3: v = -12345; break;
-            case 4: v = 20000 * smooth + test_random_range(r, -300, 300) * (1 + smooth); break;
-            case 5: v = x == w / 2 && y == h / 3 ? TC_LIFTING_LIMIT / 4 : 0; break;
-            default: v = 3.0 * (double)x - 2.0 * (double)y; break;
-            }
-            z[y * w + x] = (int32_t)lrint(v);
-        }
-    return z;
+    return packed_heights(r, kind, w, h, TC_LIFTING_LIMIT);
 }
 
 static double rms_of(const tc_plane *p, const int32_t *z)
@@ -99,12 +80,12 @@ static void any_rectangle_is_the_crop(void **state)
         bool wrap = k % 3 == 0;
         w += wrap && w % 2;
         int32_t *z = heights(&r, k % KINDS, w, h);
-        lh04_packed p = lh04_new(
+        packed p = lh04_new(
             z, w, h, &(lh04_options){.q = exp(test_random_range(&r, 0, 9)), .training_tiles = 4, .wrap_x = wrap});
         for (int n = 0; n < p.levels; n++) {
-            const lh04_level *l = &p.level[n];
+            const packed_level *l = &p.level[n];
             for (int i = 0; i < 8; i++) {
-                int64_t lw = l->codec->level.width, lh = l->codec->level.height, out = l->codec->level.wrap_x ? lw : 0;
+                int64_t lw = l->lh04->level.width, lh = l->lh04->level.height, out = l->lh04->level.wrap_x ? lw : 0;
                 tc_rect rect = {test_random_int(&r, -out, lw - 1), test_random_int(&r, 0, lh - 1), 0, 0};
                 rect.x1 = test_random_int(&r, rect.x0 + 1, lw + out), rect.y1 = test_random_int(&r, rect.y0 + 1, lh);
                 tc_plane part = packed_plane(rect);
@@ -115,7 +96,7 @@ static void any_rectangle_is_the_crop(void **state)
                 free(part.z);
             }
         }
-        lh04_free(&p);
+        packed_free(&p);
         free(z);
     }
 }
@@ -162,12 +143,12 @@ static void the_error_follows_the_step(void **state)
     double q[4] = {4, 64, 256, 1024}, last = 0;
     size_t bytes = SIZE_MAX;
     for (int k = 0; k < 4; k++) {
-        lh04_packed p = lh04_new(z, w, h, &(lh04_options){.q = q[k], .training_tiles = 4});
+        packed p = lh04_new(z, w, h, &(lh04_options){.q = q[k], .training_tiles = 4});
         double rms = rms_of(&p.level[0].fine, z);
         assert_true(rms > last && rms < 0.45 * q[k]); /* uniform error of plain rounding would be 0.29 */
-        assert_true(lh04_bytes(&p) < bytes);
-        last = rms, bytes = lh04_bytes(&p);
-        lh04_free(&p);
+        assert_true(packed_bytes(&p) < bytes);
+        last = rms, bytes = packed_bytes(&p);
+        packed_free(&p);
     }
     free(z);
 }
@@ -178,12 +159,12 @@ static void constants_and_ramps_take_no_tiles(void **state)
     test_random r = {35};
     for (int k = 3; k < KINDS; k += 3) {
         int32_t *z = heights(&r, k, 700, 500);
-        lh04_packed p = lh04_new(z, 700, 500, &(lh04_options){.q = 64, .training_tiles = 4});
+        packed p = lh04_new(z, 700, 500, &(lh04_options){.q = 64, .training_tiles = 4});
         for (int n = 0; n < p.levels; n++)
-            for (int64_t i = 0; i < p.level[n].codec->tiles_x * p.level[n].codec->tiles_y; i++)
+            for (int64_t i = 0; i < p.level[n].tiles; i++)
                 assert_true(p.level[n].tile_size[i] == 0 || k != 3);
-        assert_true(lh04_bytes(&p) < 2500);
-        lh04_free(&p);
+        assert_true(packed_bytes(&p) < 2500);
+        packed_free(&p);
         free(z);
     }
 }
@@ -214,9 +195,9 @@ static void damaged_tiles_do_no_harm(void **state)
     for (int k = 0; k < 8; k++) {
         int64_t w = test_random_int(&r, 60, 140), h = test_random_int(&r, 60, 140);
         int32_t *z = heights(&r, k % 2 ? 4 : 0, w, h);
-        lh04_packed p = lh04_new(z, w, h, &(lh04_options){.q = k < 4 ? 3 : 300 * (k % 4) + 1, .training_tiles = 1});
-        const lh04_level *l = &p.level[0];
-        tc_rect tile = tc_lh04_tile_rect(l->codec, 0, 0, 0);
+        packed p = lh04_new(z, w, h, &(lh04_options){.q = k < 4 ? 3 : 300 * (k % 4) + 1, .training_tiles = 1});
+        const packed_level *l = &p.level[0];
+        tc_rect tile = tc_lh04_tile_rect(l->lh04, 0, 0, 0);
         tc_plane a = packed_plane(tile), b = packed_plane(tile);
         for (int n = 0; n < 300 && l->tile_size[0]; n++, all++) {
             size_t size = l->tile_size[0];
@@ -230,17 +211,17 @@ static void damaged_tiles_do_no_harm(void **state)
                 bytes[size++] = (uint8_t)test_random_bits(&r);
             else
                 bytes[test_random_int(&r, 0, (int64_t)size - 1)] ^= (uint8_t)(1 << test_random_int(&r, 0, 7));
-            refused += decode_damaged(l->codec, bytes, size, &a, &b, work) == TC_ERR_FORMAT;
+            refused += decode_damaged(l->lh04, bytes, size, &a, &b, work) == TC_ERR_FORMAT;
         }
         for (int n = 0; n < 100; n++, all++) {
             size_t size = (size_t)test_random_int(&r, 1, 3000);
             for (size_t i = 0; i < size; i++)
                 bytes[i] = (uint8_t)test_random_bits(&r);
             bytes[0] &= 1;
-            refused += decode_damaged(l->codec, bytes, size, &a, &b, work) == TC_ERR_FORMAT;
+            refused += decode_damaged(l->lh04, bytes, size, &a, &b, work) == TC_ERR_FORMAT;
         }
         free(a.z), free(b.z);
-        lh04_free(&p);
+        packed_free(&p);
         free(z);
     }
     assert_true((double)refused > 0.8 * (double)all); /* flips of signs cannot be seen here: checksums see them */

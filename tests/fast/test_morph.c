@@ -44,7 +44,7 @@ static void look(walk *w, const double *alpha_step, bool no_morph, double *drawn
     tc_frame_options options = {.no_morph = no_morph};
     tc_level finest = tc_pyramid_level(w->pyramid, tc_pyramid_info(w->pyramid)->levels);
     for (int k = 0; k < POINTS; k++) {
-        assert_true(tc_square_drawn_height(NULL, w->clipmap, &w->camera, &options, w->x[k], w->y[k], &drawn[k]));
+        assert_true(tc_square_drawn_height(w->clipmap, &w->camera, &options, w->x[k], w->y[k], &drawn[k]));
         slack[k] = 0;
         for (int l = tc_clipmap_levels(w->clipmap); l >= 1 && slack[k] == 0; l--)
             slack[k] =
@@ -55,7 +55,7 @@ static void look(walk *w, const double *alpha_step, bool no_morph, double *drawn
 static void settle(walk *w)
 {
     tc_rect wanted[TC_MAX_LEVELS];
-    tc_square_wanted(NULL, w->clipmap, &w->camera, wanted);
+    tc_square_wanted(w->clipmap, &w->camera, wanted);
     tc_clipmap_update(w->clipmap, wanted, -1, true);
     assert_true(tc_clipmap_resident(w->clipmap));
 }

@@ -23,7 +23,7 @@ static tc_status parse(const char *line, tc_options *options, tc_error *error)
     for (char *rest = words, *word; (word = strsep(&rest, " ")) && argc < MAX_ARGUMENTS;)
         if (*word)
             argv[argc++] = strcmp(word, "''") == 0 ? (char *)"" : word;
-    return tc_options_parse(argc, argv, options, error);
+    return tc_options_parse(&(tc_options_program){.navigation = &tc_flat_navigation}, argc, argv, options, error);
 }
 
 static tc_options good(const char *line)
@@ -47,7 +47,7 @@ static void defaults(void **state)
     assert_float_equal(o.fov, 75 * acos(-1) / 180, 1e-15);
     assert_false(o.has_view);
     assert_int_equal(o.backend, TC_BACKEND_AUTO);
-    assert_int_equal(o.clipmap.n, 0);
+    assert_int_equal(o.n, 0);
     assert_true(o.scene.budget == 0);
     assert_false(o.scene.unlit || o.scene.background_set || o.scene.wireframe || o.scene.frame.no_morph);
 }
@@ -64,8 +64,8 @@ static void values_arrive(void **state)
     assert_int_equal(o.width, 640);
     assert_int_equal(o.height, 480);
     assert_float_equal(o.fov, acos(-1) / 2, 1e-15);
-    assert_int_equal(o.clipmap.n, 127);
-    assert_int_equal(o.clipmap.max_levels, 5);
+    assert_int_equal(o.n, 127);
+    assert_int_equal(o.levels, 5);
 
     o = good(
         "t -oout.png --backend osmesa --stats s.json --explain --budget 5000000000 --background ff0080 --unlit -q");
@@ -108,7 +108,7 @@ static void help_and_version(void **state)
     char text[16384];
     FILE *file = fmemopen(text, sizeof text, "w");
     assert_non_null(file);
-    tc_options_print_help(&(tc_options_program){.name = "viewer", .summary = "Shows."}, file);
+    tc_options_print_help(&(tc_options_program){.name = "viewer", .summary = "Shows.", .navigation = &tc_flat_navigation}, file);
     fclose(file);
     assert_non_null(strstr(text, "usage: viewer [OPTION]... TERRAIN"));
     static const char *const names[] = {"--view X,Y,Z,HEADING,PITCH",

@@ -79,7 +79,7 @@ static int64_t run(const tour *t, uint64_t seed)
     int64_t samples = 0;
     for (int move = 0; move < t->moves; move++) {
         wanderer_move(&w, p);
-        tc_square_wanted(NULL, c, &w.camera, wanted);
+        tc_square_wanted(c, &w.camera, wanted);
         samples += tc_clipmap_update(c, wanted, t->budget, !t->packed);
         check(regions_broken(c), move);
         check(heights_broken(c), move);

@@ -79,7 +79,7 @@ static bool ray_crosses(scene *s, const tc_camera *camera, const tc_frame_option
     double far = 4 * SPACING * (double)(finest.width + finest.height) + fabs(camera->z) * 4;
     for (double t = 0.01; t < far && !(above && below); t += fmax(0.002 * t, fmin(0.1 * SPACING, 0.1 * t))) {
         double p[3] = {camera->x + t * d[0] / length, camera->y + t * d[1] / length, camera->z + t * d[2] / length}, z;
-        if (!s->surface->drawn_height(s->surface, s->clipmap, camera, options, p[0], p[1], &z))
+        if (!s->surface->drawn_height(s->surface, camera, options, p[0], p[1], &z))
             continue;
         above = above || p[2] - z > margin * t;
         below = below || z - p[2] > margin * t;
@@ -163,8 +163,7 @@ static void run(const tc_context *context, const tc_pyramid *p, int n, int views
         }
         scene_draw(&s, &camera, !lagging);
         double z;
-        if (over(p, &camera) &&
-            s.surface->drawn_height(s.surface, s.clipmap, &camera, &options.frame, camera.x, camera.y, &z) &&
+        if (over(p, &camera) && s.surface->drawn_height(s.surface, &camera, &options.frame, camera.x, camera.y, &z) &&
             z >=
                 camera.z) { /* a level that lags may stand higher than the eye: it looks up at the surface from below */
             t->below_surface++;

@@ -12,4 +12,8 @@ typedef struct dataset {
 /* Loads a dataset as a grid. False, saying why on stdout, where it is not there. */
 bool dataset_load(const dataset *d, tc_grid *grid);
 
+/* A part of a dataset, `size` columns and rows where it has as many, from column x0 and row y0, north to south: its
+ * heights, rows south to north, to be freed. NULL where dataset_load() says false. */
+float *dataset_crop(const dataset *d, int64_t x0, int64_t y0, int64_t size, int64_t *width_ret, int64_t *height_ret);
+
 #endif

@@ -5,14 +5,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "common/core/base/parallel.h"
 #include "common/core/base/rect.h"
+#include "terrain_files.h"
 
 enum { COARSEST = 16 };
 
-static void *get(size_t bytes)
+void *packed_memory(size_t bytes)
 {
     void *p = calloc(bytes + 1, 1);
     if (!p)
@@ -20,20 +20,12 @@ static void *get(size_t bytes)
     return p;
 }
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 tc_plane packed_plane(tc_rect rect)
 {
-    return (tc_plane){get((size_t)tc_rect_area(rect) * sizeof(int32_t)), rect.x1 - rect.x0, rect};
+    return (tc_plane){packed_memory((size_t)tc_rect_area(rect) * sizeof(int32_t)), rect.x1 - rect.x0, rect};
 }
 
-/* Columns of the other side around a plane of a level that wraps. */
-static tc_plane wrapped(const tc_plane *p, tc_rect rect)
+tc_plane packed_wrapped(const tc_plane *p, tc_rect rect)
 {
     tc_plane w = packed_plane(rect);
     int64_t width = p->rect.x1 - p->rect.x0;
@@ -41,6 +33,20 @@ static tc_plane wrapped(const tc_plane *p, tc_rect rect)
         for (int64_t x = rect.x0; x < rect.x1; x++)
             *tc_plane_at(&w, x, y) = *tc_plane_at(p, ((x % width) + width) % width, y);
     return w;
+}
+
+void packed_make_tiles(packed_level *l, int64_t tiles)
+{
+    l->tiles = tiles;
+    l->tile = packed_memory((size_t)tiles * sizeof *l->tile);
+    l->tile_size = packed_memory((size_t)tiles * sizeof *l->tile_size);
+}
+
+void packed_keep_tile(packed_level *l, int64_t n, const uint8_t *bytes, size_t size)
+{
+    l->tile_size[n] = size;
+    if (size)
+        l->tile[n] = packed_memory(size), memcpy(l->tile[n], bytes, size);
 }
 
 typedef struct job {
@@ -55,17 +61,14 @@ static void encode_row(void *context, int64_t ty)
 {
     job *j = context;
     packed_level *l = j->l;
-    tc_tile_work *work = get(tc_tile_work_bytes());
-    uint8_t *bytes = get(tc_codec_tile_bound());
+    tc_tile_work *work = packed_memory(tc_tile_work_bytes());
+    uint8_t *bytes = packed_memory(tc_codec_tile_bound());
     tc_encode_options options = {.lambda = j->lambda, .simd = j->simd};
     for (int64_t tx = 0; tx < l->codec->tiles_x; tx++) {
-        int64_t n = ty * l->codec->tiles_x + tx;
-        if (tc_codec_encode_tile(l->codec, tx, ty, j->coarse, j->band, &options, bytes, &l->tile_size[n], work))
+        size_t size;
+        if (tc_codec_encode_tile(l->codec, tx, ty, j->coarse, j->band, &options, bytes, &size, work))
             puts("packed: a tile cannot be encoded"), exit(99);
-        if (l->tile_size[n]) {
-            l->tile[n] = get(l->tile_size[n]);
-            memcpy(l->tile[n], bytes, l->tile_size[n]);
-        }
+        packed_keep_tile(l, ty * l->codec->tiles_x + tx, bytes, size);
     }
     free(bytes), free(work);
 }
@@ -82,8 +85,8 @@ tc_status packed_read(const packed_level *l, const tc_plane *fine, int64_t *dama
     tc_rect need = tc_codec_read_needs(l->codec, fine->rect);
     tc_plane coarse = l->coarse;
     if (!tc_rect_within(need, coarse.rect))
-        coarse = wrapped(&coarse, need);
-    void *scratch = get(tc_codec_read_scratch(l->codec, fine->rect));
+        coarse = packed_wrapped(&coarse, need);
+    void *scratch = packed_memory(tc_codec_read_scratch(l->codec, fine->rect));
     tc_status status = tc_codec_read(l->codec, &coarse, packed_source, (void *)l, fine, scratch, damaged, simd);
     free(scratch);
     if (coarse.z != l->coarse.z)
@@ -104,7 +107,7 @@ static tc_status choose(packed_level *l, const tc_lifting_level *level, const pa
                         const tc_plane *band, const int32_t *step, const tc_detail_model *start, tc_detail_model *model)
 {
     int wanted = o->training_tiles ? o->training_tiles : TC_TRAINING_TILES;
-    tc_training_tile *tiles = get((size_t)wanted * sizeof *tiles);
+    tc_training_tile *tiles = packed_memory((size_t)wanted * sizeof *tiles);
     int count = tc_codec_sample(level, wanted, tiles);
     for (int k = 0; k < count; k++) {
         crop(coarse, &tiles[k].coarse);
@@ -121,42 +124,49 @@ static tc_status choose(packed_level *l, const tc_lifting_level *level, const pa
     return status;
 }
 
-packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_options *o)
+int packed_analyse(const int32_t *z, int64_t width, int64_t height, bool wrap_x, tc_lifting_level *level, tc_plane *low,
+                   tc_plane (*band)[TC_BANDS])
 {
-    packed p = {0};
-    tc_plane low[PACKED_LEVELS + 1], band[PACKED_LEVELS][TC_BANDS];
+    int n = 0;
     low[0] = packed_plane((tc_rect){0, 0, width, height});
     memcpy(low[0].z, z, (size_t)(width * height) * sizeof *z);
-    for (; tc_max64(low[p.levels].rect.x1, low[p.levels].rect.y1) > COARSEST; p.levels++) {
-        int n = p.levels;
+    for (; tc_max64(low[n].rect.x1, low[n].rect.y1) > COARSEST; n++) {
         tc_rect r = low[n].rect, c = {0, 0, tc_coarse_size(r.x1), tc_coarse_size(r.y1)};
-        tc_lifting_level level = {r.x1, r.y1, o->wrap_x && r.x1 % 2 == 0};
+        level[n] = (tc_lifting_level){r.x1, r.y1, wrap_x && r.x1 % 2 == 0};
         low[n + 1] = packed_plane(c);
         for (int b = 0; b < TC_BANDS; b++)
             band[n][b] = packed_plane(c);
-        int32_t *scratch = get(tc_lifting_analyse_scratch(&level, c.y1) * sizeof *scratch);
-        tc_lifting_analyse(&level, &low[n], 0, c.y1, &low[n + 1], band[n], scratch);
+        int32_t *scratch = packed_memory(tc_lifting_analyse_scratch(&level[n], c.y1) * sizeof *scratch);
+        tc_lifting_analyse(&level[n], &low[n], 0, c.y1, &low[n + 1], band[n], scratch);
         free(scratch);
-        p.level[n].codec = get(sizeof *p.level[n].codec);
-        p.level[n].codec->level = level;
     }
+    return n;
+}
+
+packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_options *o)
+{
+    packed p = {0};
+    tc_lifting_level levels[PACKED_LEVELS];
+    tc_plane low[PACKED_LEVELS + 1], band[PACKED_LEVELS][TC_BANDS];
+    p.levels = packed_analyse(z, width, height, o->wrap_x, levels, low, band);
     tc_plane coarse = low[p.levels];
     p.coarsest_bytes = 4 * (size_t)tc_rect_area(coarse.rect);
     tc_detail_model model;
     for (int n = p.levels - 1; n >= 0; n--) {
         packed_level *l = &p.level[n];
-        tc_lifting_level level = l->codec->level;
+        tc_lifting_level level = levels[n];
+        l->codec = packed_memory(sizeof *l->codec);
         int32_t step[TC_BANDS];
         for (int b = 0; b < TC_BANDS; b++)
             step[b] = (int32_t)fmin(fmax(1, rint(o->q / tc_lifting_norm(b, n))), TC_MAX_STEP);
         tc_status status = TC_OK;
         l->coarse = coarse;
-        tc_plane source =
-            level.wrap_x
-                ? wrapped(&coarse, (tc_rect){-TC_TILE_MARGIN, 0, coarse.rect.x1 + TC_TILE_MARGIN, coarse.rect.y1})
-                : coarse;
-        l->header = get(tc_detail_model_bound());
-        double begin = now();
+        tc_plane source = level.wrap_x
+                              ? packed_wrapped(&coarse, (tc_rect){-TC_TILE_MARGIN, 0, coarse.rect.x1 + TC_TILE_MARGIN,
+                                                                  coarse.rect.y1})
+                              : coarse;
+        l->header = packed_memory(tc_detail_model_bound());
+        double begin = terrain_cpu();
         if (o->builtin) {
             tc_detail_model_builtin(0, &model);
             memcpy(model.step, step, sizeof step);
@@ -165,17 +175,16 @@ packed packed_new(const int32_t *z, int64_t width, int64_t height, const packed_
             const tc_detail_model *start = n == p.levels - 1 ? NULL : &model;
             status = choose(l, &level, o, &source, band[n], step, start, &model);
         }
-        p.train_s += now() - begin;
+        p.train_s += terrain_cpu() - begin;
         tc_detail_parts parts;
         if (status || (status = tc_detail_model_read(l->header, l->header_size, &model, &parts)))
             puts("packed: no model"), exit(99);
         tc_codec_init(l->codec, &level, &model);
-        int64_t tiles = l->codec->tiles_x * l->codec->tiles_y;
-        l->tile = get((size_t)tiles * sizeof *l->tile), l->tile_size = get((size_t)tiles * sizeof *l->tile_size);
+        packed_make_tiles(l, l->codec->tiles_x * l->codec->tiles_y);
         job j = {l, &source, band[n], o->lambda, o->simd};
-        begin = now();
+        begin = terrain_cpu();
         tc_parallel_for(o->threads, l->codec->tiles_y, encode_row, &j);
-        p.encode_s += now() - begin;
+        p.encode_s += terrain_cpu() - begin;
         l->fine = packed_plane(low[n].rect);
         if (packed_read(l, &l->fine, NULL, TC_SIMD_AUTO))
             puts("packed: cannot be read"), exit(99);
@@ -197,9 +206,9 @@ void packed_free(packed *p)
         free(p->level[p->levels - 1].coarse.z);
     for (int n = 0; n < p->levels; n++) {
         packed_level *l = &p->level[n];
-        for (int64_t i = 0; i < l->codec->tiles_x * l->codec->tiles_y; i++)
+        for (int64_t i = 0; i < l->tiles; i++)
             free(l->tile[i]);
-        free(l->tile), free(l->tile_size), free(l->header), free(l->fine.z), free(l->codec);
+        free(l->tile), free(l->tile_size), free(l->header), free(l->fine.z), free(l->codec), free(l->lh04);
     }
     *p = (packed){0};
 }
@@ -210,11 +219,32 @@ size_t packed_bytes(const packed *p)
     for (int n = 0; n < p->levels; n++) {
         const packed_level *l = &p->level[n];
         bytes += l->header_size;
-        for (int64_t i = 0; i < l->codec->tiles_x * l->codec->tiles_y; i++)
+        for (int64_t i = 0; i < l->tiles; i++)
             if (l->tile_size[i])
                 bytes += l->tile_size[i] + 8;
             else
                 empty++;
     }
     return bytes + (empty + 7) / 8;
+}
+
+int32_t *packed_heights(test_random *r, int kind, int64_t w, int64_t h, int32_t cliff)
+{
+    int32_t *z = packed_memory((size_t)(w * h) * sizeof *z);
+    double a = test_random_range(r, 0.02, 0.3), b = test_random_range(r, 0.02, 0.3);
+    for (int64_t y = 0; y < h; y++)
+        for (int64_t x = 0; x < w; x++) {
+            double v = 0, smooth = sin(a * (double)x) * cos(b * (double)y);
+            switch (kind) {
+            case 0: v = test_random_range(r, -20000, 20000); break;
+            case 1: v = 30000 * smooth; break;
+            case 2: v = (x / 7 + y / 5) % 2 ? cliff : -cliff; break;
+            case 3: v = -12345; break;
+            case 4: v = 20000 * smooth + test_random_range(r, -300, 300) * (1 + smooth); break;
+            case 5: v = x == w / 2 && y == h / 3 ? TC_LIFTING_LIMIT / 4 : 0; break;
+            default: v = 3.0 * (double)x - 2.0 * (double)y; break;
+            }
+            z[y * w + x] = (int32_t)lrint(v);
+        }
+    return z;
 }

@@ -3,14 +3,18 @@
 #define PACKED_H
 
 #include "common/core/codec/codec.h"
+#include "common/core/codec/codec_lh04.h"
+#include "terrains.h"
 
 enum { PACKED_LEVELS = 32 };
 
 /* One level above the coarsest: its details given the next coarser one. */
 typedef struct packed_level {
-    tc_codec *codec;
+    tc_codec *codec;     /* NULL where lh04_packed.h packed it */
+    tc_lh04_codec *lh04; /* NULL else */
     uint8_t *header;
     size_t header_size;
+    int64_t tiles;
     uint8_t **tile; /* [ty * tiles_x + tx]; NULL: empty */
     size_t *tile_size;
     tc_plane coarse, fine; /* reconstructed; fine is the coarse one of the next level */
@@ -45,6 +49,24 @@ tc_status packed_source(void *level, int64_t tx, int64_t ty, const uint8_t **byt
 /* Reads rect of a level, given its reconstructed coarser level, which is extended over the sides where it wraps. */
 tc_status packed_read(const packed_level *l, const tc_plane *fine, int64_t *damaged, tc_simd simd);
 
+/* For packing: memory of zeros and planes of it; the program ends where there is none. */
+void *packed_memory(size_t bytes);
 tc_plane packed_plane(tc_rect rect);
+
+/* A plane with the columns of the other side around it, for a level that wraps. */
+tc_plane packed_wrapped(const tc_plane *plane, tc_rect rect);
+
+/* Takes z apart down to the coarsest level, low[count], and returns count: heights low[n] of level[n], whose details
+ * against low[n + 1] are band[n]. */
+int packed_analyse(const int32_t *z, int64_t width, int64_t height, bool wrap_x, tc_lifting_level *level, tc_plane *low,
+                   tc_plane (*band)[TC_BANDS]);
+
+/* Room for the tiles of a level, and one of them. */
+void packed_make_tiles(packed_level *l, int64_t tiles);
+void packed_keep_tile(packed_level *l, int64_t n, const uint8_t *bytes, size_t size);
+
+/* Heights of one of PACKED_KINDS kinds, in units; cliffs of one of them are 2 * cliff high. */
+enum { PACKED_KINDS = 7 };
+int32_t *packed_heights(test_random *r, int kind, int64_t width, int64_t height, int32_t cliff);
 
 #endif

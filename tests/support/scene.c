@@ -32,8 +32,7 @@ scene scene_create(const tc_context *context, const tc_pyramid *pyramid, int n, 
     tc_clipmap_options clip = {.n = n, .normals = !options->unlit, .holes = options->holes};
     must(tc_clipmap_create(pyramid, &clip, &s.clipmap, &error), &error);
     must(tc_square_create(s.clipmap, &s.surface, &error), &error);
-    must(tc_renderer_create(tc_context_gl(context), pyramid, s.surface, s.clipmap, options, &s.renderer, &error),
-         &error);
+    must(tc_renderer_create(tc_context_gl(context), s.surface, options, &s.renderer, &error), &error);
     return s;
 }
 
@@ -42,7 +41,6 @@ void scene_destroy(scene *s)
     tc_renderer_destroy(s->renderer);
     if (s->surface)
         s->surface->destroy(s->surface);
-    tc_clipmap_destroy(s->clipmap);
 }
 
 tc_frame_stats scene_draw(scene *s, const tc_camera *camera, bool resident)

@@ -56,6 +56,10 @@ int64_t tc_atlas_width(int64_t width);
  * tc_atlas_free(). TC_ERR_USAGE for a grid or a radius that is not as above. */
 tc_status tc_atlas_build(tc_grid *grid, double radius, int threads, tc_atlas *atlas_ret, tc_error *error);
 
+/* Height at a place, radians, of the finest levels, bilinear, in metres above z_base; where there is none that of the
+ * sphere. Thread-safe. */
+tc_status tc_atlas_height(const tc_atlas *atlas, double longitude, double latitude, double *z_ret);
+
 /* Destroys the pyramids and zeroes *atlas. */
 void tc_atlas_free(tc_atlas *atlas);
 

@@ -95,6 +95,9 @@ static tc_rect even_perimeter(tc_rect r)
     return r.x1 - r.x0 < 3 || r.y1 - r.y0 < 3 ? (tc_rect){0, 0, 0, 0} : r;
 }
 
+/* A column farther out than any viewer gets, in samples of the finest level: even on all levels. */
+static const int64_t ENDLESS = INT64_C(1) << 50;
+
 static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *options)
 {
     tc_clip_state *s = &c->level[level - 1];
@@ -109,11 +112,33 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     s->view.edge_y = top.height - 1;
     s->view.extent = (tc_rect){0, 0, vertices_to_edge(s->view.edge_x, s->view.shift),
                                vertices_to_edge(s->view.edge_y, s->view.shift)};
+    s->wraps = options->wraps;
+    if (s->wraps) {
+        s->view.edge_x = ENDLESS;
+        s->view.extent.x1 = (ENDLESS >> s->view.shift) + 1;
+        s->view.extent.x0 = 1 - s->view.extent.x1;
+    }
     size_t count = (size_t)(c->n + 1) * (size_t)(c->n + 1);
     s->heights = calloc(count, sizeof *s->heights);
     s->normals = options->normals ? calloc(4 * count, sizeof *s->normals) : NULL;
     s->voids = options->holes ? calloc(count, 1) : NULL;
     return s->heights && (s->normals || !options->normals) && (s->voids || !options->holes) ? TC_OK : TC_ERR_MEMORY;
+}
+
+/* Once around with a sample more on either side and an even perimeter. */
+static int64_t once_around(int64_t width)
+{
+    return width + 3 - (width & 1);
+}
+
+/* Whether a window holds the whole of a level. */
+static bool fits_window(const tc_pyramid *pyramid, int level, bool wraps, int n)
+{
+    const tc_terrain_info *info = tc_pyramid_info(pyramid);
+    tc_level top = tc_pyramid_level(pyramid, info->levels);
+    int shift = info->levels - level;
+    int64_t x = wraps ? once_around(tc_pyramid_level(pyramid, level).width) : vertices_to_edge(top.width - 1, shift);
+    return x <= n && vertices_to_edge(top.height - 1, shift) <= n;
 }
 
 tc_status tc_clipmap_create(const tc_pyramid *pyramid, const tc_clipmap_options *options, tc_clipmap **clipmap_ret,
@@ -124,11 +149,13 @@ tc_status tc_clipmap_create(const tc_pyramid *pyramid, const tc_clipmap_options 
         return tc_fail(error, TC_ERR_USAGE, "n: expected 2^k - 1 from 15 to 2047, found %d", n);
     const tc_terrain_info *info = tc_pyramid_info(pyramid);
     tc_level top = tc_pyramid_level(pyramid, info->levels);
-    /* The coarsest level is the first that a window holds as a whole. */
-    int64_t edge = tc_max64(top.width, top.height) - 1;
     int first = info->levels;
-    while (first > 1 && vertices_to_edge(edge, info->levels - first) > n)
+    while (first > 1 && !fits_window(pyramid, first, options->wraps, n))
         first--;
+    if (options->wraps && !(tc_pyramid_wraps(pyramid, first) && fits_window(pyramid, first, true, n)))
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "terrain: expected a width of 2^k times at most %d samples to go round, found %lld", n - 3,
+                       (long long)top.width);
     int levels = info->levels - first + 1;
     if (options->max_levels > 0 && options->max_levels < levels)
         levels = options->max_levels;
@@ -156,8 +183,11 @@ tc_status tc_clipmap_create(const tc_pyramid *pyramid, const tc_clipmap_options 
         return tc_fail(error, status, "clipmap: not enough memory for %d levels of %dx%d", levels, n, n);
     }
     tc_clip_state *s = &c->level[0];
-    tc_clipmap_fill(c, 1, s->view.extent);
-    s->view.clip = s->view.active = s->view.wanted = s->view.extent;
+    tc_rect whole = s->view.extent;
+    if (s->wraps)
+        whole.x0 = 0, whole.x1 = once_around(s->width);
+    tc_clipmap_fill(c, 1, whole);
+    s->view.clip = s->view.active = s->view.wanted = whole;
     if (c->failed) {
         tc_clipmap_destroy(c);
         return tc_fail(error, TC_ERR_IO, "clipmap: the coarsest level cannot be read");
@@ -269,7 +299,11 @@ int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t bu
     int64_t samples = 0;
     for (int l = 1; l <= clipmap->levels; l++) {
         tc_clip_level *v = &clipmap->level[l - 1].view;
-        if (l > 1) {
+        if (l == 1 && clipmap->level[0].wraps && !tc_rect_empty(wanted[0])) {
+            v->wanted = tc_rect_intersect(wanted[0], v->extent);
+            v->clip = tc_rect_intersect(v->clip, v->wanted);
+            samples += grow(clipmap, 1, v->wanted, -1, true); /* always whole */
+        } else if (l > 1) {
             const tc_clip_level *coarse = &clipmap->level[l - 2].view;
             tc_rect allowed = refine(erode(coarse->clip, coarse->extent, 1));
             tc_rect target = tc_rect_intersect(wanted[l - 1], v->extent);

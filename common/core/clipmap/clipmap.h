@@ -8,6 +8,9 @@
  * end on one of them, one more vertex that lies ON the terrain's edge (and a second one on the same spot where needed
  * to make the perimeter even), so that every level ends exactly where the terrain ends.
  *
+ * Where the map wraps, extents have no end in x: column `width` of a level is column 0 again. Level 1 is then held not
+ * as the whole map but once around, about where it is wanted.
+ *
  * No GL in it. */
 #ifndef TC_CLIPMAP_H
 #define TC_CLIPMAP_H
@@ -16,11 +19,14 @@
 
 typedef struct tc_clipmap tc_clipmap;
 
+enum { TC_MAX_LEVELS = 32 };
+
 typedef struct tc_clipmap_options {
     int n;          /* window size, 2^k - 1, 15 .. 2047; 0: 255 */
     int max_levels; /* 0: as many as the pyramid needs */
     bool normals;   /* keep normals, too, at twice the resolution */
     bool holes;     /* keep the void mask, too */
+    bool wraps;     /* go on in x beyond the pyramid's sides, where its levels wrap; a sample then has many numbers */
 } tc_clipmap_options;
 
 /* The levels of a clipmap are the pyramid's from the first that fits in a window to the finest (or max_levels of

@@ -25,6 +25,7 @@ size_t tc_fill_scratch(int n)
 
 /* How heights go on beyond the level's last samples. */
 typedef struct beyond {
+    bool wraps;    /* in x */
     bool straight; /* in a straight line; else all on the terrain's edge: */
     float x, y;    /* the edge lies this far beyond the last sample, 0 <= x < 1 */
 } beyond;
@@ -55,11 +56,13 @@ static tc_status read_beyond(const tc_pyramid *pyramid, int level, tc_rect rect,
     int64_t w = size.width, h = size.height;
     /* The part that exists, and what its continuation needs. */
     tc_rect part = {border(rect.x0, w), border(rect.y0, h), border(rect.x1 - 1, w) + 1, border(rect.y1 - 1, h) + 1};
-    if (rect.x0 < 0)
+    if (how.wraps)
+        part.x0 = rect.x0, part.x1 = rect.x1;
+    else if (rect.x0 < 0)
         part.x1 = tc_max64(part.x1, tc_min64(2, w));
     if (rect.y0 < 0)
         part.y1 = tc_max64(part.y1, tc_min64(2, h));
-    if (rect.x1 > w)
+    if (rect.x1 > w && !how.wraps)
         part.x0 = tc_min64(part.x0, tc_max64(w - 2, 0));
     if (rect.y1 > h)
         part.y0 = tc_min64(part.y0, tc_max64(h - 2, 0));
@@ -72,7 +75,7 @@ static tc_status read_beyond(const tc_pyramid *pyramid, int level, tc_rect rect,
         return status;
     for (int64_t j = part.y0; j < part.y1; j++) {
         ptrdiff_t row = (j - y0) * stride - x0; /* sample (i, j) is at row + i */
-        for (int64_t i = rect.x0; i < rect.x1; i++) {
+        for (int64_t i = rect.x0; i < rect.x1 && !how.wraps; i++) {
             float steps = steps_beyond(i, w, how.straight, how.x);
             int64_t b = border(i, w);
             if (i != b) {
@@ -158,7 +161,7 @@ static tc_status fine_heights(const tc_clipmap *clipmap, const tc_clip_state *s,
                               ptrdiff_t *stride_ret)
 {
     const tc_pyramid *pyramid = clipmap->pyramid;
-    beyond straight = {.straight = true};
+    beyond straight = {.wraps = s->wraps, .straight = true};
     int64_t w = rect.x1 - rect.x0, h = rect.y1 - rect.y0;
     if (s->pyramid_level < tc_pyramid_info(pyramid)->levels) {
         tc_rect fine = {2 * rect.x0 - 2, 2 * rect.y0 - 2, 2 * rect.x1 + 1, 2 * rect.y1 + 1};
@@ -226,7 +229,7 @@ static tc_status fill_heights(const tc_clipmap *clipmap, int level, tc_rect rect
     tc_clip_state *s = (tc_clip_state *)&clipmap->level[level - 1];
     const tc_clip_state *coarse = level > 1 ? s - 1 : NULL;
     int64_t mask = clipmap->n, g = (int64_t)1 << s->view.shift;
-    beyond edge = {false, (float)((double)s->view.edge_x / (double)g - (double)(s->width - 1)),
+    beyond edge = {s->wraps, false, (float)((double)s->view.edge_x / (double)g - (double)(s->width - 1)),
                    (float)((double)s->view.edge_y / (double)g - (double)(s->height - 1))};
     size_t side = (size_t)(clipmap->n + MARGIN);
     float *buffer = clipmap->scratch;

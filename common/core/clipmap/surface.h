@@ -6,14 +6,20 @@
 #ifndef TC_SURFACE_H
 #define TC_SURFACE_H
 
+#include "common/core/atlas/atlas.h"
 #include "common/terraclip.h"
 #include "clipmap.h"
 
-/* Static support geometry: vertices of two small integers, indices of triangle strips or triangles. TC_RESTART ends a
- * strip and begins the next. */
+/* Static support geometry: vertices and indices of triangle strips or triangles. TC_RESTART ends a strip and begins the
+ * next. */
 enum { TC_RESTART = 0xffff };
+typedef enum tc_vertex_format {
+    TC_VERTEX_UINT16_2, /* GLSL: ivec2 */
+    TC_VERTEX_FLOAT_4   /* GLSL: vec4 */
+} tc_vertex_format;
 typedef struct tc_geometry {
-    uint16_t (*vertices)[2];
+    tc_vertex_format format;
+    void *vertices;
     int vertex_count;
     uint16_t *indices;
     int index_count;
@@ -31,7 +37,9 @@ typedef struct tc_instance {
     int32_t v[4];
 } tc_instance;
 
-enum { TC_MAX_LEVELS = 32, TC_LEVEL_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 8 };
+/* A layer of the vertex textures is a level of a chart: first those of chart 0, coarse to fine, then those of chart 1.
+ */
+enum { TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS, TC_LAYER_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 52 };
 
 /* What one frame draws. Arrays are the surface's own and stay valid until its next frame. */
 typedef struct tc_frame {
@@ -42,8 +50,8 @@ typedef struct tc_frame {
     int64_t triangles;          /* that cover area: without joints and without crack closers */
     int64_t triangles_unculled; /* the same if nothing had been outside the view */
     int levels_active;
-    float (*level_uniforms)[TC_LEVEL_UNIFORMS]; /* [TC_MAX_LEVELS], index level - 1: GLSL `vec4 level[3 * 32]` */
-    float *surface_uniforms;                    /* TC_SURFACE_UNIFORMS floats */
+    const float (*layer_uniforms)[TC_LAYER_UNIFORMS]; /* one a layer: GLSL `vec4 layer[3 * ...]` */
+    const float *surface_uniforms;                    /* TC_SURFACE_UNIFORMS floats */
 } tc_frame;
 
 /* How a frame is drawn; zero is the default. */
@@ -58,19 +66,35 @@ typedef struct tc_frame_options {
 
 typedef struct tc_surface tc_surface;
 struct tc_surface {
-    const char *name;                /* as in figures: "square", "rings", ... */
-    const char *const *vertex_parts; /* GLSL files that map a vertex, NULL-terminated */
+    const char *name; /* as in figures: "square", "rings", ... */
+    /* GLSL files, NULL-terminated, that map a vertex and colour a fragment; the functions that they define are named in
+     * renderer.vert and renderer.frag. */
+    const char *const *vertex_parts, *const *fragment_parts;
+    const char *sky;   /* the sky's fragment shader */
+    bool sphere;       /* the map is a sphere around the eye's frame, not a plane */
+    double near_plane; /* metres, for positions relative to the eye */
+    double extent;     /* metres, of all that there is to see */
     tc_geometry geometry;
-    /* Windows wanted at each level for this camera: wanted[level - 1]; empty for levels too fine for it. */
-    void (*wanted)(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted);
-    /* What is visible of the clipmap as it stands. */
-    void (*frame)(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
-                  const tc_frame_options *options, tc_frame *frame_ret);
-    /* Height drawn at map position (x, y) metres for this camera, by the same rules as the GLSL, in double: metres
-     * absolute. False where nothing is drawn. */
-    bool (*drawn_height)(tc_surface *surface, const tc_clipmap *clipmap, const tc_camera *camera,
-                         const tc_frame_options *options, double x, double y, double *z_ret);
+    int charts;
+    tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. Not owned */
+    /* Windows wanted at each level for this camera: wanted[chart][level - 1]; empty for levels too fine for it. */
+    void (*wanted)(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
+    /* What is visible of the clipmaps as they stand. */
+    void (*frame)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, tc_frame *frame_ret);
+    /* Height drawn at map position (x, y), in the camera's units, for this camera, by the same rules as the GLSL, in
+     * double: metres absolute. False where nothing is drawn. */
+    bool (*drawn_height)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
+                         double y, double *z_ret);
     void (*destroy)(tc_surface *surface);
 };
+
+/* The layer of a chart's level 1; of the chart behind the last: how many layers there are. */
+static inline int tc_surface_first_layer(const tc_surface *surface, int chart)
+{
+    int layer = 0;
+    for (int c = 0; c < chart; c++)
+        layer += tc_clipmap_levels(surface->clipmap[c]);
+    return layer;
+}
 
 #endif

@@ -1,0 +1,25 @@
+// globe_sky.frag - the sky around a planet: air by the height at which a ray passes, space behind it.
+in vec3 v_ray;
+layout(location = 0) out vec4 colour;
+
+void main()
+{
+    vec3 d = v_ray * inversesqrt(dot(v_ray, v_ray));
+    float eye_radius = surface[1].x + surface[1].y, radius = surface[1].x - surface[1].z, thickness = 0.00125 * radius;
+    // Lowest point of the ray: the eye, or where it passes the planet.
+    float along = max(-d.z, 0.0) * eye_radius;
+    float lowest = d.z >= 0.0 ? eye_radius - radius
+                              : eye_radius * sqrt(max(1.0 - d.z * d.z, 0.0)) - radius;
+    vec3 up = normalize(vec3(0.0, 0.0, eye_radius) + along * d);
+    float depth = 3.5 * exp(-max(lowest, 0.0) / thickness) / (max(d.z, 0.0) + 0.035);
+    float thick = 1.0 - exp(-0.035 * depth), rising = max(d.z, 0.0);
+    vec3 inside = mix(haze.rgb, zenith.rgb, rising * (rising + 1.2) / (rising * rising + 1.2 * rising + 0.25));
+    vec3 c = mix(2.2 * zenith.rgb, inside, thick) * (1.0 - exp(-depth));
+    float s = max(dot(d, sun.xyz), 0.0), day = smoothstep(-0.22, 0.3, dot(up, sun.xyz));
+    s *= s, s *= s, s *= s;
+    c += thick * haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
+    c = c * day * AIR + vec3(0.0008, 0.0009, 0.0012);
+    // Noise of one step of colour, so that the gradient shows no bands (interleaved gradient noise, Jimenez 2014).
+    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+    colour = vec4(sqrt(c) + noise / 255.0, 1.0);
+}

@@ -1,0 +1,96 @@
+// rings.glsl - the map transform of spherical/rings.c: from a direction around the viewer to the charts of a planet.
+//
+// Directions are (s_x, s_y, h): south, east, 1 - up in the viewer's frame. Everything is relative to the viewer and
+// without cancellation (the design, section 7), so that floats do. spherical/rings_map.c is the same in double.
+//
+// surface[0]      cos and sin of the viewer's colatitude, cos and sin of its longitude
+// surface[1]      radius at the ground below the viewer, eye above that ground, that ground, S_0 + 1
+// surface[2]      share of the north cap at the viewer and of the south cap, not cut to 0 .. 1; their slope along the
+//                 axis; height where no chart is, above the ground
+// surface[3]      colatitude of the viewer; passage at the sides of windows, per sample
+// surface[4 + k]  chart k: reference height in two parts, that above the ground; layer of shift 0
+// surface[7 + k]  chart k: slopes of the cell that the viewer is in; its layer
+// surface[10][k]  chart k: finest and coarsest shift
+// surface[10 + k] cap k: coefficients of s_x, h, 1
+// layer[3 l]      viewer's place in its cell; samples per unit of the chart
+// layer[3 l + 1]  that cell, modulo twice the window's array
+// layer[3 l + 2]  samples held, relative to that cell: first x, y, last x, y
+
+// atan2 with a relative error of some 2e-7: the driver's may be off by 1e-5 (after Cephes' atanf).
+float exact_atan(float y, float x)
+{
+    float a = abs(y), b = abs(x), lo = min(a, b), hi = max(a, b);
+    float t = hi > 0.0 ? lo / hi : 0.0;
+    bool far = t > 0.41421356;
+    float u = far ? (lo - hi) / (lo + hi) : t, q = u * u;
+    float r = (((8.05374449538e-2 * q - 1.38776856032e-1) * q + 1.99777106478e-1) * q - 3.33329491539e-1) * q * u + u;
+    r += far ? 0.78539816 : 0.0;
+    r = a > b ? 1.57079633 - r : r;
+    r = x < 0.0 ? 3.14159265 - r : r;
+    return y < 0.0 ? -r : r;
+}
+
+// z in the frame of the viewer's meridian, less the viewer's.
+float rise(vec3 s)
+{
+    return -surface[0].y * s.x - surface[0].x * s.z;
+}
+
+// Shares of the caps.
+vec2 cap_weights(vec3 s)
+{
+    float d = rise(s) * surface[2].z;
+    return clamp(surface[2].xy + vec2(d, -d), 0.0, 1.0);
+}
+
+#ifndef CH06
+// Longitude and latitude relative to the viewer's.
+vec2 map_lonlat(vec3 s, float w)
+{
+    float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z;
+    float px = ct * s.x + st * c, pz = ct * c - st * s.x, rho = sqrt(px * px + s.y * s.y);
+    float y2 = s.y * s.y, sine = px >= 0.0 ? s.x + (y2 > 0.0 ? ct * y2 / (rho + px) : 0.0) : rho * ct - pz * st;
+    return vec2(exact_atan(s.y, px), -exact_atan(sine, rho * st + pz * ct));
+}
+
+// Place on a cap relative to the viewer's, or to the pole.
+vec2 map_cap(int chart, vec3 s, float w)
+{
+    vec4 k = surface[10 + chart];
+    float d = rise(s), up = chart == 1 ? surface[0].x + d : -surface[0].x - d;
+    vec2 p = vec2(k.x * s.x + k.y * s.z + k.z, s.y) * (2.0 / (1.0 + up));
+    return vec2(surface[0].z * p.x - surface[0].w * p.y, surface[0].w * p.x + surface[0].z * p.y);
+}
+#endif
+
+vec2 map_chart(int chart, vec3 s, float w)
+{
+    return chart == 0 ? map_lonlat(s, w) : map_cap(chart, s, w);
+}
+
+// Which layer of a chart a place reads, how much of the coarser one, and where: in samples from the viewer's cell. The
+// wanted level where it is held, else the next coarser one that is. False where the chart has nothing.
+bool find_layer(int chart, vec2 place, float shift, out int at, out float alpha, out vec2 where)
+{
+    int range = floatBitsToInt(surface[10][chart]), finest = range & 0xffff, coarsest = range >> 16;
+    int k = clamp(int(shift), finest, coarsest);
+    alpha = clamp(shift - float(k), 0.0, 1.0);
+    for (; k <= coarsest; k++, alpha = 0.0) {
+        at = floatBitsToInt(surface[4 + chart].w) - k;
+        vec4 l = layer[3 * at], held = layer[3 * at + 2];
+        where = l.xy + place * l.zw;
+        vec2 inside = min(where - held.xy, held.zw - where);
+        float edge = min(inside.x, inside.y);
+        if (edge < 0.0)
+            continue;
+        alpha = k < coarsest ? max(alpha, 1.0 - edge * surface[3].y) : 0.0;
+        return true;
+    }
+    return false;
+}
+
+// Level of detail for ring coordinate w: coarser levels from the finest.
+float shift_of(float w)
+{
+    return max(0.0, surface[1].w - w);
+}

@@ -1,0 +1,60 @@
+// rings.vert - a vertex of concentric rings: its height from the charts, its place relative to the eye.
+//
+// Heights are differences to the ground below the viewer from the first subtraction on, and around the viewer to the
+// surface of the cell that it is in, so that centimetres next to the eye are exact on a planet.
+layout(location = 0) in vec4 in_vertex; // s_x, s_y, h, w
+layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
+INTERPOLATED out vec3 v_direction; // (s_x, s_y, h)
+INTERPOLATED out vec2 v_terrain;   // metres above z_base, level of detail
+
+// Height on a chart above the chart's height below the viewer.
+bool chart_height(int chart, vec3 s, float w, float shift, out float height)
+{
+    vec2 place = map_chart(chart, s, w), where;
+    int at;
+    float alpha;
+    if (!find_layer(chart, place, shift, at, alpha, where))
+        return false;
+    vec4 l = layer[3 * at], held = layer[3 * at + 2], reference = surface[4 + chart], slope = surface[7 + chart];
+    vec2 cell = clamp(floor(where), held.xy, held.zw - 1.0), t = where - cell;
+    ivec2 origin = ivec2(layer[3 * at + 1].xy) + ivec2(cell);
+    bool near = at == floatBitsToInt(slope.w);
+    vec4 z;
+    for (int k = 0; k < 4; k++) {
+        ivec2 corner = ivec2(k & 1, k >> 1);
+        vec2 q = texelFetch(heights_map, ivec3((origin + corner) & WINDOW_MASK, at), 0).rg;
+        q = (q - reference.x) - reference.y;
+        vec2 d = cell + vec2(corner) - l.xy;
+        // Bilinear interpolation gives the bilinear surface of the viewer's cell back: it is taken off the corners
+        // and added at the vertex, exactly nothing being left at the corners of that cell.
+        float surface_there = near ? d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z : 0.0;
+        float left = mix(q.x, q.y, alpha) - surface_there;
+        bool own = near && alpha == 0.0 && all(lessThanEqual(abs(cell + vec2(corner) - 0.5), vec2(0.75)));
+        z[k] = own ? 0.0 : left;
+    }
+    height = mix(mix(z.x, z.y, t.x), mix(z.z, z.w, t.x), t.y);
+    if (near) {
+        vec2 d = place * l.zw;
+        height += d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z;
+    }
+    return true;
+}
+
+vec3 surface_vertex()
+{
+    vec3 s = in_vertex.xyz;
+    float w = in_vertex.w, shift = shift_of(w), height = 0.0;
+    vec2 caps = cap_weights(s);
+    vec3 weight = vec3(1.0 - caps.x - caps.y, caps);
+    for (int chart = 0; chart < 3; chart++) {
+        if (weight[chart] <= 0.0)
+            continue;
+        float z;
+        bool there = chart_height(chart, s, w, shift, z);
+        height += weight[chart] * (there ? z + surface[4 + chart].z : surface[2].w);
+    }
+    v_direction = s;
+    v_terrain = vec2(surface[1].z + height, shift);
+    float radius = surface[1].x + height;
+    return vec3(radius * s.y, -radius * s.x, (height - surface[1].y) - radius * s.z);
+}

@@ -1,0 +1,70 @@
+// square.frag - what renderer.frag asks of planar/square.c.
+#if defined(LIT) || defined(LEVEL_COLOURS)
+INTERPOLATED in vec4 v_terrain; // square.glsl
+#else
+INTERPOLATED in float v_height;
+#endif
+#if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
+flat in int v_level;
+#endif
+#ifdef LIT
+layout(binding = 2) uniform sampler2DArray normals_map;
+#endif
+#ifdef HOLES
+in float v_void;
+
+bool surface_void()
+{
+    return v_void > 0.0;
+}
+#endif
+
+float surface_height()
+{
+#if defined(LIT) || defined(LEVEL_COLOURS)
+    return v_terrain.x;
+#else
+    return v_height;
+#endif
+}
+
+#if defined(LIT) || defined(LEVEL_COLOURS)
+float surface_level()
+{
+#ifdef MULTISAMPLED
+    return float(v_level);
+#else
+    return floor(0.5 * v_terrain.w);
+#endif
+}
+#endif
+
+#ifdef LIT
+// The level's normal and the coarser one's, by the same alpha as the heights.
+vec3 surface_normal(out vec3 up)
+{
+    float level = surface_level(), alpha = clamp(v_terrain.w - 2.0 * level - 0.5, 0.0, 1.0);
+#ifdef MULTISAMPLED
+    // A pixel's middle may lie outside the triangle that covers some of its samples, far outside a thin one: no further
+    // than the window, beyond which the map holds what was there before.
+    vec4 w = window[int(level)];
+    vec2 place = (2.0 * (w.xy + clamp(v_terrain.yz, vec2(0.0), w.zw)) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
+#else
+    vec2 place = v_terrain.yz;
+#endif
+    vec4 n = textureLod(normals_map, vec3(place, level), 0.0);
+    vec2 xy = mix(n.xy, n.zw, alpha);
+    up = vec3(0.0, 0.0, 1.0);
+    return vec3(xy, sqrt(1.0 - min(dot(xy, xy), 1.0)));
+}
+#endif
+
+#ifdef HAZE
+// Distance d from the depth that is there anyway: (d / L)^2.
+float surface_haze()
+{
+    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+    float r = haze.w / gl_FragCoord.z;
+    return r * r * (1.0 + dot(across, across));
+}
+#endif

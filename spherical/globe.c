@@ -1,0 +1,110 @@
+/* globe.c - moving over a globe.
+ *
+ * Ways along the ground are great circles: heading turns on them with the meridians, so that who flies straight on over
+ * a pole looks straight on behind it. The ground can be pulled with the mouse and the wheel comes nearer, as with globes
+ * on a desk; keys fly as over a flat map, the higher the faster. */
+#include "globe.h"
+
+#include <math.h>
+
+#include "common/core/clipmap/camera.h"
+#include "common/shell/flight.h"
+
+#define DEGREE (M_PI / 180)
+
+static void settle(tc_view *view)
+{
+    view->y = fmax(-M_PI / 2, fmin(M_PI / 2, view->y));
+    view->x = remainder(view->x, 2 * M_PI);
+    view->z = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view->z));
+}
+
+/* Moves the foot point by an angle along a great circle that starts out east and north in this proportion. */
+static void go(tc_view *view, double east, double north, double angle)
+{
+    double length = hypot(east, north);
+    if (!(length > 0) || angle == 0)
+        return;
+    east /= length, north /= length;
+    double sy = sin(view->y), cy = cos(view->y), s = sin(angle), c = cos(angle);
+    /* In the frame of the meridian: up (cy, 0, sy), east (0, 1, 0), north (-sy, 0, cy). */
+    double p[3] = {cy * c - sy * north * s, east * s, sy * c + cy * north * s};
+    /* Where the way goes on at its end. */
+    double d[3] = {-cy * s - sy * north * c, east * c, -sy * s + cy * north * c};
+    double rho = hypot(p[0], p[1]), turned = atan2(p[1], p[0]);
+    double way = atan2(east, north), end;
+    if (rho > 0)
+        end = atan2((d[1] * p[0] - d[0] * p[1]) / rho, d[2] * rho - p[2] * (d[0] * p[0] + d[1] * p[1]) / rho);
+    else
+        end = way; /* on a pole: the meridian goes on */
+    view->heading += end - way;
+    view->x += turned;
+    view->y = atan2(p[2], rho);
+    settle(view);
+}
+
+static double highest_ground(const tc_ground *ground, const tc_view *view)
+{
+    double d = ground->clearance / ground->radius;
+    return tc_highest_ground(ground, view->x, view->y, d / fmax(cos(view->y), 1e-3), d);
+}
+
+static void step(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground)
+{
+    tc_view *view = &flight->view;
+    view->heading = fmod(view->heading + input->turn, 2 * M_PI);
+    view->pitch = fmax(-M_PI / 2, fmin(M_PI / 2, view->pitch + input->tilt));
+    double top = highest_ground(ground, view), height = fmax(view->z - top, 5 * ground->clearance);
+    double way = height * flight->speed * (input->fast ? 8 : 1) * fmax(0, fmin(0.1, input->dt));
+    const tc_basis axes = tc_camera_basis(&(tc_camera){.heading = view->heading, .pitch = view->pitch});
+    double move[3];
+    for (int i = 0; i < 3; i++)
+        move[i] = input->right * axes.right[i] + input->forward * axes.forward[i] + (i == 2 ? input->up : 0);
+    double length = sqrt(move[0] * move[0] + move[1] * move[1] + move[2] * move[2]);
+    double scale = length > 1 ? way / length : way; /* two keys are no faster than one */
+    double radius = ground->radius + view->z;
+    go(view, move[0], move[1], fmin(scale * hypot(move[0], move[1]) / radius, 0.2));
+    view->z += scale * move[2];
+    /* The ground follows the mouse: at its height the angle of view is a length. */
+    double sh = sin(view->heading), ch = cos(view->heading), pull[2] = {-input->drag_x, input->drag_y};
+    double angle = fmin(hypot(pull[0], pull[1]) * height / ground->radius, 0.5);
+    go(view, ch * pull[0] + sh * pull[1], -sh * pull[0] + ch * pull[1], angle);
+    if (input->wheel != 0)
+        view->z = top + height * pow(0.85, input->wheel);
+    settle(view);
+    view->z = fmax(view->z, highest_ground(ground, view) + ground->clearance);
+}
+
+/* The globe from where its disc fills most of the frame; a part of one from above its middle, near enough to fill it. */
+static tc_view whole(const tc_flight_box *box, double fov, int width, int height)
+{
+    double tx = tan(fov / 2), half = atan(tx * fmin(1, (double)height / width)), top = box->radius + fmax(box->z_max, 0);
+    tc_view view = {.x = 20 * DEGREE, .y = 25 * DEGREE, .pitch = -M_PI / 2};
+    view.z = top / sin(0.88 * half) - box->radius;
+    double across = (box->east - box->west) * cos(0.5 * (box->south + box->north)), tall = box->north - box->south;
+    if (across < 1 && tall < 1) {
+        view.x = 0.5 * (box->west + box->east);
+        view.y = 0.5 * (box->south + box->north);
+        double t = tan(half), size = 1.1 * fmax(tall * box->radius / 2 / t, across * box->radius / 2 / tx);
+        /* From the south, at an angle. */
+        view.pitch = -45 * DEGREE;
+        view.z = box->z_max + size * 0.9;
+        view.y -= view.z / box->radius;
+    }
+    settle(&view);
+    return view;
+}
+
+const tc_navigation tc_globe_navigation = {
+    .form = "LON,LAT,ALT,HEADING,PITCH",
+    .bounds = "LON,LAT,ALT,HEADING,PITCH in degrees and metres, |LON| up to 360, |LAT| and |PITCH| up to 90",
+    .help = "eye in degrees east and north and metres above the sphere (at least on the ground), degrees clockwise from "
+            "north, degrees up (default: the globe)",
+    .unit = DEGREE,
+    .x_limit = 360,
+    .y_limit = 90,
+    .x_period = 2 * M_PI,
+    .settle = settle,
+    .whole = whole,
+    .step = step,
+};

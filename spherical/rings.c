@@ -1,0 +1,291 @@
+/* rings.c - concentric rings over a planet's charts: what a frame draws.
+ *
+ * Levels beyond the horizon and below a pixel are left out (rings_view.c), and of the others the sectors outside the
+ * view (CH06's future work). */
+#include "rings.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/base/status.h"
+#include "common/core/clipmap/camera.h"
+#include "common/core/pyramid/pyramid.h"
+#include "rings_internal.h"
+
+#define DEGREE (M_PI / 180)
+
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
+
+/* All that is looked at while a frame is put together. */
+typedef struct assembly {
+    rings_surface *s;
+    const rings_view *view;     /* of the camera drawn */
+    tc_frustum frustum;         /* of the camera culled for */
+    bool no_cull;
+    int count;
+    int64_t triangles, triangles_unculled;
+} assembly;
+
+/* Range of f(x) = x * y over two ranges. */
+static void multiply(const double a[2], const double b[2], double out[2])
+{
+    double p[4] = {a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]};
+    out[0] = fmin(fmin(p[0], p[1]), fmin(p[2], p[3]));
+    out[1] = fmax(fmax(p[0], p[1]), fmax(p[2], p[3]));
+}
+
+/* Range of cos over an interval of at most a half turn that does not hold a multiple of a turn but at its ends. */
+static void cosine(double from, double to, double out[2])
+{
+    double a = cos(from), b = cos(to);
+    out[0] = fmin(a, b), out[1] = fmax(a, b);
+    if (ceil(from / M_PI) <= floor(to / M_PI)) { /* an extremum inside */
+        double k = ceil(from / M_PI);
+        if (fmod(fabs(k), 2) == 1)
+            out[0] = -1;
+        else
+            out[1] = 1;
+    }
+}
+
+/* Whether the part of the planet from angle inner to outer around the foot point, phi from to to, heights lo to hi, may
+ * be seen. */
+static bool visible(const assembly *a, double inner, double outer, double from, double to, double lo, double hi)
+{
+    if (a->no_cull)
+        return true;
+    const rings_view *v = a->view;
+    double sine[2] = {fmin(sin(inner), sin(outer)), inner <= M_PI / 2 && outer >= M_PI / 2 ? 1 : fmax(sin(inner), sin(outer))};
+    double radius[2] = {fmax(v->radius + lo, 0), v->radius + hi}, across[2], x[2], y[2], c[2];
+    multiply(sine, radius, across);
+    cosine(from, to, c);
+    multiply(across, c, x); /* south */
+    cosine(from - M_PI / 2, to - M_PI / 2, c);
+    multiply(across, c, y); /* east */
+    double h[2] = {2 * pow(sin(inner / 2), 2), 2 * pow(sin(outer / 2), 2)}, z[2] = {lo, hi}, up[2] = {INFINITY, -INFINITY};
+    for (int k = 0; k < 4; k++) {
+        double value = (z[k & 1] - v->z_eye) - (v->radius + z[k & 1]) * h[k >> 1];
+        up[0] = fmin(up[0], value), up[1] = fmax(up[1], value);
+    }
+    double box_lo[3] = {y[0], -x[1], up[0]}, box_hi[3] = {y[1], -x[0], up[1]};
+    for (int i = 0; i < 3; i++) { /* what float makes of it */
+        double slack = 1e-5 * fmax(fabs(box_lo[i]), fabs(box_hi[i]));
+        box_lo[i] -= slack, box_hi[i] += slack;
+    }
+    return tc_frustum_sees(&a->frustum, box_lo, box_hi);
+}
+
+/* The visible sectors of a level, or of the disc inside it. */
+static void add_level(assembly *a, int i, bool disc)
+{
+    rings_surface *s = a->s;
+    const rings_geometry *g = &s->geometry;
+    double outer = ldexp(M_PI, disc ? -i - 1 : -i), inner = disc ? 0 : outer / 2, lo, hi;
+    int columns = g->n_phi / g->sectors;
+    int64_t triangles = disc ? (2 * (int64_t)g->fill - 1) * columns : 2 * (int64_t)g->m * columns;
+    tc_rings_bounds(s, a->view, outer, &lo, &hi);
+    for (int k = 0; k < g->sectors; k++) {
+        a->triangles_unculled += triangles;
+        if (!visible(a, inner, outer, 2 * M_PI * k / g->sectors, 2 * M_PI * (k + 1) / g->sectors, lo, hi))
+            continue;
+        a->triangles += triangles;
+        s->draws[a->count] = (tc_draw){.count = disc ? g->fill_count : g->ring_count,
+                                       .instance_count = 1,
+                                       .first_index = disc ? g->fill_first[k] : g->ring_first[k],
+                                       .base_vertex = disc ? tc_rings_fill_base(g, i) : tc_rings_level_base(g, i)};
+        a->count++;
+    }
+}
+
+static float bits(int value)
+{
+    int32_t i = value;
+    float f;
+    memcpy(&f, &i, sizeof f);
+    return f;
+}
+
+static void set4(float *out, double x, double y, double z, double w)
+{
+    out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
+}
+
+/* What rings.glsl names surface[...] and layer[...]. */
+static void set_uniforms(rings_surface *s, const rings_view *v)
+{
+    float(*u)[4] = (float(*)[4])s->surface_uniforms;
+    const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
+    bool caps = s->head.charts == TC_MAX_CHARTS;
+    set4(u[0], v->cos_theta, v->sin_theta, v->cos_lambda, v->sin_lambda);
+    set4(u[1], v->radius + v->z, v->z_eye - v->z, v->z, s->shift_base + 1);
+    /* Without caps weights never leave 0. */
+    set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
+         caps ? 1 / (hi - lo) : 0, s->outside - v->z);
+    set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), 0, 0);
+    for (int chart = 0; chart < s->head.charts; chart++) {
+        const rings_near *near = &v->near[chart];
+        const rings_place *at = &v->place[chart];
+        tc_clipmap *clipmap = s->head.clipmap[chart];
+        int levels = tc_clipmap_levels(clipmap), first = tc_surface_first_layer(&s->head, chart);
+        int finest = tc_clipmap_level(clipmap, levels)->shift;
+        double z = near->z;
+        set4(u[4 + chart], (float)z, z - (double)(float)z, z - v->z, 0);
+        u[4 + chart][3] = bits(first + levels - 1 + finest); /* layer of shift 0, were there one */
+        double slope = near->shift >= 0 ? 1 : 0;
+        set4(u[7 + chart], slope * near->slope[0], slope * near->slope[1], slope * near->slope[2], 0);
+        u[7 + chart][3] = bits(near->shift >= 0 ? first + levels - 1 - (near->shift - finest) : -1);
+        for (int level = 1; level <= levels; level++) {
+            const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+            float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
+            double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = floor(x), j = floor(y);
+            int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
+            rings_extent r = tc_rings_held(clipmap, level);
+            const tc_chart *c = &s->atlas->chart[chart];
+            set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
+            set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), 0, 0);
+            set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
+        }
+        int coarsest = finest + levels - 1;
+        u[10][chart] = bits(finest | coarsest << 16);
+    }
+    for (int cap = 1; cap < s->head.charts; cap++)
+        set4(&s->surface_uniforms[0] + 4 * (10 + cap), v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2], 0);
+}
+
+static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
+                        tc_frame *frame_ret)
+{
+    rings_surface *s = (rings_surface *)surface;
+    rings_view view = tc_rings_view(s, camera);
+    tc_rings_ground(s, &view);
+    assembly a = {.s = s,
+                  .view = &view,
+                  .frustum = tc_camera_frustum(options->cull_camera ? options->cull_camera : camera),
+                  .no_cull = options->no_cull};
+    int first = options->no_cull ? 0 : view.first;
+    for (int i = view.finest; i >= 0; i--) { /* nearest first */
+        if (i == view.finest)
+            add_level(&a, i, true);
+        if (i >= first)
+            add_level(&a, i, false);
+        else
+            a.triangles_unculled += 2 * (int64_t)s->geometry.m * s->geometry.n_phi;
+    }
+    for (int k = 0; k < a.count; k++)
+        s->draws[k].base_instance = 0;
+    set_uniforms(s, &view);
+    *frame_ret = (tc_frame){.draws = s->draws,
+                            .instances = s->instances,
+                            .strip_draws = a.count,
+                            .triangles = a.triangles,
+                            .triangles_unculled = a.triangles_unculled,
+                            .one_sided = !options->two_sided && !tc_clipmap_voids(surface->clipmap[0], 1) &&
+                                         view.z_eye > view.z,
+                            .levels_active = view.finest - first + 1,
+                            .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
+                            .surface_uniforms = s->surface_uniforms};
+}
+
+/* ---- Creation ---------------------------------------------------------------------------------------------------- */
+
+static void rings_destroy(tc_surface *surface)
+{
+    rings_surface *s = (rings_surface *)surface;
+    for (int chart = 0; chart < TC_MAX_CHARTS; chart++)
+        tc_clipmap_destroy(surface->clipmap[chart]);
+    free(s->head.geometry.vertices);
+    free(s->head.geometry.indices);
+    free(s->geometry.ring_first);
+    free(s->draws);
+    free(s->instances);
+    free(s);
+}
+
+/* A window holds twice the n_phi / 4 samples that the disc of its ring is wide: enough up to the latitude where caps
+ * take over. Grids whose coarsest even width is larger need larger ones. */
+static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_error *error)
+{
+    int n = 63;
+    while (2 * (n + 1) <= s->geometry.n_phi / 2 && n < 2047)
+        n = 2 * n + 1;
+    if (s->atlas->chart[0].wraps && n < 255)
+        n = 255; /* > TC_MOST_ODD */
+    s->z_lo = INFINITY, s->z_hi = -INFINITY;
+    for (int chart = 0; chart < s->atlas->charts; chart++) {
+        const tc_chart *c = &s->atlas->chart[chart];
+        tc_clipmap_options clip = {
+            .n = n, .max_levels = o->max_levels, .normals = o->normals, .holes = o->holes, .wraps = c->wraps};
+        tc_status status = tc_clipmap_create(c->pyramid, &clip, &s->head.clipmap[chart], error);
+        if (status)
+            return status;
+        s->head.charts = chart + 1;
+        for (int l = tc_clipmap_pyramid_level(s->head.clipmap[chart], 1); l <= tc_pyramid_info(c->pyramid)->levels; l++) {
+            tc_level size = tc_pyramid_level(c->pyramid, l);
+            float lo, hi;
+            tc_pyramid_bounds(c->pyramid, l, (tc_rect){0, 0, size.width, size.height}, &lo, &hi);
+            s->z_lo = fmin(s->z_lo, lo), s->z_hi = fmax(s->z_hi, hi);
+        }
+    }
+    if (!s->atlas->chart[0].wraps)
+        s->z_lo = fmin(s->z_lo, s->outside), s->z_hi = fmax(s->z_hi, s->outside);
+    return TC_OK;
+}
+
+/* Levels of rings down to centimetres. */
+static int ring_levels(const rings_surface *s)
+{
+    double radius = s->atlas->radius;
+    return (int)fmin(fmax(ceil(log2(M_PI * radius / 0.02)), 8), 44);
+}
+
+tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options, tc_surface **surface_ret,
+                          tc_error *error)
+{
+    static const char *const vertex_parts[] = {"rings.glsl", "rings.vert", NULL};
+    static const char *const ch06_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.vert", NULL};
+    static const char *const fragment_parts[] = {"rings.glsl", "rings.frag", NULL};
+    static const char *const ch06_fragment_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.frag", NULL};
+    int n_phi = options->n_phi ? options->n_phi : 512, m = options->m ? options->m : 20;
+    if (n_phi < 64 || n_phi > 2048 || n_phi % 32 != 0)
+        return tc_fail(error, TC_ERR_USAGE, "n: expected a multiple of 32 from 64 to 2048, found %d", n_phi);
+    if (m < 4 || m > 64 || m % 2 != 0 || (m + 1) * (n_phi + 64) > TC_RESTART)
+        return tc_fail(error, TC_ERR_USAGE, "steps: expected an even number from 4 to %d, found %d",
+                       (int)fmin(64, TC_RESTART / (n_phi + 64) - 1) & ~1, m);
+    rings_surface *s = calloc(1, sizeof *s);
+    if (!s)
+        return tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
+    bool ch06 = options->scheme == TC_RINGS_CH06;
+    s->atlas = atlas;
+    s->scheme = options->scheme;
+    s->outside = -tc_pyramid_info(atlas->chart[0].pyramid)->z_base;
+    s->geometry = (rings_geometry){.levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2};
+    /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 8 (CH06 section 4.2). */
+    s->shift_base = (int)ceil(log2(M_PI / (atlas->chart[0].dy * n_phi / 8)) - 1e-9);
+    s->head = (tc_surface){.name = ch06 ? "rings-ch06" : "rings",
+                           .vertex_parts = ch06 ? ch06_parts : vertex_parts,
+                           .fragment_parts = ch06 ? ch06_fragment_parts : fragment_parts,
+                           .sky = "globe_sky.frag",
+                           .sphere = true,
+                           .near_plane = 1e-3 * fmin(1, atlas->radius * 1e-3),
+                           .extent = 2 * atlas->radius,
+                           .wanted = tc_rings_wanted,
+                           .frame = rings_frame,
+                           .drawn_height = tc_rings_drawn_height,
+                           .destroy = rings_destroy};
+    tc_status status = tc_rings_geometry(&s->geometry, &s->head.geometry, error);
+    if (!status)
+        status = make_clipmaps(s, options, error);
+    s->capacity = (s->geometry.levels + 1) * s->geometry.sectors;
+    s->draws = calloc((size_t)s->capacity, sizeof *s->draws);
+    s->instances = calloc((size_t)s->capacity, sizeof *s->instances);
+    if (!status && (!s->draws || !s->instances))
+        status = tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
+    if (status) {
+        rings_destroy(&s->head);
+        return status;
+    }
+    *surface_ret = &s->head;
+    return TC_OK;
+}

@@ -1,0 +1,117 @@
+/* rings_internal.h - what the files of the rings share.
+ *
+ * Frames of unit vectors: of the viewer's meridian, z to the north pole, the viewer in the half plane x > 0 = y; and of
+ * the viewer: x~ south, y~ east, z~ up (CH06 section 3.2, errata in the design), in which a vertex is
+ *     (sin theta~ cos phi~, sin theta~ sin phi~, cos theta~) = (s_x, s_y, 1 - h). */
+#ifndef TC_RINGS_INTERNAL_H
+#define TC_RINGS_INTERNAL_H
+
+#include "rings.h"
+
+/* Static geometry: for each level m + 1 rows of vertices, the last one shared with the next level, and for each level a
+ * disc that fills its inside where it is the finest. A vertex is (s_x, s_y, h, w): w the level, counted on within it
+ * from its outer edge inwards, so i at the outer edge of level i and i + 1 at its inner one. */
+typedef struct rings_geometry {
+    int levels, n_phi, m, fill; /* fill: rows of the disc */
+    int stride;                 /* vertices from row to row */
+    int sectors;                /* parts of a level that are drawn alone */
+    uint32_t *ring_first, *fill_first; /* [sector]: first index */
+    uint32_t ring_count, fill_count;   /* indices of a sector */
+} rings_geometry;
+
+tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *error);
+/* First vertex of level i, and of the disc inside it. */
+int tc_rings_level_base(const rings_geometry *g, int i);
+int tc_rings_fill_base(const rings_geometry *g, int i);
+
+/* ---- Where the viewer is (rings_view.c) --------------------------------------------------------------------------- */
+
+/* The viewer as seen by one chart. */
+typedef struct rings_place {
+    double x, y;   /* finest samples: of the viewer, or of the pole for a cap that the viewer is far from */
+    bool near;     /* the former */
+    double c[3];   /* of a cap: x' = 2 (c0 s_x + c1 h + c2) / (1 + |p_z|), y' = 2 s_y / (1 + |p_z|) from there */
+    double weight; /* of the chart in the viewer's height */
+} rings_place;
+
+/* Heights close to the viewer on one chart: z_chart + b u + c v + d u v, in samples, within the viewer's cell, and no
+ * steeper than `steepest` from sample to sample for some samples around it. */
+typedef struct rings_near {
+    int shift; /* samples are 2^shift of the finest; -1: unknown */
+    double z, slope[3], steepest;
+} rings_near;
+
+typedef struct rings_view {
+    double theta, sin_theta, cos_theta; /* colatitude */
+    double cos_lambda, sin_lambda;
+    double z_eye;  /* metres above z_base */
+    double radius; /* metres, of what heights are above: z_base added */
+    rings_place place[TC_MAX_CHARTS];
+    double horizon;    /* angle from the foot point beyond which nothing can be seen */
+    int first, finest; /* levels of the rings to be drawn */
+    rings_near near[TC_MAX_CHARTS];
+    double z; /* height drawn at the foot point */
+} rings_view;
+
+typedef struct rings_surface {
+    tc_surface head;
+    const tc_atlas *atlas;
+    tc_rings_scheme scheme;
+    rings_geometry geometry;
+    double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
+    int shift_base;    /* S_0: ring i reads levels S_0 - i (inner edge) to S_0 - i + 1 (outer), counted from the finest */
+    double outside;    /* height where no chart is, metres above z_base */
+    int capacity;
+    tc_draw *draws;
+    tc_instance *instances;
+    float layer_uniforms[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
+    float surface_uniforms[TC_SURFACE_UNIFORMS];
+} rings_surface;
+
+/* Where the viewer is on the charts and which levels are to be drawn, from the pyramids: the same however the windows
+ * stand. `near` is theirs, too, and z is not known. */
+rings_view tc_rings_view(const rings_surface *s, const tc_camera *camera);
+/* The ground as it is drawn, from the clipmaps as they stand: sets near and z. */
+void tc_rings_ground(const rings_surface *s, rings_view *view);
+
+/* Rectangle of finest samples, relative to the view's place on the chart, that the disc of `angle` around the viewer
+ * covers where the chart is used; empty where x1 < x0. */
+typedef struct rings_extent {
+    double x0, y0, x1, y1;
+} rings_extent;
+rings_extent tc_rings_extent(const rings_surface *s, const rings_view *view, int chart, double angle);
+
+/* Bounds of all heights within `angle` of the foot point on all levels, metres above z_base. */
+void tc_rings_bounds(const rings_surface *s, const rings_view *view, double angle, double *lo_ret, double *hi_ret);
+
+void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
+
+/* ---- The map transform in double (rings_map.c) --------------------------------------------------------------------- */
+
+/* Which level a vertex reads of a chart, and where. */
+typedef struct rings_sample {
+    int level;    /* of the chart's clipmap; 0: the chart does not have it */
+    double alpha; /* share of the coarser level */
+    double u, v;  /* samples of the level */
+} rings_sample;
+
+/* Place of direction (s_x, s_y, 1 - h) on a chart, finest samples relative to the view's place there. */
+void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, double s_x, double s_y, double h,
+                  double *du_ret, double *dv_ret);
+/* Shares of the charts there. */
+void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h,
+                      double weight_ret[TC_MAX_CHARTS]);
+/* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one. */
+double tc_rings_shift(const rings_surface *s, double w);
+/* Samples of a level that are held and lie on its lattice: x0 <= u <= x1. */
+rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);
+rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
+                           double shift);
+double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample);
+/* Height of a vertex, metres above z_base. */
+double tc_rings_height(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h, double w);
+/* The same at longitude and latitude. */
+bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
+                           double y, double *z_ret);
+
+#endif

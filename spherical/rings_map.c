@@ -1,0 +1,194 @@
+/* rings_map.c - the map transform in double: from the static geometry to the charts, and the heights drawn.
+ *
+ * The oracle of shaders/rings.glsl, which does the same in float. */
+#include <math.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/pyramid/pyramid.h"
+#include "rings_internal.h"
+
+#define DEGREE (M_PI / 180)
+
+/* Longitude and colatitude relative to the viewer's, without cancellation (the design, section 7). */
+static void relative_angles(const rings_view *v, double s_x, double s_y, double h, double *dphi_ret, double *dtheta_ret)
+{
+    double c = 1 - h, st = v->sin_theta, ct = v->cos_theta;
+    double px = ct * s_x + st * c, pz = -st * s_x + ct * c, rho = hypot(px, s_y);
+    double sine = px >= 0 ? s_x + (rho + px > 0 ? ct * s_y * s_y / (rho + px) : 0) : rho * ct - pz * st;
+    *dphi_ret = atan2(s_y, px);
+    *dtheta_ret = atan2(sine, rho * st + pz * ct);
+}
+
+/* z of a direction in the frame of the viewer's meridian, and how much it is above the viewer's. */
+static double rise(const rings_view *v, double s_x, double h)
+{
+    return -v->sin_theta * s_x - v->cos_theta * h;
+}
+
+void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, double s_x, double s_y, double h,
+                  double *du_ret, double *dv_ret)
+{
+    const tc_chart *c = &s->atlas->chart[chart];
+    double dx, dy;
+    if (c->projection == TC_LONLAT) {
+        relative_angles(view, s_x, s_y, h, &dx, &dy);
+        dy = -dy;
+    } else {
+        const double *k = view->place[chart].c;
+        double pz = view->cos_theta + rise(view, s_x, h), scale = 2 / (1 + (c->projection == TC_CAP_NORTH ? pz : -pz));
+        double x = scale * (k[0] * s_x + k[1] * h + k[2]), y = scale * s_y;
+        dx = view->cos_lambda * x - view->sin_lambda * y;
+        dy = view->sin_lambda * x + view->cos_lambda * y;
+    }
+    *du_ret = dx / c->dx;
+    *dv_ret = dy / c->dy;
+}
+
+void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h,
+                      double weight_ret[TC_MAX_CHARTS])
+{
+    (void)s_y;
+    const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
+    double pz = view->cos_theta + rise(view, s_x, h);
+    weight_ret[0] = 1, weight_ret[1] = weight_ret[2] = 0;
+    if (s->head.charts < TC_MAX_CHARTS)
+        return;
+    weight_ret[1] = fmin(fmax((pz - lo) / (hi - lo), 0), 1);
+    weight_ret[2] = fmin(fmax((-pz - lo) / (hi - lo), 0), 1);
+    weight_ret[0] = 1 - weight_ret[1] - weight_ret[2];
+}
+
+double tc_rings_shift(const rings_surface *s, double w)
+{
+    return fmax(0, s->shift_base + 1 - w);
+}
+
+rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
+                           double shift)
+{
+    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const rings_place *at = &view->place[chart];
+    int levels = tc_clipmap_levels(clipmap), finest = tc_clipmap_level(clipmap, levels)->shift;
+    int k = (int)fmin(fmax(floor(shift), finest), finest + levels - 1);
+    double alpha = fmin(fmax(shift - k, 0), 1), fade = 10.0 / tc_clipmap_n(clipmap);
+    for (; k < finest + levels; k++, alpha = 0) {
+        int level = levels - (k - finest);
+        rings_extent r = tc_rings_held(clipmap, level);
+        double u = ldexp(at->x + du, -k), v = ldexp(at->y + dv, -k);
+        double inside = fmin(fmin(u - r.x0, r.x1 - u), fmin(v - r.y0, r.y1 - v));
+        if (inside < 0)
+            continue;
+        if (level > 1)
+            alpha = fmax(alpha, 1 - inside * fade);
+        else
+            alpha = 0;
+        return (rings_sample){level, alpha, u, v};
+    }
+    return (rings_sample){0};
+}
+
+rings_extent tc_rings_held(const tc_clipmap *clipmap, int level)
+{
+    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+    tc_level size = tc_pyramid_level(tc_clipmap_pyramid(clipmap), tc_clipmap_pyramid_level(clipmap, level));
+    bool wraps = l->extent.x0 < 0;
+    /* Vertices beyond the last sample are not on the lattice. */
+    int64_t x1 = wraps ? l->clip.x1 : tc_min64(l->clip.x1, size.width), y1 = tc_min64(l->clip.y1, size.height);
+    return (rings_extent){(double)l->clip.x0, (double)l->clip.y0, (double)x1 - 1, (double)y1 - 1};
+}
+
+double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample)
+{
+    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    int64_t mask = tc_clipmap_n(clipmap);
+    rings_extent r = tc_rings_held(clipmap, sample->level);
+    double i = fmax(fmin(floor(sample->u), r.x1 - 1), r.x0), j = fmax(fmin(floor(sample->v), r.y1 - 1), r.y0);
+    double t[2] = {sample->u - i, sample->v - j}, z[4];
+    for (int k = 0; k < 4; k++) {
+        int64_t x = ((int64_t)i + (k & 1)) & mask, y = ((int64_t)j + (k >> 1)) & mask;
+        const float *q = tc_clipmap_heights(clipmap, sample->level)[y * (mask + 1) + x];
+        z[k] = (1 - sample->alpha) * (double)q[0] + sample->alpha * (double)q[1];
+    }
+    double south = z[0] + t[0] * (z[1] - z[0]), north = z[2] + t[0] * (z[3] - z[2]);
+    return south + t[1] * (north - south);
+}
+
+double tc_rings_height(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h, double w)
+{
+    double weight[TC_MAX_CHARTS], z = 0, shift = tc_rings_shift(s, w);
+    tc_rings_weights(s, view, s_x, s_y, h, weight);
+    for (int chart = 0; chart < s->head.charts; chart++) {
+        if (weight[chart] <= 0)
+            continue;
+        double du, dv;
+        tc_rings_map(s, view, chart, s_x, s_y, h, &du, &dv);
+        rings_sample at = tc_rings_find(s, view, chart, du, dv, shift);
+        z += weight[chart] * (at.level ? tc_rings_sample_height(s, chart, &at) : s->outside);
+    }
+    return z;
+}
+
+/* Vertex of the drawn mesh at row r (fractions of a level inwards: w) and column k, from the planet's middle. */
+static void mesh_vertex(const rings_surface *s, const rings_view *view, double theta, double w, int k, double p[3])
+{
+    double phi = 2 * M_PI * k / s->geometry.n_phi, half = sin(theta / 2), h = 2 * half * half;
+    double sx = sin(theta) * cos(phi), sy = sin(theta) * sin(phi);
+    double r = view->radius + tc_rings_height(s, view, sx, sy, h, w);
+    p[0] = r * sx, p[1] = r * sy, p[2] = r * (1 - h);
+}
+
+/* Where the ray from the middle along d meets the triangle's plane; *inside_ret: at least this far within, in shares of
+ * its corners. */
+static double meet(const double d[3], const double a[3], const double b[3], const double c[3], double *inside_ret)
+{
+    /* d = x a + y b + z c by Cramer's rule; the plane is x + y + z = 1. */
+    double bc[3] = {b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]};
+    double ca[3] = {c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0]};
+    double ab[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    double det = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
+    double x = (d[0] * bc[0] + d[1] * bc[1] + d[2] * bc[2]) / det;
+    double y = (d[0] * ca[0] + d[1] * ca[1] + d[2] * ca[2]) / det;
+    double z = (d[0] * ab[0] + d[1] * ab[1] + d[2] * ab[2]) / det;
+    double sum = x + y + z;
+    *inside_ret = det == 0 ? -INFINITY : fmin(fmin(x, y), z) / sum;
+    return 1 / sum;
+}
+
+bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
+                           double y, double *z_ret)
+{
+    (void)options;
+    const rings_surface *s = (const rings_surface *)surface;
+    const rings_geometry *g = &s->geometry;
+    rings_view view = tc_rings_view(s, camera);
+    /* Polar coordinates around the viewer, by half angles. */
+    double dlat = y - camera->y, dlon = x - camera->x, sl = sin(dlon / 2), sp = sin(dlat / 2);
+    double h = 2 * (sp * sp + cos(y) * cos(camera->y) * sl * sl);
+    double sy = cos(y) * sin(dlon), sx = -(sin(dlat) + 2 * sin(camera->y) * cos(y) * sl * sl);
+    double theta = 2 * asin(fmin(1, sqrt(h / 2))), phi = atan2(sy, sx);
+    double d[3] = {sx, sy, 1 - h};
+    if (phi < 0)
+        phi += 2 * M_PI;
+    int column = (int)fmin(floor(phi / (2 * M_PI) * g->n_phi), g->n_phi - 1);
+    int i = theta > 0 ? (int)fmax(0, fmin(floor(log2(M_PI / theta)), 1000)) : 1000;
+    double outer, inner, w0, w1;
+    if (i > view.finest) { /* within the disc */
+        double edge = ldexp(M_PI, -view.finest - 1);
+        double q = fmin(floor((1 - theta / edge) * g->fill), g->fill - 1);
+        outer = edge * (1 - q / g->fill), inner = edge * (1 - (q + 1) / g->fill);
+        w0 = w1 = view.finest + 1;
+    } else {
+        double edge = ldexp(M_PI, -i), j = fmin(fmax(floor((1 - theta / edge) * 2 * g->m), 0), g->m - 1);
+        outer = edge * (1 - 0.5 * j / g->m), inner = edge * (1 - 0.5 * (j + 1) / g->m);
+        w0 = i + j / g->m, w1 = i + (j + 1) / g->m;
+    }
+    double p[4][3], in[2];
+    mesh_vertex(s, &view, outer, w0, column, p[0]);
+    mesh_vertex(s, &view, inner, w1, column, p[1]);
+    mesh_vertex(s, &view, outer, w0, column + 1, p[2]);
+    mesh_vertex(s, &view, inner, w1, column + 1, p[3]);
+    double r0 = meet(d, p[0], p[1], p[2], &in[0]);
+    double r1 = inner > 0 ? meet(d, p[1], p[3], p[2], &in[1]) : (in[1] = -INFINITY, 0);
+    *z_ret = (in[0] >= in[1] ? r0 : r1) - view.radius + tc_pyramid_info(s->atlas->chart[0].pyramid)->z_base;
+    return isfinite(*z_ret);
+}

@@ -1,0 +1,320 @@
+/* rings_view.c - where the viewer is: on the charts, above what ground, and which levels and windows follow from that.
+ */
+#include <math.h>
+#include <stdlib.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/clipmap/camera.h"
+#include "common/core/pyramid/pyramid.h"
+#include "rings_internal.h"
+
+#define DEGREE (M_PI / 180)
+
+/* ---- On the charts --------------------------------------------------------------------------------------------- */
+
+static rings_place place_lonlat(const rings_surface *s, int chart, const tc_camera *camera)
+{
+    const tc_chart *c = &s->atlas->chart[chart];
+    rings_place at = {.x = (camera->x - c->x0) / c->dx, .y = (camera->y - c->y0) / c->dy, .near = true};
+    tc_level size = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
+    double period = 2 * M_PI / c->dx, middle = 0.5 * (double)(size.width - 1);
+    if (c->wraps) { /* the number of the viewer's column that is next to what is held already */
+        const tc_clip_level *l = tc_clipmap_level(s->head.clipmap[chart], 1);
+        middle = ldexp(0.5 * (double)(l->clip.x0 + l->clip.x1), l->shift);
+    }
+    at.x += period * rint((middle - at.x) / period);
+    return at;
+}
+
+static rings_place place_cap(const rings_surface *s, int chart, const rings_view *v)
+{
+    const tc_chart *c = &s->atlas->chart[chart];
+    bool north = c->projection == TC_CAP_NORTH;
+    double theta = north ? v->theta : M_PI - v->theta, t = tan(theta / 2);
+    rings_place at = {.near = theta <= M_PI / 2};
+    double x = at.near ? 2 * t : 0; /* along the viewer's meridian */
+    at.x = (x * v->cos_lambda - c->x0) / c->dx;
+    at.y = (x * v->sin_lambda - c->y0) / c->dy;
+    if (at.near)
+        at.c[0] = north ? 1 : -1, at.c[1] = -t;
+    else
+        at.c[0] = v->cos_theta, at.c[1] = -v->sin_theta, at.c[2] = v->sin_theta;
+    return at;
+}
+
+static rings_view place(const rings_surface *s, const tc_camera *camera)
+{
+    double z_base = tc_pyramid_info(s->atlas->chart[0].pyramid)->z_base;
+    rings_view v = {.theta = M_PI / 2 - camera->y, .radius = s->atlas->radius + z_base, .z_eye = camera->z - z_base};
+    v.sin_theta = fmax(cos(camera->y), 0), v.cos_theta = sin(camera->y);
+    v.cos_lambda = cos(camera->x), v.sin_lambda = sin(camera->x);
+    for (int chart = 0; chart < s->head.charts; chart++)
+        v.place[chart] = s->atlas->chart[chart].projection == TC_LONLAT ? place_lonlat(s, chart, camera)
+                                                                        : place_cap(s, chart, &v);
+    double weight[TC_MAX_CHARTS];
+    tc_rings_weights(s, &v, 0, 0, 0, weight);
+    for (int chart = 0; chart < s->head.charts; chart++) {
+        v.place[chart].weight = weight[chart];
+        v.near[chart].shift = -1;
+    }
+    return v;
+}
+
+/* ---- Ground ---------------------------------------------------------------------------------------------------- */
+
+enum { AROUND = 6, BLOCK = 2 * AROUND, NEAR = 4 }; /* samples; slopes bound heights within NEAR of the viewer */
+
+/* What a block of samples around the viewer, whose first one is at (i, j), says; w x h of them with this stride. */
+static rings_near near_of(const float *z, int64_t w, int64_t h, int64_t stride, double u, double v, int shift)
+{
+    rings_near near = {.shift = shift};
+    for (int64_t y = 0; y < h; y++)
+        for (int64_t x = 0; x < w; x++) {
+            double here = z[y * stride + x];
+            if (x + 1 < w)
+                near.steepest = fmax(near.steepest, fabs((double)z[y * stride + x + 1] - here));
+            if (y + 1 < h)
+                near.steepest = fmax(near.steepest, fabs((double)z[(y + 1) * stride + x] - here));
+        }
+    int64_t i = tc_clamp64((int64_t)floor(u), 0, tc_max64(w - 2, 0)), right = w > 1 ? 1 : 0;
+    int64_t j = tc_clamp64((int64_t)floor(v), 0, tc_max64(h - 2, 0)), up = h > 1 ? stride : 0;
+    const float *c = z + j * stride + i;
+    double tu = u - (double)i, tv = v - (double)j, twist = (double)c[up + right] - c[up] - c[right] + c[0];
+    near.slope[0] = (double)c[right] - c[0] + twist * tv;
+    near.slope[1] = (double)c[up] - c[0] + twist * tu;
+    near.slope[2] = twist;
+    near.z = c[0] + tu * ((double)c[right] - c[0]) + tv * ((double)c[up] - c[0]) + tu * tv * twist;
+    return near;
+}
+
+/* The ground around the viewer on a chart, from its pyramid. */
+static rings_near read_near(const rings_surface *s, const rings_view *v, int chart)
+{
+    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    int levels = tc_clipmap_levels(clipmap), shift = tc_clipmap_level(clipmap, levels)->shift;
+    int level = tc_clipmap_pyramid_level(clipmap, levels);
+    double x = ldexp(v->place[chart].x, -shift), y = ldexp(v->place[chart].y, -shift);
+    tc_level size = tc_pyramid_level(pyramid, level);
+    bool wraps = s->atlas->chart[chart].wraps;
+    tc_rect r = {(int64_t)floor(x) - AROUND + 1, (int64_t)floor(y) - AROUND + 1, (int64_t)floor(x) + AROUND + 1,
+                 (int64_t)floor(y) + AROUND + 1};
+    tc_rect there = tc_rect_intersect(r, (tc_rect){wraps ? r.x0 : 0, 0, wraps ? r.x1 : size.width, size.height});
+    float z[BLOCK * BLOCK];
+    if (!v->place[chart].near || tc_rect_empty(there) || tc_pyramid_read(pyramid, level, there, z, NULL, BLOCK))
+        return (rings_near){.shift = -1};
+    return near_of(z, there.x1 - there.x0, there.y1 - there.y0, BLOCK, x - (double)there.x0, y - (double)there.y0,
+                   shift);
+}
+
+void tc_rings_ground(const rings_surface *s, rings_view *v)
+{
+    double shift = tc_rings_shift(s, v->finest + 1);
+    v->z = 0;
+    for (int chart = 0; chart < s->head.charts; chart++) {
+        const tc_clipmap *clipmap = s->head.clipmap[chart];
+        rings_sample at = tc_rings_find(s, v, chart, 0, 0, shift);
+        v->near[chart] = (rings_near){.shift = -1, .z = s->outside};
+        if (at.level && v->place[chart].near) {
+            rings_extent r = tc_rings_held(clipmap, at.level);
+            int64_t i = (int64_t)floor(at.u), j = (int64_t)floor(at.v), mask = tc_clipmap_n(clipmap);
+            tc_rect there = {tc_max64(i - AROUND + 1, (int64_t)r.x0), tc_max64(j - AROUND + 1, (int64_t)r.y0),
+                             tc_min64(i + AROUND, (int64_t)r.x1) + 1, tc_min64(j + AROUND, (int64_t)r.y1) + 1};
+            float z[BLOCK * BLOCK];
+            for (int64_t y = there.y0; y < there.y1; y++)
+                for (int64_t x = there.x0; x < there.x1; x++)
+                    z[(y - there.y0) * BLOCK + x - there.x0] =
+                        tc_clipmap_heights(clipmap, at.level)[(y & mask) * (mask + 1) + (x & mask)][0];
+            v->near[chart] = near_of(z, there.x1 - there.x0, there.y1 - there.y0, BLOCK, at.u - (double)there.x0,
+                                     at.v - (double)there.y0, tc_clipmap_level(clipmap, at.level)->shift);
+            v->near[chart].z = tc_rings_sample_height(s, chart, &at);
+            if (at.alpha > 0)
+                v->near[chart].shift = -1; /* a mixture of two levels, which no slopes describe */
+        }
+        v->z += v->place[chart].weight * v->near[chart].z;
+    }
+}
+
+/* ---- Extents ---------------------------------------------------------------------------------------------------- */
+
+static const rings_extent nothing = {0, 0, -1, -1};
+
+/* Longitudes on either side of the viewer that the disc reaches where it is between two latitudes. */
+static double reach(const rings_view *v, double angle, double south, double north)
+{
+    double lat = M_PI / 2 - v->theta;
+    /* Where meridians touch the disc. */
+    double touch = angle < M_PI / 2 ? asin(fmin(fmax(sin(lat) / cos(angle), -1), 1)) : lat > 0 ? M_PI / 2 : -M_PI / 2;
+    double phi = fmin(fmax(touch, south), north), d = v->sin_theta * cos(phi);
+    if (d <= 0 || angle >= M_PI)
+        return M_PI;
+    double c = (cos(angle) - v->cos_theta * sin(phi)) / d;
+    return c >= 1 ? 0 : c <= -1 ? M_PI : acos(c);
+}
+
+rings_extent tc_rings_extent(const rings_surface *s, const rings_view *v, int chart, double angle)
+{
+    const tc_chart *c = &s->atlas->chart[chart];
+    const rings_place *at = &v->place[chart];
+    bool caps = s->head.charts == TC_MAX_CHARTS;
+    double lat = M_PI / 2 - v->theta;
+    if (c->projection == TC_LONLAT) {
+        double limit = caps ? TC_CAP_BLEND_END * DEGREE : M_PI / 2;
+        double south = fmax(lat - angle, -limit), north = fmin(lat + angle, limit);
+        if (south > north)
+            return nothing;
+        double half = reach(v, angle, south, north) / c->dx;
+        return (rings_extent){-half, (south - lat) / c->dy, half, (north - lat) / c->dy};
+    }
+    double theta = c->projection == TC_CAP_NORTH ? v->theta : M_PI - v->theta;
+    double rim = (90 - TC_CAP_BLEND_START) * DEGREE, edge = 2 * tan(rim / 2);
+    if (theta - angle > rim)
+        return nothing;
+    /* A disc on the sphere is a disc on the chart: from its nearest to its farthest point on the viewer's meridian. */
+    double x0 = -edge, x1 = edge, y0 = -edge, y1 = edge;
+    if (theta + angle < 0.9 * M_PI) {
+        double near_end = 2 * tan((theta - angle) / 2), far_end = 2 * tan((theta + angle) / 2);
+        double middle = 0.5 * (near_end + far_end), r = 0.5 * (far_end - near_end);
+        x0 = fmax(x0, middle * v->cos_lambda - r), x1 = fmin(x1, middle * v->cos_lambda + r);
+        y0 = fmax(y0, middle * v->sin_lambda - r), y1 = fmin(y1, middle * v->sin_lambda + r);
+    }
+    if (x0 > x1 || y0 > y1)
+        return nothing;
+    double px = c->x0 + at->x * c->dx, py = c->y0 + at->y * c->dy;
+    return (rings_extent){(x0 - px) / c->dx, (y0 - py) / c->dy, (x1 - px) / c->dx, (y1 - py) / c->dy};
+}
+
+/* ---- Bounds ----------------------------------------------------------------------------------------------------- */
+
+static void widen(double *lo, double *hi, double a, double b)
+{
+    *lo = fmin(*lo, a);
+    *hi = fmax(*hi, b);
+}
+
+/* Bounds of a chart's heights over an extent, on all levels that may be drawn there. */
+static void chart_bounds(const rings_surface *s, const rings_view *v, int chart, rings_extent e, double *lo, double *hi)
+{
+    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
+        int shift = tc_clipmap_level(clipmap, level)->shift;
+        if (ldexp(fmax(e.x1 - e.x0, e.y1 - e.y0), -shift) > 2.0 * tc_clipmap_n(clipmap))
+            continue; /* more than a window of this level holds; coarser ones say enough */
+        double x = v->place[chart].x, y = v->place[chart].y;
+        tc_rect r = {(int64_t)floor(ldexp(x + e.x0, -shift)) - 1, (int64_t)floor(ldexp(y + e.y0, -shift)) - 1,
+                     (int64_t)ceil(ldexp(x + e.x1, -shift)) + 2, (int64_t)ceil(ldexp(y + e.y1, -shift)) + 2};
+        float a, b;
+        tc_pyramid_bounds(pyramid, tc_clipmap_pyramid_level(clipmap, level), r, &a, &b);
+        widen(lo, hi, a, b);
+    }
+}
+
+void tc_rings_bounds(const rings_surface *s, const rings_view *v, double angle, double *lo_ret, double *hi_ret)
+{
+    *lo_ret = s->z_lo, *hi_ret = s->z_hi;
+    if (angle > 0.3)
+        return;
+    double lo = INFINITY, hi = -INFINITY;
+    for (int chart = 0; chart < s->head.charts; chart++) {
+        const rings_near *near = &v->near[chart];
+        rings_extent e = tc_rings_extent(s, v, chart, angle);
+        if (e.x1 < e.x0)
+            continue;
+        double cells = ldexp(fmax(fmax(e.x1, -e.x0), fmax(e.y1, -e.y0)), -near->shift);
+        if (near->shift >= 0 && cells <= NEAR)
+            widen(&lo, &hi, near->z - 2 * cells * near->steepest, near->z + 2 * cells * near->steepest);
+        else
+            chart_bounds(s, v, chart, e, &lo, &hi);
+    }
+    if (s->atlas->chart[0].projection == TC_LONLAT && !s->atlas->chart[0].wraps)
+        widen(&lo, &hi, s->outside, s->outside);
+    *lo_ret = fmax(lo, s->z_lo), *hi_ret = fmin(hi, s->z_hi);
+}
+
+/* ---- Levels ----------------------------------------------------------------------------------------------------- */
+
+static void set_levels(const rings_surface *s, const tc_camera *camera, rings_view *v)
+{
+    const rings_geometry *g = &s->geometry;
+    /* Equation 6, with the lowest ground, and the mesh's chords below it, as what hides and the highest as what is
+     * hidden. */
+    double sag = cos(fmax(M_PI / g->n_phi, M_PI / (8 * g->m)));
+    double low = fmax((v->radius + s->z_lo) * sag, 0), top = v->radius + s->z_hi, eye = v->radius + v->z_eye;
+    v->horizon = acos(fmin(1, low / fmax(eye, low))) + acos(fmin(1, low / fmax(top, low)));
+    while (v->first < g->levels - 1 && ldexp(M_PI, -v->first - 1) > v->horizon)
+        v->first++;
+    /* Equation 8: the steps of the finest level are about a pixel. */
+    double scale = tc_camera_pixel_scale(camera);
+    bool read = false;
+    for (v->finest = v->first; v->finest < g->levels - 1; v->finest++) {
+        double angle = ldexp(M_PI, -v->finest), lo, hi;
+        if (!read && v->finest > s->shift_base + 3) { /* within a few of the finest samples: see what they are */
+            for (int chart = 0; chart < s->head.charts; chart++)
+                v->near[chart] = read_near(s, v, chart);
+            read = true;
+        }
+        tc_rings_bounds(s, v, angle, &lo, &hi);
+        double step = angle * v->radius * fmax(0.5 / g->m, 2 * M_PI / g->n_phi);
+        if (step * scale <= v->z_eye - hi)
+            break;
+    }
+}
+
+rings_view tc_rings_view(const rings_surface *s, const tc_camera *camera)
+{
+    rings_view v = place(s, camera);
+    set_levels(s, camera, &v);
+    return v;
+}
+
+/* The window of a level: the extent as even samples, at most n around the viewer. */
+static tc_rect window(const rings_place *at, rings_extent e, int shift, int n, tc_rect extent)
+{
+    int64_t side[2][2];
+    const double middle[2] = {at->x, at->y}, lo[2] = {e.x0, e.y0}, hi[2] = {e.x1, e.y1};
+    const int64_t least[2] = {extent.x0, extent.y0}, most[2] = {extent.x1, extent.y1};
+    for (int a = 0; a < 2; a++) {
+        /* A sample more on all sides for what is between samples, and two for the passage to the coarser level. */
+        int64_t x0 = (int64_t)floor(ldexp(middle[a] + lo[a], -shift)) - 3;
+        int64_t x1 = (int64_t)ceil(ldexp(middle[a] + hi[a], -shift)) + 4;
+        int64_t eye = tc_clamp64((int64_t)floor(ldexp(middle[a], -shift)), x0, x1);
+        if (x1 - x0 > n - 1) {
+            x0 = tc_clamp64(eye - n / 2, x0, x1 - (n - 1));
+            x1 = x0 + n - 1;
+        }
+        x0 = tc_max64(x0 & ~(int64_t)1, least[a]);
+        x1 = tc_min64(x1 | 1, most[a]);
+        side[a][0] = x0, side[a][1] = x1;
+    }
+    tc_rect r = {side[0][0], side[1][0], side[0][1], side[1][1]};
+    return tc_rect_empty(r) ? (tc_rect){0, 0, 0, 0} : r;
+}
+
+void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS])
+{
+    const rings_surface *s = (const rings_surface *)surface;
+    rings_view v = tc_rings_view(s, camera);
+    for (int chart = 0; chart < surface->charts; chart++) {
+        const tc_clipmap *clipmap = surface->clipmap[chart];
+        int levels = tc_clipmap_levels(clipmap), n = tc_clipmap_n(clipmap);
+        for (int level = 1; level <= levels; level++) {
+            const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+            int ring = s->shift_base - l->shift; /* the last one outwards that reads this level */
+            wanted[chart][level - 1] = (tc_rect){0, 0, 0, 0};
+            if (level == 1 && l->extent.x0 < 0) { /* once around */
+                int64_t width = l->clip.x1 - l->clip.x0;
+                int64_t x0 = ((int64_t)floor(ldexp(v.place[chart].x, -l->shift)) - width / 2) & ~(int64_t)1;
+                wanted[chart][0] = (tc_rect){x0, l->extent.y0, x0 + width, l->extent.y1};
+                continue;
+            }
+            if (level > 1 && ring > v.finest)
+                continue;
+            rings_extent e = tc_rings_extent(s, &v, chart, fmin(ldexp(M_PI, -ring), v.horizon * 1.02 + 1e-9));
+            if (level == 1)
+                wanted[chart][0] = l->extent;
+            else if (e.x1 >= e.x0)
+                wanted[chart][level - 1] = window(&v.place[chart], e, l->shift, n, l->extent);
+        }
+    }
+}
