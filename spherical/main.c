@@ -13,6 +13,7 @@ static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *r
     const tc_rings_options options = {.scheme = ch06 ? TC_RINGS_CH06 : TC_RINGS_EXACT,
                                       .n_phi = request->n,
                                       .m = request->steps,
+                                      .n = request->interactive ? 255 : tc_clipmap_n_for(request->camera),
                                       .max_levels = request->levels,
                                       .normals = request->normals,
                                       .holes = request->holes};

@@ -21,6 +21,7 @@ typedef struct tc_rings_options {
     tc_rings_scheme scheme;
     int n_phi; /* steps around, a multiple of 32 from 64 to 2048; 0: 512 */
     int m;     /* steps outwards in a level, even, 4 to 64; 0: 20 */
+    int n;     /* samples a side of the windows, 2^k - 1, at least; what is more than geometry needs, shading uses */
     int max_levels; /* of each chart; 0: all */
     bool normals, holes;
 } tc_rings_options;

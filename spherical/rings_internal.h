@@ -47,6 +47,7 @@ typedef struct rings_view {
     double z_eye;  /* metres above z_base */
     double radius; /* metres, of what heights are above: z_base added */
     rings_place place[TC_MAX_CHARTS];
+    double detail;     /* levels by which shading is finer than geometry */
     double horizon;    /* angle from the foot point beyond which nothing can be seen */
     int first, finest; /* levels of the rings to be drawn */
     rings_near near[TC_MAX_CHARTS];
@@ -103,8 +104,14 @@ void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x
                       double weight_ret[TC_MAX_CHARTS]);
 /* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one. */
 double tc_rings_shift(const rings_surface *s, double w);
-/* Samples of a level that are held and lie on its lattice: x0 <= u <= x1. */
+/* What is held of a level, samples: up to the terrain's end where it reaches it. There the last samples of the level's
+ * lattice (x1 and y1 of the second) may lie up to one before, and heights go on as they are. */
 rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);
+rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level);
+/* Whether the planet is a part of a globe. */
+bool tc_rings_regional(const rings_surface *s);
+/* Of a part of a globe: its sides, finest samples relative to the view's place. */
+rings_extent tc_rings_region(const rings_surface *s, const rings_view *view);
 rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
                            double shift);
 double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample);
