@@ -15,6 +15,8 @@
 #include "rings_internal.h"
 
 #define DEGREE (M_PI / 180)
+/* Spacing, metres, from which on normals are kept steeper than the terrain; also in rings.frag. */
+#define RELIEF 60
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
@@ -224,7 +226,8 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
     for (int chart = 0; chart < s->atlas->charts; chart++) {
         const tc_chart *c = &s->atlas->chart[chart];
         tc_clipmap_options clip = {
-            .n = n, .max_levels = o->max_levels, .normals = o->normals, .holes = o->holes, .wraps = c->wraps};
+            .n = n, .max_levels = o->max_levels, .normals = o->normals, .holes = o->holes, .wraps = c->wraps,
+            .relief = RELIEF};
         tc_status status = tc_clipmap_create(c->pyramid, &clip, &s->head.clipmap[chart], error);
         if (status)
             return status;
