@@ -24,8 +24,9 @@ int main(int argc, char **argv)
 {
     static const tc_viewer_program program = {
         .name = "planet-viewer",
-        .summary = "Shows a map of a planet in longitude and latitude, or of a part of one, as a globe: from space to the "
-                   "ground, in a window or as a picture.",
+        .summary =
+            "Shows a map of a planet in longitude and latitude, or of a part of one, as a globe: from space to the "
+            "ground, in a window or as a picture.",
         .navigation = &tc_globe_navigation,
         .sphere = true,
         .make_surface = make_surface,

@@ -12,9 +12,9 @@
  * disc that fills its inside where it is the finest. A vertex is (s_x, s_y, h, w): w the level, counted on within it
  * from its outer edge inwards, so i at the outer edge of level i and i + 1 at its inner one. */
 typedef struct rings_geometry {
-    int levels, n_phi, m, fill; /* fill: rows of the disc */
-    int stride;                 /* vertices from row to row */
-    int sectors;                /* parts of a level that are drawn alone */
+    int levels, n_phi, m, fill;        /* fill: rows of the disc */
+    int stride;                        /* vertices from row to row */
+    int sectors;                       /* parts of a level that are drawn alone */
     uint32_t *ring_first, *fill_first; /* [sector]: first index */
     uint32_t ring_count, fill_count;   /* indices of a sector */
 } rings_geometry;
@@ -24,7 +24,8 @@ tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *
 int tc_rings_level_base(const rings_geometry *g, int i);
 int tc_rings_fill_base(const rings_geometry *g, int i);
 
-/* ---- Where the viewer is (rings_view.c) --------------------------------------------------------------------------- */
+/* ---- Where the viewer is (rings_view.c) ---------------------------------------------------------------------------
+ */
 
 /* The viewer as seen by one chart. */
 typedef struct rings_place {
@@ -60,8 +61,8 @@ typedef struct rings_surface {
     tc_rings_scheme scheme;
     rings_geometry geometry;
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
-    int shift_base;    /* S_0: ring i reads levels S_0 - i (inner edge) to S_0 - i + 1 (outer), counted from the finest */
-    double outside;    /* height where no chart is, metres above z_base */
+    int shift_base; /* S_0: ring i reads levels S_0 - i (inner edge) to S_0 - i + 1 (outer), counted from the finest */
+    double outside; /* height where no chart is, metres above z_base */
     int capacity;
     tc_draw *draws;
     tc_instance *instances;
@@ -87,7 +88,8 @@ void tc_rings_bounds(const rings_surface *s, const rings_view *view, double angl
 
 void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
 
-/* ---- The map transform in double (rings_map.c) --------------------------------------------------------------------- */
+/* ---- The map transform in double (rings_map.c) ---------------------------------------------------------------------
+ */
 
 /* Which level a vertex reads of a chart, and where. */
 typedef struct rings_sample {

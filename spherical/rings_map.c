@@ -124,8 +124,8 @@ rings_extent tc_rings_region(const rings_surface *s, const rings_view *view)
     return (rings_extent){-x, -y, (double)(size.width - 1) - x, (double)(size.height - 1) - y};
 }
 
-/* Brings a place beside a part of a globe to its side; the share of the height there that is left, since what is outside
- * comes down to the sphere within about a cell of the mesh. */
+/* Brings a place beside a part of a globe to its side; the share of the height there that is left, since what is
+ * outside comes down to the sphere within about a cell of the mesh. */
 static double come_inside(const rings_surface *s, const rings_view *view, double h, double *du, double *dv)
 {
     const tc_chart *c = &s->atlas->chart[0];

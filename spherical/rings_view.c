@@ -62,8 +62,8 @@ static rings_view place(const rings_surface *s, const tc_camera *camera)
     v.detail = finer_detail(s, camera->y);
     v.cos_lambda = cos(camera->x), v.sin_lambda = sin(camera->x);
     for (int chart = 0; chart < s->head.charts; chart++)
-        v.place[chart] = s->atlas->chart[chart].projection == TC_LONLAT ? place_lonlat(s, chart, camera)
-                                                                        : place_cap(s, chart, &v);
+        v.place[chart] =
+            s->atlas->chart[chart].projection == TC_LONLAT ? place_lonlat(s, chart, camera) : place_cap(s, chart, &v);
     double weight[TC_MAX_CHARTS];
     tc_rings_weights(s, &v, 0, 0, 0, weight);
     for (int chart = 0; chart < s->head.charts; chart++) {

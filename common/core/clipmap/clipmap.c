@@ -113,6 +113,7 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     s->view.extent = (tc_rect){0, 0, vertices_to_edge(s->view.edge_x, s->view.shift),
                                vertices_to_edge(s->view.edge_y, s->view.shift)};
     s->wraps = options->wraps;
+    s->relief = tc_normal_relief(sqrt(own.spacing_x * own.spacing_y), options->relief);
     if (s->wraps) {
         s->view.edge_x = ENDLESS;
         s->view.extent.x1 = (ENDLESS >> s->view.shift) + 1;

@@ -15,6 +15,8 @@
 #ifndef TC_CLIPMAP_H
 #define TC_CLIPMAP_H
 
+#include <math.h>
+
 #include "common/terraclip.h"
 
 typedef struct tc_clipmap tc_clipmap;
@@ -26,6 +28,8 @@ typedef struct tc_clipmap_options {
     int max_levels; /* 0: as many as the pyramid needs */
     bool normals;   /* keep normals, too, at twice the resolution */
     bool holes;     /* keep the void mask, too */
+    double relief;  /* metres: levels of spacing g keep slopes times tc_normal_relief(g, relief), since what is far between
+                       is gentle and would be lost in eight bits; 0: as they are */
     bool wraps;     /* go on in x beyond the pyramid's sides, where its levels wrap; a sample then has many numbers */
 } tc_clipmap_options;
 
@@ -45,6 +49,12 @@ const tc_pyramid *tc_clipmap_pyramid(const tc_clipmap *clipmap);
 
 /* The pyramid's number of a clipmap level. */
 int tc_clipmap_pyramid_level(const tc_clipmap *clipmap, int level);
+
+/* By how much a level's normals are steeper than the terrain; at least 1. */
+static inline double tc_normal_relief(double spacing, double relief)
+{
+    return relief > 0 && spacing > relief ? sqrt(spacing / relief) : 1;
+}
 
 /* One level as it stands. */
 typedef struct tc_clip_level {
