@@ -22,7 +22,7 @@ bool chart_height(int chart, vec3 s, float w, float shift, out float height)
     vec4 z;
     for (int k = 0; k < 4; k++) {
         ivec2 corner = ivec2(k & 1, k >> 1);
-        vec2 q = texelFetch(heights_map, ivec3((origin + corner) & WINDOW_MASK, at), 0).rg;
+        precise vec2 q = texelFetch(heights_map, ivec3((origin + corner) & WINDOW_MASK, at), 0).rg;
         q = (q - reference.x) - reference.y;
         vec2 d = cell + vec2(corner) - l.xy;
         // Bilinear interpolation gives the bilinear surface of the viewer's cell back: it is taken off the corners
@@ -35,7 +35,7 @@ bool chart_height(int chart, vec3 s, float w, float shift, out float height)
     }
     // Not 1 - t: beside the sample nearest to the viewer both shares keep all their digits, so that the edge between two
     // cells is where it is.
-    vec2 u = max(cell + 1.0 - where, 1.0 - t);
+    precise vec2 u = max((cell + 1.0) - where, max((cell + 1.0) - layer[3 * at + 1].zw, 0.0));
     height = (z.x * u.x + z.y * t.x) * u.y + (z.z * u.x + z.w * t.x) * t.y;
     if (near) {
         vec2 d = place * l.zw;

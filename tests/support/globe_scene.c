@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "common/core/base/status.h"
+
 static void must(tc_status status, const tc_error *error)
 {
     if (status) {
@@ -74,15 +76,7 @@ void globe_scene_frame(globe_scene *s, const tc_camera *camera, bool draw)
     int frames = 0;
     do
         must(tc_renderer_frame(s->renderer, camera, true, &stats, &error), &error);
-    while (!stats.resident && ++frames < 50);
-    if (!stats.resident) {
-        for (int chart = 0; chart < s->surface->charts; chart++)
-            for (int l = 1; l <= tc_clipmap_levels(s->surface->clipmap[chart]); l++) {
-                tc_clip_level q = *tc_clipmap_level(s->surface->clipmap[chart], l);
-#define R(r) (long)r.x0, (long)r.y0, (long)r.x1, (long)r.y1
-                fprintf(stderr, "chart %d level %d extent %ld %ld %ld %ld clip %ld %ld %ld %ld wanted %ld %ld %ld %ld\n", chart, l, R(q.extent), R(q.clip), R(q.wanted));
-            }
-        fprintf(stderr, "view %.17g %.17g %.17g\n", camera->x, camera->y, camera->z);
-    }
+    while (!stats.resident && ++frames < 100);
+    must(stats.resident ? TC_OK : tc_fail(&error, TC_ERR_IO, "what a view wants is never held"), &error);
     s->gl->Disable(GL_RASTERIZER_DISCARD);
 }

@@ -8,6 +8,8 @@
 
 #include "feedback.h"
 
+static const long double pi = 3.14159265358979323846264338327950288L;
+
 /* In place of renderer.vert: the same, and what was looked up, by the same functions. */
 static const char captured_main[] =
     "out vec3 c_position;\n"
@@ -88,27 +90,20 @@ static double texel_error(const rings_surface *s, const captured_vertex *v, cons
     return hypot(least, apart(dy, torus));
 }
 
-static void compare(const rings_surface *s, const rings_view *view, const tc_camera *camera, const captured_vertex *v,
-                    long double theta, long double phi, long double w, rings_error *e)
+/* What vertex v is off the oracle's o. */
+static void add_error(const rings_surface *s, const tc_camera *camera, const captured_vertex *v, const oracle_vertex *o,
+                      rings_error *e)
 {
-    oracle_vertex o = rings_oracle(s, view, camera, theta, phi, w);
     double d = 0;
     for (int i = 0; i < 3; i++)
-        d = hypot(d, (double)(v->position[i] - o.position[i]));
+        d = hypot(d, (double)(v->position[i] - o->position[i]));
     e->over_radius = worse(e->over_radius, d / s->atlas->radius);
     for (int chart = 0; chart < s->head.charts; chart++)
-        if (o.weight[chart] > 1e-6L)
-            e->texels = worse(e->texels, texel_error(s, v, &o, chart));
-    double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
-    height = tc_rings_height(s, view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
-    /* Half a turn from the viewer is on both sides, and each may hold another level. */
-    const tc_chart *c = &s->atlas->chart[0];
-    double turn = o.weight[0] > 0 ? fabs((double)(o.x[0] - view->place[0].x)) * c->dx : 0;
-    if (turn < M_PI * (1 - 1e-9))
-        e->oracle = worse(e->oracle, fabs((double)(height - o.height)) / s->atlas->radius);
+        if (o->weight[chart] > 1e-6L)
+            e->texels = worse(e->texels, texel_error(s, v, o, chart));
     long double pixel[2];
     e->vertices++;
-    if (!rings_oracle_pixel(camera, o.position, pixel))
+    if (!rings_oracle_pixel(camera, o->position, pixel))
         return;
     double x = (0.5 + 0.5 * v->clip[0] / v->clip[3]) * camera->width - (double)pixel[0];
     double y = (0.5 + 0.5 * v->clip[1] / v->clip[3]) * camera->height - (double)pixel[1];
@@ -116,11 +111,36 @@ static void compare(const rings_surface *s, const rings_view *view, const tc_cam
     e->seen++;
 }
 
+static void compare(const rings_surface *s, const rings_view *view, const tc_camera *camera, const captured_vertex *v,
+                    long double theta, long double phi, long double w, rings_error *e)
+{
+    oracle_vertex o = rings_oracle(s, view, camera, theta, phi, w);
+    const tc_chart *c = &s->atlas->chart[0];
+    /* Half a turn from the viewer is on both sides, and each may hold another level: either is right. */
+    double turn = o.weight[0] > 0 ? fabs((double)(o.x[0] - view->place[0].x)) * c->dx : 0;
+    if (turn > M_PI * (1 - 1e-9)) {
+        rings_error side[2] = {{0}};
+        for (int k = 0; k < 2; k++) {
+            o = rings_oracle(s, view, camera, theta, phi + (k ? 1e-12L : -1e-12L), w);
+            add_error(s, camera, v, &o, &side[k]);
+        }
+        const rings_error *best = &side[side[1].over_radius < side[0].over_radius];
+        e->over_radius = worse(e->over_radius, best->over_radius);
+        e->pixels = worse(e->pixels, best->pixels);
+        e->texels = worse(e->texels, best->texels);
+        e->vertices++, e->seen += best->seen;
+        return;
+    }
+    double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
+    height = tc_rings_height(s, view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
+    e->differ += !(fabs((double)(height - o.height)) <= 1e-12 * s->atlas->radius);
+    add_error(s, camera, v, &o, e);
+}
+
 void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, rings_error error[RINGS_MAX_LEVELS])
 {
     const rings_surface *s = (const rings_surface *)c->globe->surface;
     const rings_geometry *g = &s->geometry;
-    const long double pi = 3.14159265358979323846264338327950288L;
     globe_scene_frame(c->globe, camera, false);
     rings_view view = tc_rings_view(s, camera);
     int first = tc_rings_level_base(g, view.first), rows = (view.finest - view.first + 1) * g->m + 1;
@@ -141,6 +161,30 @@ void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, 
             compare(s, &view, camera, &c->vertices[row * g->stride + k], edge * (1 - (long double)row / g->fill),
                     2 * pi * k / g->n_phi, w, &error[view.finest + 1]);
     compare(s, &view, camera, &c->vertices[g->fill * g->stride], 0, 0, w, &error[view.finest + 1]);
+}
+
+int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, int capacity, double (*offset)[2])
+{
+    const rings_surface *s = (const rings_surface *)c->globe->surface;
+    const rings_geometry *g = &s->geometry;
+    globe_scene_frame(c->globe, camera, false);
+    rings_view view = tc_rings_view(s, camera);
+    int count = 0, from = view.finest - 1, rows = 2 * g->m;
+    feedback_run(c->globe->gl, c->program, tc_rings_level_base(g, from), rows * g->stride,
+                 sizeof *c->vertices / sizeof(float), (float *)c->vertices);
+    for (int row = 0; row < rows; row++)
+        for (int k = row % step; k < g->n_phi && count < capacity; k += step, count++) {
+            const captured_vertex *v = &c->vertices[row * g->stride + k];
+            int i = from + row / g->m;
+            long double j = row % g->m, theta = ldexpl(pi, -i) * (1 - j / (2 * g->m)), pixel[2];
+            oracle_vertex o = rings_oracle(s, &view, camera, theta, 2 * pi * k / g->n_phi, i + j / g->m);
+            offset[count][0] = offset[count][1] = NAN;
+            if (!rings_oracle_pixel(camera, o.position, pixel))
+                continue;
+            offset[count][0] = (0.5 + 0.5 * v->clip[0] / v->clip[3]) * camera->width - (double)pixel[0];
+            offset[count][1] = (0.5 + 0.5 * v->clip[1] / v->clip[3]) * camera->height - (double)pixel[1];
+        }
+    return count;
 }
 
 int64_t rings_capture_additions(rings_capture *c, const tc_camera *camera)

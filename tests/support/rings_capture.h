@@ -9,8 +9,8 @@ enum { RINGS_MAX_LEVELS = 48 };
 
 /* One captured vertex: what rings.vert puts out, and what it looked up. */
 typedef struct captured_vertex {
-    float clip[4];              /* gl_Position */
-    float position[3];          /* from the eye, metres */
+    float clip[4];               /* gl_Position */
+    float position[3];           /* from the eye, metres */
     float map[TC_MAX_CHARTS][4]; /* of a chart: samples from the viewer's cell, layer (-1: none), coarser share */
 } captured_vertex;
 
@@ -29,12 +29,17 @@ typedef struct rings_error {
     double over_radius; /* of the position, share of the radius */
     double pixels;      /* on the screen, of vertices within the frame */
     double texels;      /* of the place, samples of the level that the driver read */
-    double oracle;      /* of rings_map.c's height against the oracle's, share of the radius */
     int64_t vertices, seen;
+    int64_t
+        differ; /* where rings_map.c has another height: on the very edge of a window, where either level is right */
 } rings_error;
 
 /* Draws the view (without pixels) and compares every `step`-th column of the drawn levels; adds to error[level]. */
 void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, rings_error error[RINGS_MAX_LEVELS]);
+
+/* How many pixels every `step`-th column of the two finest levels is off, right and up; NAN outside the frame. Returns
+ * how many there are, at most `capacity`. */
+int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, int capacity, double (*offset)[2]);
 
 /* Vertices whose gl_Position is another in the program without additions, after the same frame. */
 int64_t rings_capture_additions(rings_capture *c, const tc_camera *camera);
