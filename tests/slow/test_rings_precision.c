@@ -130,7 +130,7 @@ static void nothing_jitters(void **state)
         tc_camera c = {.x = 40 * 2 * M_PI / 4096 - 0.4 / radius + k * 0.8e-3 / radius,
                        .y = 0.7 + k * 0.6e-3 / radius,
                        .heading = 0.5,
-                       .pitch = -0.3,
+                       .pitch = -1.2,
                        .fov = M_PI / 2,
                        .width = 1280,
                        .height = 960};

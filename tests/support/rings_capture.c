@@ -169,7 +169,7 @@ int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, i
     const rings_geometry *g = &s->geometry;
     globe_scene_frame(c->globe, camera, false);
     rings_view view = tc_rings_view(s, camera);
-    int count = 0, from = view.finest - 1, rows = 2 * g->m;
+    int count = 0, from = view.finest - 4, rows = 5 * g->m;
     feedback_run(c->globe->gl, c->program, tc_rings_level_base(g, from), rows * g->stride,
                  sizeof *c->vertices / sizeof(float), (float *)c->vertices);
     for (int row = 0; row < rows; row++)

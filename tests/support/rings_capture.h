@@ -37,7 +37,7 @@ typedef struct rings_error {
 /* Draws the view (without pixels) and compares every `step`-th column of the drawn levels; adds to error[level]. */
 void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, rings_error error[RINGS_MAX_LEVELS]);
 
-/* How many pixels every `step`-th column of the two finest levels is off, right and up; NAN outside the frame. Returns
+/* How many pixels every `step`-th column of the five finest levels is off, right and up; NAN outside the frame. Returns
  * how many there are, at most `capacity`. */
 int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, int capacity, double (*offset)[2]);
 
