@@ -136,7 +136,7 @@ static void nothing_jitters(void **state)
                        .height = 960};
         assert_int_equal(tc_atlas_height(&atlas, c.x, c.y, &c.z), TC_OK);
         c.z += 2;
-        int count = rings_capture_offsets(&capture, &c, 16, MOST, now);
+        int count = rings_capture_offsets(&capture, &c, 64, MOST, now);
         for (int i = 0; i < count; i++) {
             if (isnan(now[i][0]))
                 continue;
