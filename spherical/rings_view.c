@@ -289,9 +289,10 @@ static tc_rect window(const rings_place *at, rings_extent e, int shift, int n, t
     const double middle[2] = {at->x, at->y}, lo[2] = {e.x0, e.y0}, hi[2] = {e.x1, e.y1};
     const int64_t least[2] = {extent.x0, extent.y0}, most[2] = {extent.x1, extent.y1};
     for (int a = 0; a < 2; a++) {
-        /* A sample more on all sides for what is between samples, and two for the passage to the coarser level. */
-        int64_t x0 = (int64_t)floor(ldexp(middle[a] + lo[a], -shift)) - 3;
-        int64_t x1 = (int64_t)ceil(ldexp(middle[a] + hi[a], -shift)) + 4;
+        /* More on all sides: what is between samples, and the passage to the coarser level, so that it is not within
+         * the extent where that is small, next to the viewer at worst. */
+        int64_t more = n / 10 + 3, x0 = (int64_t)floor(ldexp(middle[a] + lo[a], -shift)) - more;
+        int64_t x1 = (int64_t)ceil(ldexp(middle[a] + hi[a], -shift)) + more + 1;
         int64_t eye = tc_clamp64((int64_t)floor(ldexp(middle[a], -shift)), x0, x1);
         if (x1 - x0 > n - 1) {
             x0 = tc_clamp64(eye - n / 2, x0, x1 - (n - 1));
@@ -318,9 +319,9 @@ void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wan
             double w = s->shift_base - l->shift - v.detail, i = floor(fmax(w, 0));
             double angle = w <= 0 ? M_PI : ldexp(M_PI, -(int)i) * (1 - 0.5 * (w - i));
             wanted[chart][level - 1] = (tc_rect){0, 0, 0, 0};
-            if (level == 1 && l->extent.x0 < 0) { /* once around */
+            if (level == 1 && l->extent.x0 < 0) { /* once around, and about the next level's window to half a sample */
                 int64_t width = l->clip.x1 - l->clip.x0;
-                int64_t x0 = ((int64_t)floor(ldexp(v.place[chart].x, -l->shift)) - width / 2) & ~(int64_t)1;
+                int64_t x0 = ((int64_t)floor(ldexp(v.place[chart].x, -l->shift) + 0.5) - width / 2) & ~(int64_t)1;
                 wanted[chart][0] = (tc_rect){x0, l->extent.y0, x0 + width, l->extent.y1};
                 continue;
             }
