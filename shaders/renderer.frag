@@ -1,10 +1,12 @@
 // renderer.frag - colour of the terrain: ramp by height, light from normals, haze.
 //
 // The surface's part before it defines
-//     float surface_height()              metres above z_base
+//     float surface_height()              metres above z_base; called first
 //     bool  surface_void()                whether there is a hole; HOLES
 //     float surface_level()               layer of the vertex textures; LIT, LEVEL_COLOURS
 //     vec3  surface_normal(out vec3 up)   unit normal, and which way is up, in the eye's axes; LIT
+//     float surface_unknown()             1 where there is no terrain, else 0; SPHERE, LIT
+//     float surface_snow()                height where snow stays, metres above the sea; SPHERE
 //     float surface_haze()                squared optical depth of the air before the terrain; HAZE
 //
 // Colours are squares of what is shown, so that light adds up; the root is taken at the end.
@@ -34,9 +36,19 @@ void main()
     steep = sea ? 0.0 : steep;
 #endif
     c = mix(c, vec3(0.135, 0.115, 0.095), steep);
+#ifdef SPHERE
+    float snow = smoothstep(-250.0, 450.0, h - surface_snow()) * clamp((upright - 0.6) * 4.0, 0.0, 1.0);
+#ifdef WATER
+    snow = sea ? 0.0 : snow;
+#endif
+    c = mix(c, vec3(0.83, 0.86, 0.9), snow);
+#endif
 #endif
 #ifdef WATER
     n = sea ? up + 0.2 * (n - upright * up) : n; // the bottom just shows through
+#endif
+#ifdef SPHERE
+    c = mix(c, vec3(0.16, 0.165, 0.17), surface_unknown());
 #endif
     // The sun, light of the sky from above and of the ground around from the side (softer than Lambert's law alone).
     float facing = dot(n, sun.xyz), direct = max(facing, 0.0) * sun.w;
@@ -46,6 +58,11 @@ void main()
     float day = smoothstep(-0.22, 0.3, dot(up, sun.xyz));
     direct *= day;
     ambient *= 0.06 + 0.94 * day;
+#ifndef NATURAL_LAND
+    // Without air there is no light from the sky.
+    direct *= 1.5;
+    ambient *= 0.18;
+#endif
 #endif
     c *= direct * vec3(1.0, 0.96, 0.88) + ambient * vec3(0.82, 0.91, 1.0);
 #endif

@@ -1,18 +1,22 @@
 // rings.frag - what renderer.frag asks of spherical/rings.c.
+//
+// Colours and normals have their own, finer level of detail, and their place on the charts is worked out for each
+// fragment: nothing is interpolated across a pole or the meridian behind it.
 INTERPOLATED in vec3 v_direction; // rings.vert
 INTERPOLATED in vec2 v_terrain;
+layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 #ifdef LIT
 layout(binding = 2) uniform sampler2DArray normals_map;
 #endif
 
-float surface_height()
+float fragment_shift()
 {
-    return v_terrain.x;
+    return max(0.0, surface[1].w - v_terrain.y - surface[3].z);
 }
 
 float surface_level()
 {
-    return max(surface[1].w - floor(v_terrain.y), 0.0);
+    return floor(min(v_terrain.y, surface[1].w));
 }
 
 #ifdef HOLES
@@ -22,57 +26,94 @@ bool surface_void()
 {
     vec2 caps = cap_weights(v_direction), where;
     int chart = caps.x > 0.5 ? 1 : caps.y > 0.5 ? 2 : 0, at;
-    float alpha;
-    if (!find_layer(chart, map_chart(chart, v_direction, 0.0), v_terrain.y, at, alpha, where))
+    float alpha, share;
+    vec2 place = map_chart(chart, v_direction, 0.0, share);
+    if (share < 1.0 || !find_layer(chart, place, fragment_shift(), at, alpha, where))
         return false;
     ivec2 texel = ivec2(layer[3 * at + 1].xy) + ivec2(floor(where + 0.5));
     return texelFetch(voids_map, ivec3(texel & WINDOW_MASK, at), 0).r > 0.0;
 }
 #endif
 
-#ifdef LIT
-// Slopes along the chart's axes, per unit of its own lengths.
-vec2 chart_slopes(int chart, vec2 place)
+// Set by surface_height(): 0 beside a part of a globe; up and slopes in the frame of the viewer's meridian.
+float fragment_known;
+vec3 fragment_up, fragment_slope;
+
+// Height, and slopes along the chart's axes per unit of its own lengths.
+void look(int chart, out float height, out vec2 slopes)
 {
-    vec2 where;
+    vec2 where, t;
     int at;
-    float alpha;
-    if (!find_layer(chart, place, v_terrain.y, at, alpha, where))
-        return vec2(0.0);
+    float alpha, share;
+    vec2 place = map_chart(chart, v_direction, 0.0, share);
+    height = v_terrain.x;
+    slopes = vec2(0.0);
+    fragment_known = share < 1.0 ? 0.0 : 1.0;
+    if (share < 1.0 || !find_layer(chart, place, fragment_shift(), at, alpha, where))
+        return;
+    ivec2 corner = ivec2(layer[3 * at + 1].xy) + ivec2(cell_of(at, where, t));
+    vec2 south = mix(texelFetch(heights_map, ivec3(corner & WINDOW_MASK, at), 0).rg,
+                     texelFetch(heights_map, ivec3((corner + ivec2(1, 0)) & WINDOW_MASK, at), 0).rg, t.x);
+    vec2 north = mix(texelFetch(heights_map, ivec3((corner + ivec2(0, 1)) & WINDOW_MASK, at), 0).rg,
+                     texelFetch(heights_map, ivec3((corner + ivec2(1, 1)) & WINDOW_MASK, at), 0).rg, t.x);
+    vec2 z = mix(south, north, t.y);
+    height = mix(z.x, z.y, alpha);
+#ifdef LIT
     vec2 texel = (2.0 * (layer[3 * at + 1].xy + where) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
     vec4 n = textureLod(normals_map, vec3(texel, float(at)), 0.0);
     vec2 xy = mix(n.xy, n.zw, alpha);
-    return -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01));
+    slopes = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01));
+#endif
 }
 
+float surface_height()
+{
+    vec3 s = v_direction;
+    float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z, height = 0.0, z;
+    vec3 p = normalize(vec3(ct * s.x + st * c, s.y, ct * c - st * s.x)), slope = vec3(0.0);
+    vec2 caps = cap_weights(s), g;
+    float rest = 1.0 - caps.x - caps.y;
+    if (rest > 0.0) {
+        look(0, z, g);
+        float rho = sqrt(p.x * p.x + p.y * p.y);
+        vec2 meridian = p.xy / max(rho, 1e-4);
+        height += rest * z;
+        slope += rest * (g.x / max(rho, 0.01) * vec3(-meridian.y, meridian.x, 0.0) + g.y * vec3(-p.z * meridian, rho));
+    }
+    if (rest < 1.0) {
+        float side = caps.x > 0.0 ? 1.0 : -1.0, up = 1.0 + side * p.z;
+        look(caps.x > 0.0 ? 1 : 2, z, g);
+        height += (1.0 - rest) * z;
+        g = vec2(surface[0].z * g.x + surface[0].w * g.y, surface[0].z * g.y - surface[0].w * g.x) * (2.0 / up);
+        // Chart axes carried along meridians from the pole.
+        float along = dot(p.xy, g);
+        slope += (1.0 - rest) * vec3(g - p.xy * along / up, -side * along);
+    }
+    fragment_up = p;
+    fragment_slope = slope;
+    return height;
+}
+
+#ifdef LIT
 // Normal and up in the eye's axes: east, north, up.
 vec3 surface_normal(out vec3 up)
 {
-    vec3 s = v_direction;
-    float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z;
-    // In the frame of the viewer's meridian.
-    vec3 p = normalize(vec3(ct * s.x + st * c, s.y, ct * c - st * s.x)), slope = vec3(0.0);
-    vec2 caps = cap_weights(s);
-    float rho = sqrt(p.x * p.x + p.y * p.y);
-    if (caps.x + caps.y < 1.0) {
-        vec2 g = chart_slopes(0, map_lonlat(s, 0.0));
-        vec2 meridian = p.xy / max(rho, 1e-4);
-        g.x /= max(rho, 0.01);
-        slope = (1.0 - caps.x - caps.y) * (g.x * vec3(-meridian.y, meridian.x, 0.0) +
-                                           g.y * vec3(-p.z * meridian, rho));
-    }
-    if (caps.x + caps.y > 0.0) {
-        float side = caps.x > 0.0 ? 1.0 : -1.0, z = side * p.z;
-        int chart = caps.x > 0.0 ? 1 : 2;
-        vec2 g = chart_slopes(chart, map_cap(chart, s, 0.0)) * (2.0 / (1.0 + z));
-        g = vec2(surface[0].z * g.x + surface[0].w * g.y, surface[0].z * g.y - surface[0].w * g.x);
-        // Chart axes carried along meridians from the pole.
-        float along = dot(p.xy, g);
-        slope += (caps.x + caps.y) * vec3(g - p.xy * along / (1.0 + z), -side * along);
-    }
-    vec3 n = p - slope;
+    float ct = surface[0].x, st = surface[0].y;
+    vec3 p = fragment_up, n = p - fragment_slope;
     up = vec3(p.y, st * p.z - ct * p.x, st * p.x + ct * p.z);
     return normalize(vec3(n.y, st * n.z - ct * n.x, st * n.x + ct * n.z));
+}
+
+// 1 where there is no terrain, only the sphere.
+float surface_unknown()
+{
+    return 1.0 - fragment_known;
+}
+
+// Height from which snow stays: about that of the Earth's mountains at the equator, the sea near the poles.
+float surface_snow()
+{
+    return 5200.0 * (1.0 - pow(abs(fragment_up.z) / 0.955, 2.5));
 }
 #endif
 

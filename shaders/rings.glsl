@@ -7,14 +7,15 @@
 // surface[1]      radius at the ground below the viewer, eye above that ground, that ground, S_0 + 1
 // surface[2]      share of the north cap at the viewer and of the south cap, not cut to 0 .. 1; their slope along the
 //                 axis; height where no chart is, above the ground
-// surface[3]      colatitude of the viewer; passage at the sides of windows, per sample
+// surface[3]      colatitude of the viewer; passage at the sides of windows, per sample; levels by which shading is finer
+//                 than geometry; 1: a part of a globe
 // surface[4 + k]  chart k: reference height in two parts, that above the ground; layer of shift 0
 // surface[7 + k]  chart k: slopes of the cell that the viewer is in; its layer
 // surface[10][k]  chart k: finest and coarsest shift
-// surface[10 + k] cap k: coefficients of s_x, h, 1
+// surface[10 + k] cap k: coefficients of s_x, h, 1; of a part of a globe surface[11]: its sides relative to the viewer
 // layer[3 l]      viewer's place in its cell; samples per unit of the chart
-// layer[3 l + 1]  that cell, modulo twice the window's array
-// layer[3 l + 2]  samples held, relative to that cell: first x, y, last x, y
+// layer[3 l + 1]  that cell, modulo twice the window's array; last samples of the lattice, relative to that cell
+// layer[3 l + 2]  what is held, relative to that cell: first x, y, last x, y
 
 // atan2 with a relative error of some 2e-7: the driver's may be off by 1e-5 (after Cephes' atanf).
 float exact_atan(float y, float x)
@@ -63,9 +64,22 @@ vec2 map_cap(int chart, vec3 s, float w)
 }
 #endif
 
-vec2 map_chart(int chart, vec3 s, float w)
+// Place on a chart relative to the viewer's. share: of the height there; beside a part of a globe, where the place is
+// brought to its side, less than 1, and 0 from about a cell of the mesh on.
+vec2 map_chart(int chart, vec3 s, float w, out float share)
 {
-    return chart == 0 ? map_lonlat(s, w) : map_cap(chart, s, w);
+    share = 1.0;
+    if (chart > 0)
+        return map_cap(chart, s, w);
+    vec2 place = map_lonlat(s, w);
+    if (surface[3].w > 0.0) {
+        vec4 side = surface[11];
+        place.x += 6.2831853 * round((0.5 * (side.x + side.z) - place.x) / 6.2831853);
+        vec2 inside = clamp(place, side.xy, side.zw), beyond = (place - inside) * vec2(surface[0].y, 1.0);
+        place = inside;
+        share = beyond == vec2(0.0) ? 1.0 : max(0.0, 1.0 - length(beyond) / (0.05 * sqrt(2.0 * s.z)));
+    }
+    return place;
 }
 
 // Which layer of a chart a place reads, how much of the coarser one, and where: in samples from the viewer's cell. The
@@ -87,6 +101,14 @@ bool find_layer(int chart, vec2 place, float shift, out int at, out float alpha,
         return true;
     }
     return false;
+}
+
+// Cell of a place in a layer, and where in it.
+vec2 cell_of(int at, vec2 where, out vec2 t)
+{
+    vec2 last = layer[3 * at + 1].zw, cell = max(min(floor(where), last - 1.0), layer[3 * at + 2].xy);
+    t = min(where - cell, min(vec2(1.0), last - cell));
+    return cell;
 }
 
 // Level of detail for ring coordinate w: coarser levels from the finest.

@@ -5,18 +5,18 @@
 layout(location = 0) in vec4 in_vertex; // s_x, s_y, h, w
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 INTERPOLATED out vec3 v_direction; // (s_x, s_y, h)
-INTERPOLATED out vec2 v_terrain;   // metres above z_base, level of detail
+INTERPOLATED out vec2 v_terrain;   // metres above z_base, ring coordinate
 
 // Height on a chart above the chart's height below the viewer.
 bool chart_height(int chart, vec3 s, float w, float shift, out float height)
 {
-    vec2 place = map_chart(chart, s, w), where;
+    float alpha, share;
+    vec2 place = map_chart(chart, s, w, share), where, t;
     int at;
-    float alpha;
-    if (!find_layer(chart, place, shift, at, alpha, where))
+    if (share <= 0.0 || !find_layer(chart, place, shift, at, alpha, where))
         return false;
-    vec4 l = layer[3 * at], held = layer[3 * at + 2], reference = surface[4 + chart], slope = surface[7 + chart];
-    vec2 cell = clamp(floor(where), held.xy, held.zw - 1.0), t = where - cell;
+    vec4 l = layer[3 * at], reference = surface[4 + chart], slope = surface[7 + chart];
+    vec2 cell = cell_of(at, where, t);
     ivec2 origin = ivec2(layer[3 * at + 1].xy) + ivec2(cell);
     bool near = at == floatBitsToInt(slope.w);
     vec4 z;
@@ -37,6 +37,10 @@ bool chart_height(int chart, vec3 s, float w, float shift, out float height)
         vec2 d = place * l.zw;
         height += d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z;
     }
+    if (share < 1.0) {
+        float outside = surface[2].w - reference.z;
+        height = outside + share * (height - outside);
+    }
     return true;
 }
 
@@ -54,7 +58,7 @@ vec3 surface_vertex()
         height += weight[chart] * (there ? z + surface[4 + chart].z : surface[2].w);
     }
     v_direction = s;
-    v_terrain = vec2(surface[1].z + height, shift);
+    v_terrain = vec2(surface[1].z + height, w);
     float radius = surface[1].x + height;
     return vec3(radius * s.y, -radius * s.x, (height - surface[1].y) - radius * s.z);
 }

@@ -1,8 +1,8 @@
 /* globe.c - moving over a globe.
  *
  * Ways along the ground are great circles: heading turns on them with the meridians, so that who flies straight on over
- * a pole looks straight on behind it. The ground can be pulled with the mouse and the wheel comes nearer, as with globes
- * on a desk; keys fly as over a flat map, the higher the faster. */
+ * a pole looks straight on behind it. The ground can be pulled with the mouse and the wheel comes nearer, as with
+ * globes on a desk; keys fly as over a flat map, the higher the faster. */
 #include "globe.h"
 
 #include <math.h>
@@ -75,10 +75,12 @@ static void step(tc_flight *flight, const tc_flight_input *input, const tc_groun
     view->z = fmax(view->z, highest_ground(ground, view) + ground->clearance);
 }
 
-/* The globe from where its disc fills most of the frame; a part of one from above its middle, near enough to fill it. */
+/* The globe from where its disc fills most of the frame; a part of one from above its middle, near enough to fill it.
+ */
 static tc_view whole(const tc_flight_box *box, double fov, int width, int height)
 {
-    double tx = tan(fov / 2), half = atan(tx * fmin(1, (double)height / width)), top = box->radius + fmax(box->z_max, 0);
+    double tx = tan(fov / 2), half = atan(tx * fmin(1, (double)height / width)),
+           top = box->radius + fmax(box->z_max, 0);
     tc_view view = {.x = 20 * DEGREE, .y = 25 * DEGREE, .pitch = -M_PI / 2};
     view.z = top / sin(0.88 * half) - box->radius;
     double across = (box->east - box->west) * cos(0.5 * (box->south + box->north)), tall = box->north - box->south;
@@ -98,8 +100,9 @@ static tc_view whole(const tc_flight_box *box, double fov, int width, int height
 const tc_navigation tc_globe_navigation = {
     .form = "LON,LAT,ALT,HEADING,PITCH",
     .bounds = "LON,LAT,ALT,HEADING,PITCH in degrees and metres, |LON| up to 360, |LAT| and |PITCH| up to 90",
-    .help = "eye in degrees east and north and metres above the sphere (at least on the ground), degrees clockwise from "
-            "north, degrees up (default: the globe)",
+    .help =
+        "eye in degrees east and north and metres above the sphere (at least on the ground), degrees clockwise from "
+        "north, degrees up (default: the globe)",
     .unit = DEGREE,
     .x_limit = 360,
     .y_limit = 90,

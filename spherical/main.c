@@ -13,6 +13,7 @@ static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *r
     const tc_rings_options options = {.scheme = ch06 ? TC_RINGS_CH06 : TC_RINGS_EXACT,
                                       .n_phi = request->n,
                                       .m = request->steps,
+                                      .n = request->interactive ? 255 : tc_clipmap_n_for(request->camera),
                                       .max_levels = request->levels,
                                       .normals = request->normals,
                                       .holes = request->holes};
@@ -23,8 +24,9 @@ int main(int argc, char **argv)
 {
     static const tc_viewer_program program = {
         .name = "planet-viewer",
-        .summary = "Shows a map of a planet in longitude and latitude, or of a part of one, as a globe: from space to the "
-                   "ground, in a window or as a picture.",
+        .summary =
+            "Shows a map of a planet in longitude and latitude, or of a part of one, as a globe: from space to the "
+            "ground, in a window or as a picture.",
         .navigation = &tc_globe_navigation,
         .sphere = true,
         .make_surface = make_surface,

@@ -21,8 +21,8 @@
 /* All that is looked at while a frame is put together. */
 typedef struct assembly {
     rings_surface *s;
-    const rings_view *view;     /* of the camera drawn */
-    tc_frustum frustum;         /* of the camera culled for */
+    const rings_view *view; /* of the camera drawn */
+    tc_frustum frustum;     /* of the camera culled for */
     bool no_cull;
     int count;
     int64_t triangles, triangles_unculled;
@@ -57,14 +57,16 @@ static bool visible(const assembly *a, double inner, double outer, double from, 
     if (a->no_cull)
         return true;
     const rings_view *v = a->view;
-    double sine[2] = {fmin(sin(inner), sin(outer)), inner <= M_PI / 2 && outer >= M_PI / 2 ? 1 : fmax(sin(inner), sin(outer))};
+    double sine[2] = {fmin(sin(inner), sin(outer)),
+                      inner <= M_PI / 2 && outer >= M_PI / 2 ? 1 : fmax(sin(inner), sin(outer))};
     double radius[2] = {fmax(v->radius + lo, 0), v->radius + hi}, across[2], x[2], y[2], c[2];
     multiply(sine, radius, across);
     cosine(from, to, c);
     multiply(across, c, x); /* south */
     cosine(from - M_PI / 2, to - M_PI / 2, c);
     multiply(across, c, y); /* east */
-    double h[2] = {2 * pow(sin(inner / 2), 2), 2 * pow(sin(outer / 2), 2)}, z[2] = {lo, hi}, up[2] = {INFINITY, -INFINITY};
+    double h[2] = {2 * pow(sin(inner / 2), 2), 2 * pow(sin(outer / 2), 2)}, z[2] = {lo, hi},
+           up[2] = {INFINITY, -INFINITY};
     for (int k = 0; k < 4; k++) {
         double value = (z[k & 1] - v->z_eye) - (v->radius + z[k & 1]) * h[k >> 1];
         up[0] = fmin(up[0], value), up[1] = fmax(up[1], value);
@@ -123,7 +125,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
     /* Without caps weights never leave 0. */
     set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
          caps ? 1 / (hi - lo) : 0, s->outside - v->z);
-    set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), 0, 0);
+    set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), v->detail, tc_rings_regional(s));
     for (int chart = 0; chart < s->head.charts; chart++) {
         const rings_near *near = &v->near[chart];
         const rings_place *at = &v->place[chart];
@@ -141,14 +143,20 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
             float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
             double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = floor(x), j = floor(y);
             int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
-            rings_extent r = tc_rings_held(clipmap, level);
+            rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
             const tc_chart *c = &s->atlas->chart[chart];
             set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
-            set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), 0, 0);
+            set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
+                 lattice.y1 - j);
             set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
         }
         int coarsest = finest + levels - 1;
         u[10][chart] = bits(finest | coarsest << 16);
+    }
+    if (tc_rings_regional(s)) {
+        const tc_chart *c = &s->atlas->chart[0];
+        rings_extent r = tc_rings_region(s, v);
+        set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
     }
     for (int cap = 1; cap < s->head.charts; cap++)
         set4(&s->surface_uniforms[0] + 4 * (10 + cap), v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2], 0);
@@ -176,16 +184,16 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
     for (int k = 0; k < a.count; k++)
         s->draws[k].base_instance = 0;
     set_uniforms(s, &view);
-    *frame_ret = (tc_frame){.draws = s->draws,
-                            .instances = s->instances,
-                            .strip_draws = a.count,
-                            .triangles = a.triangles,
-                            .triangles_unculled = a.triangles_unculled,
-                            .one_sided = !options->two_sided && !tc_clipmap_voids(surface->clipmap[0], 1) &&
-                                         view.z_eye > view.z,
-                            .levels_active = view.finest - first + 1,
-                            .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
-                            .surface_uniforms = s->surface_uniforms};
+    *frame_ret =
+        (tc_frame){.draws = s->draws,
+                   .instances = s->instances,
+                   .strip_draws = a.count,
+                   .triangles = a.triangles,
+                   .triangles_unculled = a.triangles_unculled,
+                   .one_sided = !options->two_sided && !tc_clipmap_voids(surface->clipmap[0], 1) && view.z_eye > view.z,
+                   .levels_active = view.finest - first + 1,
+                   .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
+                   .surface_uniforms = s->surface_uniforms};
 }
 
 /* ---- Creation ---------------------------------------------------------------------------------------------------- */
@@ -203,12 +211,12 @@ static void rings_destroy(tc_surface *surface)
     free(s);
 }
 
-/* A window holds twice the n_phi / 4 samples that the disc of its ring is wide: enough up to the latitude where caps
- * take over. Grids whose coarsest even width is larger need larger ones. */
+/* A window holds at least twice the n_phi / 4 samples that the disc of its ring is wide: enough up to the latitude
+ * where caps take over. Grids whose coarsest even width is larger need larger ones. */
 static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_error *error)
 {
     int n = 63;
-    while (2 * (n + 1) <= s->geometry.n_phi / 2 && n < 2047)
+    while (n < 2047 && (2 * (n + 1) <= s->geometry.n_phi / 2 || n < o->n))
         n = 2 * n + 1;
     if (s->atlas->chart[0].wraps && n < 255)
         n = 255; /* > TC_MOST_ODD */
@@ -221,7 +229,8 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
         if (status)
             return status;
         s->head.charts = chart + 1;
-        for (int l = tc_clipmap_pyramid_level(s->head.clipmap[chart], 1); l <= tc_pyramid_info(c->pyramid)->levels; l++) {
+        for (int l = tc_clipmap_pyramid_level(s->head.clipmap[chart], 1); l <= tc_pyramid_info(c->pyramid)->levels;
+             l++) {
             tc_level size = tc_pyramid_level(c->pyramid, l);
             float lo, hi;
             tc_pyramid_bounds(c->pyramid, l, (tc_rect){0, 0, size.width, size.height}, &lo, &hi);

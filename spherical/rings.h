@@ -1,10 +1,10 @@
 /* rings.h - the spherical surface: CH06's concentric rings around the viewer's foot point.
  *
- * CH06: Clasen, Hege, "Terrain Rendering using Spherical Clipmaps", EuroVis 2006. Level i of the rings covers the angles
- * theta~ from pi 2^(-i-1) to pi 2^-i around the viewer's foot point, in n_phi steps of phi~ around it and m steps of
- * theta~. The geometry never changes; the map transform turns it to where the viewer is, and heights come from the
- * charts of an atlas. For this surface a camera's x and y are longitude and latitude, radians, its z the height above
- * the sphere, and heading and pitch are those of a local observer.
+ * CH06: Clasen, Hege, "Terrain Rendering using Spherical Clipmaps", EuroVis 2006. Level i of the rings covers the
+ * angles theta~ from pi 2^(-i-1) to pi 2^-i around the viewer's foot point, in n_phi steps of phi~ around it and m
+ * steps of theta~. The geometry never changes; the map transform turns it to where the viewer is, and heights come from
+ * the charts of an atlas. For this surface a camera's x and y are longitude and latitude, radians, its z the height
+ * above the sphere, and heading and pitch are those of a local observer.
  *
  * Beside the exact transform there is the paper's own (TC_RINGS_CH06), to compare. */
 #ifndef TC_RINGS_H
@@ -14,13 +14,15 @@
 
 typedef enum tc_rings_scheme {
     TC_RINGS_EXACT,
-    TC_RINGS_CH06 /* equations 3 and 4, from level 10 on 11 to 14, as printed but for the sign in 3 and the factor in 14 */
+    TC_RINGS_CH06 /* equations 3 and 4, from level 10 on 11 to 14, as printed but for the sign in 3 and the factor in 14
+                   */
 } tc_rings_scheme;
 
 typedef struct tc_rings_options {
     tc_rings_scheme scheme;
     int n_phi; /* steps around, a multiple of 32 from 64 to 2048; 0: 512 */
     int m;     /* steps outwards in a level, even, 4 to 64; 0: 20 */
+    int n;     /* samples a side of the windows, 2^k - 1, at least; what is more than geometry needs, shading uses */
     int max_levels; /* of each chart; 0: all */
     bool normals, holes;
 } tc_rings_options;

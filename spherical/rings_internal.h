@@ -12,9 +12,9 @@
  * disc that fills its inside where it is the finest. A vertex is (s_x, s_y, h, w): w the level, counted on within it
  * from its outer edge inwards, so i at the outer edge of level i and i + 1 at its inner one. */
 typedef struct rings_geometry {
-    int levels, n_phi, m, fill; /* fill: rows of the disc */
-    int stride;                 /* vertices from row to row */
-    int sectors;                /* parts of a level that are drawn alone */
+    int levels, n_phi, m, fill;        /* fill: rows of the disc */
+    int stride;                        /* vertices from row to row */
+    int sectors;                       /* parts of a level that are drawn alone */
     uint32_t *ring_first, *fill_first; /* [sector]: first index */
     uint32_t ring_count, fill_count;   /* indices of a sector */
 } rings_geometry;
@@ -24,7 +24,8 @@ tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *
 int tc_rings_level_base(const rings_geometry *g, int i);
 int tc_rings_fill_base(const rings_geometry *g, int i);
 
-/* ---- Where the viewer is (rings_view.c) --------------------------------------------------------------------------- */
+/* ---- Where the viewer is (rings_view.c) ---------------------------------------------------------------------------
+ */
 
 /* The viewer as seen by one chart. */
 typedef struct rings_place {
@@ -47,6 +48,7 @@ typedef struct rings_view {
     double z_eye;  /* metres above z_base */
     double radius; /* metres, of what heights are above: z_base added */
     rings_place place[TC_MAX_CHARTS];
+    double detail;     /* levels by which shading is finer than geometry */
     double horizon;    /* angle from the foot point beyond which nothing can be seen */
     int first, finest; /* levels of the rings to be drawn */
     rings_near near[TC_MAX_CHARTS];
@@ -59,8 +61,8 @@ typedef struct rings_surface {
     tc_rings_scheme scheme;
     rings_geometry geometry;
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
-    int shift_base;    /* S_0: ring i reads levels S_0 - i (inner edge) to S_0 - i + 1 (outer), counted from the finest */
-    double outside;    /* height where no chart is, metres above z_base */
+    int shift_base; /* S_0: ring i reads levels S_0 - i (inner edge) to S_0 - i + 1 (outer), counted from the finest */
+    double outside; /* height where no chart is, metres above z_base */
     int capacity;
     tc_draw *draws;
     tc_instance *instances;
@@ -86,7 +88,8 @@ void tc_rings_bounds(const rings_surface *s, const rings_view *view, double angl
 
 void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
 
-/* ---- The map transform in double (rings_map.c) --------------------------------------------------------------------- */
+/* ---- The map transform in double (rings_map.c) ---------------------------------------------------------------------
+ */
 
 /* Which level a vertex reads of a chart, and where. */
 typedef struct rings_sample {
@@ -103,8 +106,14 @@ void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x
                       double weight_ret[TC_MAX_CHARTS]);
 /* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one. */
 double tc_rings_shift(const rings_surface *s, double w);
-/* Samples of a level that are held and lie on its lattice: x0 <= u <= x1. */
+/* What is held of a level, samples: up to the terrain's end where it reaches it. There the last samples of the level's
+ * lattice (x1 and y1 of the second) may lie up to one before, and heights go on as they are. */
 rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);
+rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level);
+/* Whether the planet is a part of a globe. */
+bool tc_rings_regional(const rings_surface *s);
+/* Of a part of a globe: its sides, finest samples relative to the view's place. */
+rings_extent tc_rings_region(const rings_surface *s, const rings_view *view);
 rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
                            double shift);
 double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample);

@@ -33,6 +33,10 @@ void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, dou
     if (c->projection == TC_LONLAT) {
         relative_angles(view, s_x, s_y, h, &dx, &dy);
         dy = -dy;
+        if (tc_rings_regional(s)) { /* the way round on which it is nearer */
+            rings_extent r = tc_rings_region(s, view);
+            dx += 2 * M_PI * rint((0.5 * (r.x0 + r.x1) * c->dx - dx) / (2 * M_PI));
+        }
     } else {
         const double *k = view->place[chart].c;
         double pz = view->cos_theta + rise(view, s_x, h), scale = 2 / (1 + (c->projection == TC_CAP_NORTH ? pz : -pz));
@@ -87,23 +91,58 @@ rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int c
     return (rings_sample){0};
 }
 
-rings_extent tc_rings_held(const tc_clipmap *clipmap, int level)
+rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level)
 {
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
     tc_level size = tc_pyramid_level(tc_clipmap_pyramid(clipmap), tc_clipmap_pyramid_level(clipmap, level));
     bool wraps = l->extent.x0 < 0;
-    /* Vertices beyond the last sample are not on the lattice. */
     int64_t x1 = wraps ? l->clip.x1 : tc_min64(l->clip.x1, size.width), y1 = tc_min64(l->clip.y1, size.height);
     return (rings_extent){(double)l->clip.x0, (double)l->clip.y0, (double)x1 - 1, (double)y1 - 1};
+}
+
+rings_extent tc_rings_held(const tc_clipmap *clipmap, int level)
+{
+    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+    rings_extent r = tc_rings_lattice(clipmap, level);
+    if (l->clip.x1 == l->extent.x1)
+        r.x1 = ldexp((double)l->edge_x, -l->shift);
+    if (l->clip.y1 == l->extent.y1)
+        r.y1 = ldexp((double)l->edge_y, -l->shift);
+    return r;
+}
+
+bool tc_rings_regional(const rings_surface *s)
+{
+    return !s->atlas->chart[0].wraps;
+}
+
+rings_extent tc_rings_region(const rings_surface *s, const rings_view *view)
+{
+    const tc_pyramid *pyramid = s->atlas->chart[0].pyramid;
+    tc_level size = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    double x = view->place[0].x, y = view->place[0].y;
+    return (rings_extent){-x, -y, (double)(size.width - 1) - x, (double)(size.height - 1) - y};
+}
+
+/* Brings a place beside a part of a globe to its side; the share of the height there that is left, since what is
+ * outside comes down to the sphere within about a cell of the mesh. */
+static double come_inside(const rings_surface *s, const rings_view *view, double h, double *du, double *dv)
+{
+    const tc_chart *c = &s->atlas->chart[0];
+    rings_extent r = tc_rings_region(s, view);
+    double u = fmin(fmax(*du, r.x0), r.x1), v = fmin(fmax(*dv, r.y0), r.y1);
+    double beyond = hypot((*du - u) * c->dx * view->sin_theta, (*dv - v) * c->dy);
+    *du = u, *dv = v;
+    return beyond > 0 ? fmax(0, 1 - beyond / (0.05 * sqrt(2 * h))) : 1;
 }
 
 double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample)
 {
     const tc_clipmap *clipmap = s->head.clipmap[chart];
     int64_t mask = tc_clipmap_n(clipmap);
-    rings_extent r = tc_rings_held(clipmap, sample->level);
+    rings_extent r = tc_rings_lattice(clipmap, sample->level);
     double i = fmax(fmin(floor(sample->u), r.x1 - 1), r.x0), j = fmax(fmin(floor(sample->v), r.y1 - 1), r.y0);
-    double t[2] = {sample->u - i, sample->v - j}, z[4];
+    double t[2] = {fmin(sample->u - i, fmin(1, r.x1 - i)), fmin(sample->v - j, fmin(1, r.y1 - j))}, z[4];
     for (int k = 0; k < 4; k++) {
         int64_t x = ((int64_t)i + (k & 1)) & mask, y = ((int64_t)j + (k >> 1)) & mask;
         const float *q = tc_clipmap_heights(clipmap, sample->level)[y * (mask + 1) + x];
@@ -122,8 +161,10 @@ double tc_rings_height(const rings_surface *s, const rings_view *view, double s_
             continue;
         double du, dv;
         tc_rings_map(s, view, chart, s_x, s_y, h, &du, &dv);
-        rings_sample at = tc_rings_find(s, view, chart, du, dv, shift);
-        z += weight[chart] * (at.level ? tc_rings_sample_height(s, chart, &at) : s->outside);
+        double share = tc_rings_regional(s) ? come_inside(s, view, h, &du, &dv) : 1;
+        rings_sample at = share > 0 ? tc_rings_find(s, view, chart, du, dv, shift) : (rings_sample){0};
+        double there = at.level ? tc_rings_sample_height(s, chart, &at) : s->outside;
+        z += weight[chart] * (s->outside + share * (there - s->outside));
     }
     return z;
 }

@@ -42,15 +42,28 @@ static rings_place place_cap(const rings_surface *s, int chart, const rings_view
     return at;
 }
 
+/* Windows are wide enough for the geometry where a degree of longitude is shortest; elsewhere, and where frames are
+ * large, they hold finer levels for colours and normals. */
+static double finer_detail(const rings_surface *s, double latitude)
+{
+    const double limit = TC_CAP_BLEND_END * DEGREE;
+    double lat = fabs(latitude), fits = 0.97 * cos(fmin(lat, limit));
+    if (s->head.charts == TC_MAX_CHARTS && lat > limit) /* on to the caps, where all directions are alike */
+        fits += (0.93 - fits) * fmin(1, (lat - limit) / (16 * DEGREE));
+    double samples = ldexp(M_PI / s->atlas->chart[0].dy, -s->shift_base); /* of a ring in the level that it reads */
+    return fmax(0, log2(0.5 * (tc_clipmap_n(s->head.clipmap[0]) - 11) * fits / (1.07 * samples)));
+}
+
 static rings_view place(const rings_surface *s, const tc_camera *camera)
 {
     double z_base = tc_pyramid_info(s->atlas->chart[0].pyramid)->z_base;
     rings_view v = {.theta = M_PI / 2 - camera->y, .radius = s->atlas->radius + z_base, .z_eye = camera->z - z_base};
     v.sin_theta = fmax(cos(camera->y), 0), v.cos_theta = sin(camera->y);
+    v.detail = finer_detail(s, camera->y);
     v.cos_lambda = cos(camera->x), v.sin_lambda = sin(camera->x);
     for (int chart = 0; chart < s->head.charts; chart++)
-        v.place[chart] = s->atlas->chart[chart].projection == TC_LONLAT ? place_lonlat(s, chart, camera)
-                                                                        : place_cap(s, chart, &v);
+        v.place[chart] =
+            s->atlas->chart[chart].projection == TC_LONLAT ? place_lonlat(s, chart, camera) : place_cap(s, chart, &v);
     double weight[TC_MAX_CHARTS];
     tc_rings_weights(s, &v, 0, 0, 0, weight);
     for (int chart = 0; chart < s->head.charts; chart++) {
@@ -114,9 +127,10 @@ void tc_rings_ground(const rings_surface *s, rings_view *v)
     for (int chart = 0; chart < s->head.charts; chart++) {
         const tc_clipmap *clipmap = s->head.clipmap[chart];
         rings_sample at = tc_rings_find(s, v, chart, 0, 0, shift);
+        /* Beside the terrain, and on its last fraction of a cell, no slopes hold. */
         v->near[chart] = (rings_near){.shift = -1, .z = s->outside};
         if (at.level && v->place[chart].near) {
-            rings_extent r = tc_rings_held(clipmap, at.level);
+            rings_extent r = tc_rings_lattice(clipmap, at.level);
             int64_t i = (int64_t)floor(at.u), j = (int64_t)floor(at.v), mask = tc_clipmap_n(clipmap);
             tc_rect there = {tc_max64(i - AROUND + 1, (int64_t)r.x0), tc_max64(j - AROUND + 1, (int64_t)r.y0),
                              tc_min64(i + AROUND, (int64_t)r.x1) + 1, tc_min64(j + AROUND, (int64_t)r.y1) + 1};
@@ -128,7 +142,7 @@ void tc_rings_ground(const rings_surface *s, rings_view *v)
             v->near[chart] = near_of(z, there.x1 - there.x0, there.y1 - there.y0, BLOCK, at.u - (double)there.x0,
                                      at.v - (double)there.y0, tc_clipmap_level(clipmap, at.level)->shift);
             v->near[chart].z = tc_rings_sample_height(s, chart, &at);
-            if (at.alpha > 0)
+            if (at.alpha > 0 || i + 1 > (int64_t)r.x1 || j + 1 > (int64_t)r.y1)
                 v->near[chart].shift = -1; /* a mixture of two levels, which no slopes describe */
         }
         v->z += v->place[chart].weight * v->near[chart].z;
@@ -300,7 +314,9 @@ void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wan
         int levels = tc_clipmap_levels(clipmap), n = tc_clipmap_n(clipmap);
         for (int level = 1; level <= levels; level++) {
             const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-            int ring = s->shift_base - l->shift; /* the last one outwards that reads this level */
+            /* The ring coordinate from which on outwards this level is not read any more. */
+            double w = s->shift_base - l->shift - v.detail, i = floor(fmax(w, 0));
+            double angle = w <= 0 ? M_PI : ldexp(M_PI, -(int)i) * (1 - 0.5 * (w - i));
             wanted[chart][level - 1] = (tc_rect){0, 0, 0, 0};
             if (level == 1 && l->extent.x0 < 0) { /* once around */
                 int64_t width = l->clip.x1 - l->clip.x0;
@@ -308,9 +324,9 @@ void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wan
                 wanted[chart][0] = (tc_rect){x0, l->extent.y0, x0 + width, l->extent.y1};
                 continue;
             }
-            if (level > 1 && ring > v.finest)
+            if (level > 1 && w >= v.finest + 1)
                 continue;
-            rings_extent e = tc_rings_extent(s, &v, chart, fmin(ldexp(M_PI, -ring), v.horizon * 1.02 + 1e-9));
+            rings_extent e = tc_rings_extent(s, &v, chart, fmin(angle, v.horizon * 1.02 + 1e-9));
             if (level == 1)
                 wanted[chart][0] = l->extent;
             else if (e.x1 >= e.x0)

@@ -12,13 +12,13 @@
 extern const tc_navigation tc_flat_navigation;
 
 /* Reads a view as its navigation has it, "X,Y,Z,HEADING,PITCH" in metres and degrees or "LON,LAT,ALT,HEADING,PITCH"
- * (|Z| <= TC_VIEW_LIMIT, |heading| <= 360, |pitch| <= 90). Strict: nothing before, between or after; no NaN, no infinity.
- * False where text is anything else. */
+ * (|Z| <= TC_VIEW_LIMIT, |heading| <= 360, |pitch| <= 90). Strict: nothing before, between or after; no NaN, no
+ * infinity. False where text is anything else. */
 bool tc_view_parse(const tc_navigation *navigation, const char *text, tc_view *view_ret);
 
 /* Writes the view as text that tc_view_parse reads, rounded to millimetres (finer where spacing, metres, is below a
- * metre; degrees to 1e-9) and to 0.0001 degrees, and sets *view to what the text says, so that it is this very view that comes back.
- * heading comes out in 0 .. 360. */
+ * metre; degrees to 1e-9) and to 0.0001 degrees, and sets *view to what the text says, so that it is this very view
+ * that comes back. heading comes out in 0 .. 360. */
 enum { TC_VIEW_TEXT = 160 };
 void tc_view_format(const tc_navigation *navigation, tc_view *view, double spacing, char text[TC_VIEW_TEXT]);
 

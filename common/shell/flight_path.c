@@ -41,7 +41,8 @@ static bool add_key(tc_flight_path *path, int *capacity, tc_view key)
     return true;
 }
 
-tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name, const char *text, tc_flight_path *path_ret, tc_error *error)
+tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name, const char *text,
+                               tc_flight_path *path_ret, tc_error *error)
 {
     tc_flight_path path = {.navigation = navigation};
     int capacity = 0, number = 0;
@@ -77,7 +78,8 @@ tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name
     return TC_OK;
 }
 
-tc_status tc_flight_path_load(const tc_navigation *navigation, const char *path, tc_flight_path *path_ret, tc_error *error)
+tc_status tc_flight_path_load(const tc_navigation *navigation, const char *path, tc_flight_path *path_ret,
+                              tc_error *error)
 {
     FILE *file = fopen(path, "rb");
     if (!file)

@@ -1,7 +1,7 @@
 /* flight_path.h - a flight through given views, the same each time: for measurements and films. No GL.
  *
- * A path file is text: one X,Y,Z,HEADING,PITCH a line, or what the navigation has (as --view), each a key that is flown through;
- * empty lines and what follows a # are skipped. */
+ * A path file is text: one X,Y,Z,HEADING,PITCH a line, or what the navigation has (as --view), each a key that is flown
+ * through; empty lines and what follows a # are skipped. */
 #ifndef TC_FLIGHT_PATH_H
 #define TC_FLIGHT_PATH_H
 
@@ -14,10 +14,12 @@ typedef struct tc_flight_path {
 } tc_flight_path;
 
 /* Reads a path file. Errors name the line. */
-tc_status tc_flight_path_load(const tc_navigation *navigation, const char *path, tc_flight_path *path_ret, tc_error *error);
+tc_status tc_flight_path_load(const tc_navigation *navigation, const char *path, tc_flight_path *path_ret,
+                              tc_error *error);
 
 /* The same from text in memory; name is what errors call it. */
-tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name, const char *text, tc_flight_path *path_ret, tc_error *error);
+tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name, const char *text,
+                               tc_flight_path *path_ret, tc_error *error);
 
 void tc_flight_path_free(tc_flight_path *path);
 

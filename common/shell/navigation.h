@@ -36,9 +36,9 @@ typedef struct tc_flight_input {
 /* The terrain as a whole, metres; of a globe the radius instead of x_max and y_max, where not all of it is there the
  * part that is. */
 typedef struct tc_flight_box {
-    double x_max, y_max; /* the terrain is 0 .. x_max by 0 .. y_max */
-    double z_min, z_max; /* absolute */
-    double radius;       /* of a globe; else 0 */
+    double x_max, y_max;             /* the terrain is 0 .. x_max by 0 .. y_max */
+    double z_min, z_max;             /* absolute */
+    double radius;                   /* of a globe; else 0 */
     double west, south, east, north; /* of a globe's part that has heights, radians */
 } tc_flight_box;
 
@@ -46,9 +46,9 @@ typedef struct tc_navigation {
     const char *form;   /* of a view on the command line: "X,Y,Z,HEADING,PITCH" */
     const char *bounds; /* and its bounds, in words */
     const char *help;
-    double unit;              /* of the first two numbers on the command line: 1, or radians a degree */
-    double x_limit, y_limit;  /* there */
-    double x_period;          /* x comes round again, in the view's units; 0: never */
+    double unit;             /* of the first two numbers on the command line: 1, or radians a degree */
+    double x_limit, y_limit; /* there */
+    double x_period;         /* x comes round again, in the view's units; 0: never */
     /* Brings a view that was moved or computed within bounds. */
     void (*settle)(tc_view *view);
     /* The view whose frame of fov (horizontal, radians) and width x height shows the whole well. */

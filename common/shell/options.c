@@ -219,8 +219,7 @@ static void make_rows(const tc_options_program *program, rows *r)
             count += owned;
         }
     }
-    r->line =
-        (tc_command_line){.options = r->row, .count = (int)count, .help = "--help", .operand = set_terrain};
+    r->line = (tc_command_line){.options = r->row, .count = (int)count, .help = "--help", .operand = set_terrain};
 }
 
 /* ---- Parsing ------------------------------------------------------------------------------------------------ */

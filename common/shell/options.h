@@ -27,13 +27,13 @@ typedef struct tc_options {
     const char *stats; /* JSON file; NULL none */
     int threads;       /* 0: as many as there are processors */
     bool explain, json, quiet, verbose;
-    tc_source_options source;   /* without say */
-    int n, levels;              /* of the clipmap; 0: not given */
-    const char *scheme;         /* NULL: not given; the rest of globes only */
-    int steps;                  /* of theta~ in a level of rings; 0: not given */
-    double radius;              /* metres; 0: not given */
+    tc_source_options source; /* without say */
+    int n, levels;            /* of the clipmap; 0: not given */
+    const char *scheme;       /* NULL: not given; the rest of globes only */
+    int steps;                /* of theta~ in a level of rings; 0: not given */
+    double radius;            /* metres; 0: not given */
     const tc_navigation *navigation;
-    tc_scene_options scene;     /* without holes */
+    tc_scene_options scene; /* without holes */
 } tc_options;
 
 /* What differs between the programs. */
@@ -46,7 +46,8 @@ typedef struct tc_options_program {
 
 /* Reads the command line. On failure *error names the option, what it expects and what was found; status
  * TC_ERR_USAGE. With -h or --version the rest is not looked at. */
-tc_status tc_options_parse(const tc_options_program *program, int argc, char **argv, tc_options *options_ret, tc_error *error);
+tc_status tc_options_parse(const tc_options_program *program, int argc, char **argv, tc_options *options_ret,
+                           tc_error *error);
 
 /* Prints usage and options; the caller goes on with the keys of the window. */
 void tc_options_print_help(const tc_options_program *program, FILE *file);

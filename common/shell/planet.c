@@ -217,14 +217,15 @@ static tc_status place_packed(const char *path, tc_terrain *terrain, tc_atlas *a
     const tc_georef *g = &tc_pyramid_packed_info(terrain->pyramid)->terrain.georef;
     const double degree = M_PI / 180, *t = g->transform;
     if (!g->known || !g->geographic || t[2] != 0 || t[4] != 0)
-        return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "%s: expected a terrain in longitude and latitude, or one packed with --planet, found a flat one",
-                       path);
+        return tc_fail(
+            error, TC_ERR_UNSUPPORTED,
+            "%s: expected a terrain in longitude and latitude, or one packed with --planet, found a flat one", path);
     tc_chart chart = {.pyramid = terrain->pyramid, .projection = TC_LONLAT, .dx = t[1] * degree, .dy = -t[5] * degree};
     chart.x0 = (t[0] + 0.5 * t[1]) * degree;
     chart.y0 = (t[3] + ((double)terrain->height - 0.5) * t[5]) * degree;
     tc_level held = tc_pyramid_level(chart.pyramid, tc_pyramid_info(chart.pyramid)->levels);
-    double coarser = ldexp(1, (int)lround(log2((double)terrain->width / (double)held.width))); /* where it was cut short */
+    double coarser =
+        ldexp(1, (int)lround(log2((double)terrain->width / (double)held.width))); /* where it was cut short */
     chart.dx *= coarser, chart.dy *= coarser;
     *atlas_ret = (tc_atlas){.radius = tc_planet_radius(g, 0), .charts = 1, .chart = {chart}};
     terrain->pyramid = NULL;
@@ -237,8 +238,8 @@ tc_status tc_planet_open(const char *path, const tc_source_options *options, dou
     if (!tc_is_packed(path))
         return tc_planet_load(path, options, radius, false, threads, planet_ret, error);
     if (radius > 0)
-        return tc_fail(error, TC_ERR_USAGE, "--radius: expected none for %s, a packed terrain: it was settled when packing",
-                       path);
+        return tc_fail(error, TC_ERR_USAGE,
+                       "--radius: expected none for %s, a packed terrain: it was settled when packing", path);
     double start = tc_clock_ms();
     tc_terrain terrain;
     tc_status status = tc_terrain_open_packed(path, options, &terrain, error);

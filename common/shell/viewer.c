@@ -181,15 +181,15 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
         v->scene.budget = -1;
     if (!v->scene.samples)
         v->scene.samples = v->options.output ? 4 : 1;
-    const tc_surface_request request = {
-        .scheme = v->options.scheme,
-        .n = v->options.n,
-        .levels = v->options.levels,
-        .steps = v->options.steps,
-        .normals = !v->scene.unlit,
-        .holes = v->scene.holes,
-        .interactive = interactive(&v->options) && tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
-        .camera = &v->camera};
+    const tc_surface_request request = {.scheme = v->options.scheme,
+                                        .n = v->options.n,
+                                        .levels = v->options.levels,
+                                        .steps = v->options.steps,
+                                        .normals = !v->scene.unlit,
+                                        .holes = v->scene.holes,
+                                        .interactive = interactive(&v->options) &&
+                                                       tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
+                                        .camera = &v->camera};
     tc_status status = v->program->make_surface(&v->atlas, &request, &v->surface, error);
     if (status == TC_OK)
         status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
@@ -245,7 +245,8 @@ static void explain(const tc_viewer *v, const tc_stats_summary *summary, const c
     for (int i = 0; left_out[i]; i++)
         printf("left out: %s\n", left_out[i]);
     if (!v->program->sphere)
-        printf("left out: %" PRId64 " of %d levels: too fine for the height above ground, or not where the terrain is\n",
+        printf("left out: %" PRId64
+               " of %d levels: too fine for the height above ground, or not where the terrain is\n",
                tc_clipmap_levels(v->surface->clipmap[0]) - summary->levels_active,
                tc_clipmap_levels(v->surface->clipmap[0]));
     printf("left out: %" PRId64 " of %" PRId64 " triangles: outside the view\n",

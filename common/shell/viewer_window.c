@@ -119,8 +119,9 @@ static const struct key {
 } keys[] = {
     {.label = "W A S D, Q E", .help = "fly forward, left, back, right; down, up; the higher, the faster"},
     {.label = "shift, wheel", .help = "eight times as fast; set the speed, or on a planet come nearer"},
-    {.label = "mouse, arrows", .help = "look around: click to let the mouse turn the view, or hold its right button; on a "
-                                       "planet its left button turns the globe"},
+    {.label = "mouse, arrows",
+     .help = "look around: click to let the mouse turn the view, or hold its right button; on a "
+             "planet its left button turns the globe"},
     {{'V'}, "V", "print the view as a --view option", do_view},
     {{'P'}, "P", "write a picture: terraclip-0001.png and on", do_picture},
     {{'R'}, "R", "back to the first view", do_reset},

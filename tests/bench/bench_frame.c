@@ -135,8 +135,8 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
             last = index > last && index != TC_RESTART ? index : last;
         }
         for (int k = 0; k <= last; k++) {
-            int64_t rx = v[0] + ((int64_t)g->vertices[k][0] << l->shift),
-                    ry = v[1] + ((int64_t)g->vertices[k][1] << l->shift);
+            const uint16_t *vertex = (const uint16_t *)g->vertices + 2 * k;
+            int64_t rx = v[0] + ((int64_t)vertex[0] << l->shift), ry = v[1] + ((int64_t)vertex[1] << l->shift);
             int64_t i = (rx + viewer.snap_x) >> l->shift, j = (ry + viewer.snap_y) >> l->shift;
             const float *z = tc_clipmap_heights(s->clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
             double cell = ldexp(1, l->shift), a = tc_square_alpha(&morph, (double)rx / cell, (double)ry / cell);

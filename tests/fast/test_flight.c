@@ -88,20 +88,20 @@ static void the_whole_terrain_is_in_frame(void **state)
     (void)state;
     static const int sizes[][2] = {{640, 480}, {1280, 720}, {480, 640}, {1, 16384}, {16384, 1}, {3, 3}};
     static const double fovs[] = {1, 30, 75, 90, 120, 170};
-    static const tc_flight_box boxes[] = {{122880, 122880, 600, 2600},
-                                          {30, 30, 0, 0},
-                                          {1, 100000, -5, 5},
-                                          {100000, 1, 0, 10},
-                                          {1000, 1000, 0, 65535},
-                                          {1, 1, 0, 1e5},
-                                          {4096, 4096, 0, 255},
-                                          {2.1e6, 20, -10000, 9000},
-                                          {0, 500, 0, 0},
-                                          {500, 0, 0, 100},
-                                          {0, 0, 0, 0},
-                                          {1e-3, 1e-3, 8e3, 8e3},
-                                          {1e9, 1e9, -1e4, 1e4},
-                                          {10, 10, -1, -0.5}};
+    static const tc_flight_box boxes[] = {{.x_max = 122880, .y_max = 122880, .z_min = 600, .z_max = 2600},
+                                          {.x_max = 30, .y_max = 30, .z_min = 0, .z_max = 0},
+                                          {.x_max = 1, .y_max = 100000, .z_min = -5, .z_max = 5},
+                                          {.x_max = 100000, .y_max = 1, .z_min = 0, .z_max = 10},
+                                          {.x_max = 1000, .y_max = 1000, .z_min = 0, .z_max = 65535},
+                                          {.x_max = 1, .y_max = 1, .z_min = 0, .z_max = 1e5},
+                                          {.x_max = 4096, .y_max = 4096, .z_min = 0, .z_max = 255},
+                                          {.x_max = 2.1e6, .y_max = 20, .z_min = -10000, .z_max = 9000},
+                                          {.x_max = 0, .y_max = 500, .z_min = 0, .z_max = 0},
+                                          {.x_max = 500, .y_max = 0, .z_min = 0, .z_max = 100},
+                                          {.x_max = 0, .y_max = 0, .z_min = 0, .z_max = 0},
+                                          {.x_max = 1e-3, .y_max = 1e-3, .z_min = 8e3, .z_max = 8e3},
+                                          {.x_max = 1e9, .y_max = 1e9, .z_min = -1e4, .z_max = 1e4},
+                                          {.x_max = 10, .y_max = 10, .z_min = -1, .z_max = -0.5}};
     for (size_t b = 0; b < sizeof boxes / sizeof *boxes; b++)
         for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
             for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f++) {

@@ -108,7 +108,8 @@ static void help_and_version(void **state)
     char text[16384];
     FILE *file = fmemopen(text, sizeof text, "w");
     assert_non_null(file);
-    tc_options_print_help(&(tc_options_program){.name = "viewer", .summary = "Shows.", .navigation = &tc_flat_navigation}, file);
+    tc_options_print_help(
+        &(tc_options_program){.name = "viewer", .summary = "Shows.", .navigation = &tc_flat_navigation}, file);
     fclose(file);
     assert_non_null(strstr(text, "usage: viewer [OPTION]... TERRAIN"));
     static const char *const names[] = {"--view X,Y,Z,HEADING,PITCH",

@@ -200,6 +200,34 @@ static void filled_voids_meet_at_the_seam(void **state)
     tc_pyramid_destroy(file);
 }
 
+/* A cap without any height, and maps that end before the poles: chart 0 is all there is. */
+static void planets_without_caps(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const tc_pack_options how = {.error = 5};
+        tc_grid g = planet_grid(false);
+        tc_pack_terrain terrain = planet_terrain(&g);
+        int64_t rows = k ? 100 : HEIGHT, first = k ? 40 : 0, valid = k ? rows : 120;
+        terrain.height = rows;
+        terrain.georef.transform[3] += (double)(HEIGHT - rows - first) * terrain.georef.transform[5];
+        tc_packer *packer = NULL;
+        tc_pack_result result;
+        assert_int_equal(tc_packer_create(made_path("a.tclip"), &terrain, &how, &packer, NULL), TC_OK);
+        assert_int_equal(tc_packer_put(packer, (tc_rect){0, 0, WIDTH, valid}, g.z + first * WIDTH, NULL, WIDTH, NULL),
+                         TC_OK);
+        assert_int_equal(tc_packer_finish(packer, &result, NULL), TC_OK);
+        tc_packer_destroy(packer);
+        tc_grid_free(&g);
+        tc_atlas atlas;
+        assert_int_equal(tc_atlas_open(made_path("a.tclip"), NULL, &atlas, NULL), TC_OK);
+        const tc_packed_info *info = tc_pyramid_packed_info(atlas.chart[0].pyramid);
+        assert_true(atlas.charts == 1 && info->charts == 1 && atlas.chart[0].wraps && info->terrain.radius == radius);
+        assert_int_equal(result.voids, (rows - valid) * WIDTH);
+        tc_atlas_free(&atlas);
+    }
+}
+
 static void threads_make_no_difference(void **state)
 {
     (void)state;
@@ -432,6 +460,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(charts_come_back),
         cmocka_unit_test(threads_make_no_difference),
+        cmocka_unit_test(planets_without_caps),
         cmocka_unit_test(filled_voids_meet_at_the_seam),
         cmocka_unit_test(files_cut_short_lose_caps_first),
         cmocka_unit_test(heads_that_lie_are_refused),

@@ -15,7 +15,7 @@
 enum { WIDTH = 900, HEIGHT = 700 };
 
 /* Hills in whole metres, packed; the file's bytes. */
-static uint8_t *pack(const tc_pack_options *how, size_t *size_ret)
+static uint8_t *pack(const tc_pack_options *how, bool wraps, size_t *size_ret)
 {
     char path[] = "/tmp/terraclip-ahead-XXXXXX";
     int file = mkstemp(path);
@@ -28,6 +28,7 @@ static uint8_t *pack(const tc_pack_options *how, size_t *size_ret)
                 (float)rint(900 * sin((double)i / 90) * cos((double)j / 70) + (double)test_random_int(&random, 0, 9));
     tc_pack_terrain about = {
         .width = WIDTH, .height = HEIGHT, .spacing_x = 30, .spacing_y = 30, .sample_type = TC_SAMPLE_INT16, .unit = 1};
+    about.wraps_x = wraps;
     tc_packer *packer;
     tc_pack_result result;
     assert_int_equal(tc_packer_create(path, &about, how, &packer, NULL), TC_OK);
@@ -81,12 +82,13 @@ static void gets_ready(void **state)
 {
     (void)state;
     test_random random = {3};
-    for (int way = 0; way < 2 * WAYS; way++) {
+    for (int way = 0; way < 4 * WAYS; way++) {
         size_t size;
-        memory m = {pack(&ways[way / 2], &size), false};
+        bool wraps = way >= 2 * WAYS;
+        memory m = {pack(&ways[way / 2 % WAYS], wraps, &size), false};
         tc_pyramid *p = open_memory(&m, size, way % 2 ? 1 : 0);
         int levels = tc_pyramid_info(p)->levels;
-        for (int n = 0; n < 24; n++) {
+        for (int n = 0; n < (wraps ? 6 : 24); n++) {
             int l = (int)test_random_int(&random, levels - 2, levels);
             tc_level level = tc_pyramid_level(p, l);
             tc_rect r = {0, 0, level.width, level.height};
@@ -96,6 +98,8 @@ static void gets_ready(void **state)
                 r.x1 = test_random_int(&random, r.x0, level.width - 1) + 1;
                 r.y1 = test_random_int(&random, r.y0, level.height - 1) + 1;
             }
+            if (wraps) /* mostly across the seam */
+                r.x0 -= level.width / 2, r.x1 -= level.width / 2;
             int polls = 0;
             while (!tc_pyramid_ready(p, l, r) && polls++ < 5000)
                 usleep(1000);
@@ -116,7 +120,7 @@ static void what_fails_may_come_later(void **state)
     static float truth[WIDTH * HEIGHT], z[WIDTH * HEIGHT];
     for (int way = 0; way < WAYS; way++) {
         size_t size;
-        memory m = {pack(&ways[way], &size), false};
+        memory m = {pack(&ways[way], false, &size), false};
         tc_pyramid *p = open_memory(&m, size, 0);
         int l = tc_pyramid_info(p)->levels;
         tc_rect all = {0, 0, WIDTH, HEIGHT};

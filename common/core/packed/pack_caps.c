@@ -1,6 +1,7 @@
 /* pack_caps.c - a planet's polar caps: resampled from its filled heights once all have been put, and packed as terrains
  * of their own. */
 #include <errno.h>
+#include <fcntl.h>
 #include <float.h>
 #include <math.h>
 #include <sys/mman.h>
@@ -48,10 +49,13 @@ static tc_status reserve(const tc_packer *p, int64_t side, cap_memory *m, tc_err
     size_t samples = (size_t)(side * side);
     m->size = samples * (sizeof(float) + 1);
     int file = tc_outfile_nameless(p->path);
-    m->bytes = MAP_FAILED;
-    if (file >= 0 && ftruncate(file, (off_t)m->size) == 0)
-        m->bytes = mmap(NULL, m->size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     int why = errno;
+    m->bytes = MAP_FAILED;
+    /* All of its room at once: a disk that is full while a mapping is written to would be a signal, not an error. */
+    if (file >= 0 && (why = posix_fallocate(file, 0, (off_t)m->size)) == 0) {
+        m->bytes = mmap(NULL, m->size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+        why = errno;
+    }
     if (file >= 0)
         close(file);
     if (m->bytes == MAP_FAILED) {
@@ -64,6 +68,13 @@ static tc_status reserve(const tc_packer *p, int64_t side, cap_memory *m, tc_err
     return TC_OK;
 }
 
+/* Lets go of the pages; what they hold stays in the file. */
+static void forget(const cap_memory *m)
+{
+    if (m->bytes)
+        madvise(m->bytes, m->size, MADV_DONTNEED);
+}
+
 static void release(cap_memory *m)
 {
     if (m->bytes)
@@ -72,7 +83,8 @@ static void release(cap_memory *m)
 }
 
 /* Gives rows y0 .. y1 - 1 of the planet to the caps. */
-static tc_status give_rows(const tc_packer *p, tc_caps *caps, int64_t y0, int64_t y1, tc_error *error)
+static tc_status give_rows(const tc_packer *p, tc_caps *caps, const cap_memory memory[TC_CAPS], int64_t y0, int64_t y1,
+                           tc_error *error)
 {
     int64_t w = p->container.info.terrain.width, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, y1 - y0);
     bool some = p->container.voids > 0;
@@ -88,13 +100,15 @@ static tc_status give_rows(const tc_packer *p, tc_caps *caps, int64_t y0, int64_
             status = tc_pack_mask_rows(p, p->container.levels, y, end, voids, w, error);
         if (!status && (status = tc_caps_put(caps, y, end - y, z, voids)))
             tc_fail(error, status, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(status));
+        for (int n = 0; n < TC_CAPS; n++)
+            forget(&memory[n]);
     }
     free(z), free(voids);
     return status;
 }
 
 static tc_status make_heights(const tc_packer *p, const tc_lonlat *grid, const cap_memory memory[TC_CAPS],
-                              tc_cap_result result[TC_CAPS], tc_error *error)
+                              tc_error *error)
 {
     const tc_cap_target target[TC_CAPS] = {memory[0].target, memory[1].target};
     int64_t reach = tc_caps_reach(grid), h = grid->height, north = tc_max64(h - reach, 0);
@@ -102,13 +116,18 @@ static tc_status make_heights(const tc_packer *p, const tc_lonlat *grid, const c
     tc_status status = tc_caps_create(grid, target, p->options.threads, &caps), finished = TC_OK;
     if (status)
         return tc_fail(error, status, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(status));
-    status = give_rows(p, caps, 0, tc_min64(reach, h), error);
+    status = give_rows(p, caps, memory, 0, tc_min64(reach, h), error);
     if (!status)
-        status = give_rows(p, caps, tc_max64(north, tc_min64(reach, h)), h, error);
-    if (!status && (finished = tc_caps_finish(caps, result)))
+        status = give_rows(p, caps, memory, tc_max64(north, tc_min64(reach, h)), h, error);
+    if (!status && (finished = tc_caps_finish(caps, NULL)))
         status = tc_fail(error, finished, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(finished));
     tc_caps_destroy(caps);
     return status;
+}
+
+static bool is_all_void(const cap_memory *m, int64_t side)
+{
+    return m->target.voids && !memchr(m->target.voids, 0, (size_t)(side * side));
 }
 
 /* ---- Packing --------------------------------------------------------------------------------------------------- */
@@ -163,6 +182,7 @@ static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const cap_memory 
     for (int64_t y = 0; y < side && !status; y += rows) {
         tc_rect rect = {0, y, side, tc_min64(y + rows, side)};
         const uint8_t *voids = memory->target.voids;
+        forget(memory); /* the rows before */
         status =
             tc_packer_put(*cap_ret, rect, memory->target.z + y * side, voids ? voids + y * side : NULL, side, error);
     }
@@ -178,16 +198,15 @@ tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *er
     tc_lonlat grid = lonlat_of(t, &globe);
     int64_t side = tc_caps_side(&grid);
     cap_memory memory[TC_CAPS] = {{0}};
-    tc_cap_result result[TC_CAPS];
     tc_status status = TC_OK;
     double share = 0.5 * tc_pack_caps_share(t);
     for (int n = 0; n < TC_CAPS && !status; n++)
         status = reserve(p, side, &memory[n], error);
     if (!status)
-        status = make_heights(p, &grid, memory, result, error);
+        status = make_heights(p, &grid, memory, error);
     bool empty = false;
     for (int n = 0; n < TC_CAPS && !status; n++)
-        empty |= result[n].void_count == side * side;
+        empty |= is_all_void(&memory[n], side);
     p->most = 1;
     for (int n = 0; n < TC_CAPS && !status && !empty; n++) {
         status = pack_cap(p, &grid, &memory[n], &cap[n], error);

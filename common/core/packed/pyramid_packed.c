@@ -143,7 +143,8 @@ static void read_ahead(void *context, int l, tc_rect rect)
     float *z = malloc(samples * sizeof *z);
     uint8_t *voids = p->file.container.voids > 0 ? malloc(samples) : NULL;
     if (z)
-        (void)packed_read(&p->head, l, rect, z, voids, rect.x1 - rect.x0); /* who reads it next learns of failures */
+        (void)tc_pyramid_read(&p->head, l, rect, z, voids,
+                              rect.x1 - rect.x0); /* who reads it next learns of failures */
     free(z), free(voids);
 }
 

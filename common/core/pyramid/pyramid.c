@@ -92,15 +92,8 @@ tc_status tc_pyramid_read(const tc_pyramid *pyramid, int level, tc_rect rect, fl
 
 bool tc_pyramid_ready(const tc_pyramid *pyramid, int level, tc_rect rect)
 {
-    bool ready = true;
-    if (!pyramid->class->ready)
-        return true;
-    for (rect = cut(pyramid, level, rect); !tc_rect_empty(rect);) {
-        tc_rect piece = piece_at(pyramid, level, rect);
-        ready = pyramid->class->ready(pyramid, level, piece) && ready; /* all pieces: asking sets them going */
-        rect.x0 += piece.x1 - piece.x0;
-    }
-    return ready;
+    rect = cut(pyramid, level, rect);
+    return !pyramid->class->ready || tc_rect_empty(rect) || pyramid->class->ready(pyramid, level, rect);
 }
 
 void tc_pyramid_bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)

@@ -4,8 +4,8 @@
 
 #include "common/terraclip.h"
 
-/* Rectangles are not empty and lie within the level: what sticks out of a level that wraps is cut into pieces before.
- */
+/* Rectangles are not empty and lie within the level: what sticks out of a level that wraps is cut into pieces before,
+ * but for `ready`: pieces would take turns in pushing each other out of a cache. */
 typedef struct tc_pyramid_class {
     tc_status (*read)(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
     void (*bounds)(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
