@@ -133,7 +133,7 @@ static const char *const fault_name[] = {"sound", "a draw left out", "a triangle
                                          "columns 0 and n_phi apart", "edge of the disc at another level of detail"};
 
 typedef struct totals {
-    int views, below_surface, holes, cracks, suspects, views_open;
+    int views, below_surface, too_low, holes, cracks, suspects, views_open;
     int64_t terrain_pixels, sure_pixels; /* sure: surely terrain */
 } totals;
 
@@ -157,20 +157,21 @@ static void break_surface(rings_surface *s, fault f)
         s->head.frame = frame_without_a_draw;
     }
     for (int k = 0; f == TRIANGLE_MISSING && k < g->sectors; k++)
-        s->head.geometry.indices[g->ring_first[k] + g->ring_count / 2] = TC_RESTART;
+        s->head.geometry.indices[g->ring_first[k] + 4] = TC_RESTART;
     for (int r = 0; f == MERIDIAN_OPEN && r <= g->levels * g->m; r++)
-        v[r * g->stride + g->n_phi][1] += 0.002f * v[r * g->stride + g->n_phi][0];
+        v[r * g->stride + g->n_phi][1] -= 0.02f * v[r * g->stride + g->n_phi][0];
     for (int i = 0; f == DISC_APART && i < g->levels; i++)
         for (int k = 0; k <= g->n_phi; k++)
-            v[tc_rings_fill_base(g, i) + k][3] -= 0.3f;
+            v[tc_rings_fill_base(g, i) + k][3] -= 3;
 }
 
-static void look(scene *s, const tc_camera *c, fault f, int view, totals *t)
+static void look(scene *s, const tc_camera *c, bool lagging, fault f, int view, totals *t)
 {
     const rings_surface *rings = (const rings_surface *)s->surface;
     double z;
     if (s->surface->drawn_height(s->surface, c, &(tc_frame_options){0}, c->x, c->y, &z) && z >= c->z) {
         t->below_surface++; /* a level that lags may stand higher than the eye */
+        t->too_low += !lagging;
         return;
     }
     uint8_t *rgb = scene_pixels(s, c);
@@ -184,7 +185,7 @@ static void look(scene *s, const tc_camera *c, fault f, int view, totals *t)
             holes += sure && open;
             if (open && !sure && terrain_above(rgb, c, x, y)) {
                 t->suspects++;
-                cracks += f == SOUND && ray_crosses(rings, c, d);
+                cracks += (f == SOUND || t->suspects < 300) && ray_crosses(rings, c, d);
             }
         }
     if ((holes || cracks) && f == SOUND)
@@ -212,7 +213,7 @@ static void run(int k, const tc_rings_options *rings, int views, bool lagging, f
                 scene_draw(&s, &c, false);
         }
         scene_draw(&s, &c, !lagging);
-        look(&s, &c, f, v, t);
+        look(&s, &c, lagging, f, v, t);
     }
     scene_destroy(&s);
 }
@@ -224,7 +225,7 @@ static void no_background_shows_through(void **state)
     (void)state;
     totals t = {0};
     for (int k = 0; k < PLANETS; k++) {
-        run(k, &sizes[0], 280, false, SOUND, 10 + (uint64_t)k, &t);
+        run(k, &sizes[0], 300, false, SOUND, 10 + (uint64_t)k, &t);
         run(k, &sizes[0], 220, true, SOUND, 20 + (uint64_t)k, &t);
         run(k, &sizes[1], 120, (k & 1) != 0, SOUND, 30 + (uint64_t)k, &t);
         run(k, &sizes[2], 60, (k & 1) == 0, SOUND, 40 + (uint64_t)k, &t);
@@ -234,8 +235,9 @@ static void no_background_shows_through(void **state)
            t.views, t.below_surface, (long long)t.terrain_pixels, (double)t.sure_pixels / (double)t.terrain_pixels,
            t.suspects, t.holes, t.cracks);
     assert_true(t.views >= 2000);
+    assert_int_equal(t.too_low, 0);
     assert_int_equal(t.holes + t.cracks, 0);
-    assert_true((double)t.sure_pixels > 0.9 * (double)t.terrain_pixels);
+    assert_true((double)t.sure_pixels > 0.85 * (double)t.terrain_pixels);
 }
 
 static void the_test_finds_holes(void **state)
@@ -245,8 +247,9 @@ static void the_test_finds_holes(void **state)
         totals t = {0};
         for (int k = 0; k < PLANETS; k++)
             run(k, &sizes[0], 60, false, (fault)f, 50 + (uint64_t)k, &t);
-        printf("globe watertight: %s: %d holes in %d of %d views\n", fault_name[f], t.holes, t.views_open, t.views);
-        assert_true(t.holes > 0);
+        printf("globe watertight: %s: %d holes and %d cracks in %d of %d views\n", fault_name[f], t.holes, t.cracks,
+               t.views_open, t.views);
+        assert_true(t.holes > 20);
     }
 }
 
