@@ -76,8 +76,8 @@ const int8_t (*tc_clipmap_normals(const tc_clipmap *clipmap, int level))[4];
 const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level);
 
 /* Moves the windows towards wanted[level - 1] (each at most n x n, even origin, within the extent), coarse to fine,
- * filling at most budget height samples, whole rows or columns (budget < 0: no limit; use at least n
- * for progress). What a packed pyramid has yet to decode is waited for, or left to later calls and decoded by a thread
+ * filling at most budget height samples, whole rows or columns (budget < 0: no limit; use at least n for progress).
+ * A window that reaches beyond what the coarser one wanted can surround is cut. What a packed pyramid has yet to decode is waited for, or left to later calls and decoded by a thread
  * meanwhile. Crops what falls behind so that
  * LH04's four constraints hold:
  *   clip(l+1) within clip(l) eroded by 1; active(l) within clip(l); perimeter of active(l) on even samples;
