@@ -122,7 +122,7 @@ static rings_near read_near(const rings_surface *s, const rings_view *v, int cha
 
 void tc_rings_ground(const rings_surface *s, rings_view *v)
 {
-    double shift = tc_rings_shift(s, v->finest + 1);
+    double shift = tc_rings_shift(s, v, v->finest + 1);
     v->z = 0;
     for (int chart = 0; chart < s->head.charts; chart++) {
         const tc_clipmap *clipmap = s->head.clipmap[chart];

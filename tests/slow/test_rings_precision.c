@@ -58,7 +58,7 @@ static rings_error planet(globe_function f, const char *name, double radius, tc_
             take_worst(&by_altitude[k], &here);
             if (getenv("VERBOSE") && (here.pixels > PIXELS || here.texels > TEXELS))
                 fflush(stdout), printf("  place %d (%g, %g), altitude %g: %.3g pixels, %.3g texels\n", place, c.x, c.y,
-                       rings_altitude(k, radius), here.pixels, here.texels);
+                                       rings_altitude(k, radius), here.pixels, here.texels);
         }
     for (int k = 0; k < RINGS_ALTITUDES; k++)
         take_worst(&all, &by_altitude[k]);

@@ -80,7 +80,9 @@ void globe_scene_frame(globe_scene *s, const tc_camera *camera, bool draw)
             for (int l = 1; l <= tc_clipmap_levels(s->surface->clipmap[chart]); l++) {
                 tc_clip_level q = *tc_clipmap_level(s->surface->clipmap[chart], l);
 #define R(r) (long)r.x0, (long)r.y0, (long)r.x1, (long)r.y1
-                fprintf(stderr, "chart %d level %d extent %ld %ld %ld %ld clip %ld %ld %ld %ld wanted %ld %ld %ld %ld\n", chart, l, R(q.extent), R(q.clip), R(q.wanted));
+                fprintf(stderr,
+                        "chart %d level %d extent %ld %ld %ld %ld clip %ld %ld %ld %ld wanted %ld %ld %ld %ld\n", chart,
+                        l, R(q.extent), R(q.clip), R(q.wanted));
             }
         fprintf(stderr, "view %.17g %.17g %.17g\n", camera->x, camera->y, camera->z);
     }

@@ -9,8 +9,8 @@ enum { RINGS_MAX_LEVELS = 48 };
 
 /* One captured vertex: what rings.vert puts out, and what it looked up. */
 typedef struct captured_vertex {
-    float clip[4];              /* gl_Position */
-    float position[3];          /* from the eye, metres */
+    float clip[4];               /* gl_Position */
+    float position[3];           /* from the eye, metres */
     float map[TC_MAX_CHARTS][4]; /* of a chart: samples from the viewer's cell, layer (-1: none), coarser share */
 } captured_vertex;
 

@@ -6,9 +6,9 @@
 #include "spherical/rings_internal.h"
 
 typedef struct oracle_vertex {
-    long double height;                /* metres above the sphere */
-    long double position[3];           /* east, north, up from the eye, metres */
-    long double weight[TC_MAX_CHARTS]; /* shares of the charts */
+    long double height;                             /* metres above the sphere */
+    long double position[3];                        /* east, north, up from the eye, metres */
+    long double weight[TC_MAX_CHARTS];              /* shares of the charts */
     long double x[TC_MAX_CHARTS], y[TC_MAX_CHARTS]; /* finest samples of the charts, where their share is above 0 */
 } oracle_vertex;
 
