@@ -135,7 +135,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
         for (int level = 1; level <= levels; level++) {
             const tc_clip_level *l = tc_clipmap_level(clipmap, level);
             float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
-            double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = floor(x), j = floor(y);
+            double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = rint(x), j = rint(y);
             int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
             rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
             const tc_chart *c = &s->atlas->chart[chart];
@@ -154,7 +154,8 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
         set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
     }
     for (int cap = 1; cap < s->head.charts; cap++)
-        set4(&s->surface_uniforms[0] + 4 * (10 + cap), v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2], 0);
+        set4(u[10 + cap], v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2],
+             1 - ((cap == 1 ? v->cos_theta : -v->cos_theta) - lo) / (hi - lo));
 }
 
 static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
