@@ -17,10 +17,14 @@ static rings_place place_lonlat(const rings_surface *s, int chart, const tc_came
     const tc_chart *c = &s->atlas->chart[chart];
     rings_place at = {.x = (camera->x - c->x0) / c->dx, .y = (camera->y - c->y0) / c->dy, .near = true};
     tc_level size = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
-    double period = 2 * M_PI / c->dx, middle = 0.5 * (double)(size.width - 1);
+    double middle = 0.5 * (double)(size.width - 1), period = 2 * M_PI / c->dx;
     if (c->wraps) { /* the number of the viewer's column that is next to what is held already */
         const tc_clip_level *l = tc_clipmap_level(s->head.clipmap[chart], 1);
         middle = ldexp(0.5 * (double)(l->clip.x0 + l->clip.x1), l->shift);
+        period = (double)size.width;
+        /* So short that all its numbers, for a thousand turns, are exact: pictures do not depend on which one it is. */
+        double grain = ldexp(1, ilogb(period) + 11 - 52);
+        at.x = rint((at.x - period * floor(at.x / period)) / grain) * grain;
     }
     at.x += period * rint((middle - at.x) / period);
     return at;
