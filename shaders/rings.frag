@@ -11,7 +11,8 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 
 float fragment_shift()
 {
-    return max(0.0, surface[1].w - v_terrain.y - surface[3].z);
+    float shift = max(0.0, surface[1].w - v_terrain.y - surface[3].z);
+    return surface[10].w > 0.0 ? floor(shift) : shift;
 }
 
 float surface_level()

@@ -17,10 +17,14 @@ static rings_place place_lonlat(const rings_surface *s, int chart, const tc_came
     const tc_chart *c = &s->atlas->chart[chart];
     rings_place at = {.x = (camera->x - c->x0) / c->dx, .y = (camera->y - c->y0) / c->dy, .near = true};
     tc_level size = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
-    double period = 2 * M_PI / c->dx, middle = 0.5 * (double)(size.width - 1);
+    double middle = 0.5 * (double)(size.width - 1), period = 2 * M_PI / c->dx;
     if (c->wraps) { /* the number of the viewer's column that is next to what is held already */
         const tc_clip_level *l = tc_clipmap_level(s->head.clipmap[chart], 1);
         middle = ldexp(0.5 * (double)(l->clip.x0 + l->clip.x1), l->shift);
+        period = (double)size.width;
+        /* So short that all its numbers, for a thousand turns, are exact: pictures do not depend on which one it is. */
+        double grain = ldexp(1, ilogb(period) + 11 - 52);
+        at.x = rint((at.x - period * floor(at.x / period)) / grain) * grain;
     }
     at.x += period * rint((middle - at.x) / period);
     return at;
@@ -122,7 +126,7 @@ static rings_near read_near(const rings_surface *s, const rings_view *v, int cha
 
 void tc_rings_ground(const rings_surface *s, rings_view *v)
 {
-    double shift = tc_rings_shift(s, v->finest + 1);
+    double shift = tc_rings_shift(s, v, v->finest + 1);
     v->z = 0;
     for (int chart = 0; chart < s->head.charts; chart++) {
         const tc_clipmap *clipmap = s->head.clipmap[chart];
@@ -282,6 +286,10 @@ rings_view tc_rings_view(const rings_surface *s, const tc_camera *camera)
     return v;
 }
 
+/* Samples at a window's sides in which it passes over to the coarser level: none of them may be in view where a window
+ * could be larger, or even the ground below the viewer would not be its own level's. */
+#define PASSAGE(n) ((int64_t)(n) / 10 + 1)
+
 /* The window of a level: the extent as even samples, at most n around the viewer. */
 static tc_rect window(const rings_place *at, rings_extent e, int shift, int n, tc_rect extent)
 {
@@ -289,10 +297,9 @@ static tc_rect window(const rings_place *at, rings_extent e, int shift, int n, t
     const double middle[2] = {at->x, at->y}, lo[2] = {e.x0, e.y0}, hi[2] = {e.x1, e.y1};
     const int64_t least[2] = {extent.x0, extent.y0}, most[2] = {extent.x1, extent.y1};
     for (int a = 0; a < 2; a++) {
-        /* More on all sides: what is between samples, and the passage to the coarser level, so that it is not within
-         * the extent where that is small, next to the viewer at worst. */
-        int64_t more = n / 10 + 3, x0 = (int64_t)floor(ldexp(middle[a] + lo[a], -shift)) - more;
-        int64_t x1 = (int64_t)ceil(ldexp(middle[a] + hi[a], -shift)) + more + 1;
+        /* A sample more on all sides for what is between samples, and the passage to the coarser level. */
+        int64_t x0 = (int64_t)floor(ldexp(middle[a] + lo[a], -shift)) - 1 - PASSAGE(n);
+        int64_t x1 = (int64_t)ceil(ldexp(middle[a] + hi[a], -shift)) + 2 + PASSAGE(n);
         int64_t eye = tc_clamp64((int64_t)floor(ldexp(middle[a], -shift)), x0, x1);
         if (x1 - x0 > n - 1) {
             x0 = tc_clamp64(eye - n / 2, x0, x1 - (n - 1));

@@ -13,6 +13,7 @@
 
 #include "common/core/base/rect.h"
 #include "common/core/clipmap/camera.h"
+#include "common/core/clipmap/view_error.h"
 #include "common/core/base/status.h"
 #include "level_textures.h"
 #include "palette.h"
@@ -469,13 +470,7 @@ void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth)
 void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera, double x, double y, float depth,
                            double position_ret[3])
 {
-    tc_basis b = tc_camera_basis(camera);
-    double tx, ty, along = renderer->surface->near_plane / (double)depth;
-    tc_camera_tangents(camera, &tx, &ty);
-    double u = (2 * x / camera->width - 1) * tx, v = (1 - 2 * y / camera->height) * ty;
-    const double eye[3] = {camera->x, camera->y, camera->z};
-    for (int i = 0; i < 3; i++)
-        position_ret[i] = eye[i] + along * (b.forward[i] + u * b.right[i] + v * b.up[i]);
+    tc_view_unproject(camera, renderer->surface->near_plane, 0, x, y, depth, position_ret);
 }
 
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)

@@ -308,9 +308,10 @@ int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t bu
         } else if (l > 1) {
             const tc_clip_level *coarse = &clipmap->level[l - 2].view;
             tc_rect allowed = refine(erode(coarse->clip, coarse->extent, 1));
-            tc_rect target = tc_rect_intersect(wanted[l - 1], v->extent);
-            v->wanted = target;
-            target = tc_rect_intersect(target, allowed);
+            /* No more than there will be room for within the coarser level, or it would be waited for for ever. */
+            tc_rect room = refine(erode(coarse->wanted, coarse->extent, 1));
+            v->wanted = tc_rect_intersect(tc_rect_intersect(wanted[l - 1], v->extent), room);
+            tc_rect target = tc_rect_intersect(v->wanted, allowed);
             v->clip = tc_rect_intersect(v->clip, target);
             int64_t spent = grow(clipmap, l, target, budget, wait);
             samples += spent;

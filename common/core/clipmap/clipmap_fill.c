@@ -229,7 +229,8 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
             row[i][1] = row[i][3] = (int8_t)(int)(dy * scale + (dy < 0 ? 0.5f : -0.5f));
         }
         if (level > 1)
-            coarse_normals(s - 1, (float)(s->relief / s[-1].relief), mask, 2 * rect.x0 - 1, 2 * rect.y0 - 1 + j, w, row);
+            coarse_normals(s - 1, (float)(s->relief / s[-1].relief), mask, 2 * rect.x0 - 1, 2 * rect.y0 - 1 + j, w,
+                           row);
         store_row(s->normals + ((2 * rect.y0 - 1 + j) & mask) * (mask + 1), 2 * rect.x0 - 1, mask, row, w, sizeof *row);
     }
     return TC_OK;

@@ -1,0 +1,173 @@
+/* test_globe_pictures.c - what a picture of a planet may depend on, and what it must not. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "tests/support/planet_scene.h"
+
+enum { PLANETS = 2 };
+static tc_context *context;
+static tc_atlas planet[PLANETS];
+
+static int set_up(void **state)
+{
+    (void)state;
+    context = scene_context();
+    planet[0] = planet_made(PLANET_DEFAULT, 1024, 6371000, 7);
+    planet[1] = planet_made(PLANET_CLIFF, 1024, 400e3, 7);
+    return context ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    for (int k = 0; k < PLANETS; k++)
+        tc_atlas_free(&planet[k]);
+    tc_context_destroy(context);
+    return 0;
+}
+
+static int64_t different_pixels(const uint8_t *a, const uint8_t *b, const tc_camera *c)
+{
+    int64_t count = 0;
+    for (int i = 0; i < c->width * c->height; i++)
+        count += memcmp(a + 3 * i, b + 3 * i, 3) != 0;
+    return count;
+}
+
+static uint8_t *picture(scene *s, const tc_camera *c, const tc_scene_options *options, tc_frame_stats *stats)
+{
+    tc_renderer_set_options(s->renderer, options);
+    *stats = scene_draw(s, c, true);
+    return scene_pixels(s, c);
+}
+
+static void culling_removes_nothing_visible(void **state)
+{
+    (void)state;
+    const tc_scene_options culled = {.budget = -1}, all = {.budget = -1, .frame.no_cull = true};
+    int64_t drawn = 0, without = 0, views = 0;
+    for (int k = 0; k < PLANETS; k++) {
+        test_random r = {2 + (uint64_t)k};
+        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 256, .m = 12}, &culled);
+        for (int view = 0; view < 60; view++, views++) {
+            tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+            tc_frame_stats stats;
+            uint8_t *a = picture(&s, &c, &culled, &stats);
+            drawn += stats.triangles, without += stats.triangles_unculled;
+            uint8_t *b = picture(&s, &c, &all, &stats);
+            assert_int_equal(stats.triangles, stats.triangles_unculled);
+            int64_t different = different_pixels(a, b, &c);
+            if (different)
+                printf("view %d of planet %d: %lld pixels: %.17g %.17g %.17g %.17g %.17g %.17g\n", view, k,
+                       (long long)different, c.x, c.y, c.z, c.heading, c.pitch, c.fov);
+            assert_int_equal(different, 0);
+            free(a), free(b);
+        }
+        scene_destroy(&s);
+    }
+    printf("globe culling: %.3f of the triangles drawn over %lld views\n", (double)drawn / (double)without,
+           (long long)views);
+    assert_true(drawn < without * 7 / 10);
+}
+
+/* A view culled for another direction misses what it shows. */
+static void the_test_finds_what_is_missing(void **state)
+{
+    (void)state;
+    test_random r = {2};
+    tc_scene_options culled = {.budget = -1};
+    scene s = planet_scene(context, &planet[0], &(tc_rings_options){.n_phi = 256, .m = 12}, &culled);
+    int found = 0;
+    for (int view = 0; view < 20; view++) {
+        tc_camera c = planet_view(&r, &planet[0], 0.5, 5 * planet[0].radius), other = c;
+        tc_frame_stats stats;
+        other.heading += 0.3, other.fov *= 0.8;
+        culled.frame.cull_camera = NULL;
+        uint8_t *a = picture(&s, &c, &culled, &stats);
+        culled.frame.cull_camera = &other;
+        uint8_t *b = picture(&s, &c, &culled, &stats);
+        found += different_pixels(a, b, &c) > 0;
+        free(a), free(b);
+    }
+    printf("globe culling: for a direction that is 0.3 off: %d of 20 views differ\n", found);
+    assert_true(found > 5);
+    scene_destroy(&s);
+}
+
+/* Backs of triangles may show in single pixels of a ridge line, where corners are rounded to the raster. */
+static void backs_are_not_missed(void **state)
+{
+    (void)state;
+    const tc_scene_options front = {.budget = -1}, both = {.budget = -1, .frame.two_sided = true};
+    int64_t different = 0, views = 0, pixels = 0;
+    for (int k = 0; k < PLANETS; k++) {
+        test_random r = {4 + (uint64_t)k};
+        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 256, .m = 12}, &front);
+        for (int view = 0; view < 60; view++, views++) {
+            tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+            tc_frame_stats stats;
+            uint8_t *a = picture(&s, &c, &front, &stats), *b = picture(&s, &c, &both, &stats);
+            different += different_pixels(a, b, &c), pixels += c.width * c.height;
+            free(a), free(b);
+        }
+        scene_destroy(&s);
+    }
+    printf("globe, backs left out: %lld of %lld pixels differ\n", (long long)different, (long long)pixels);
+    assert_true(different <= views / 10);
+}
+
+/* Flights of other paths, speeds and budgets, and a fresh surface, end in the same picture. */
+static void a_picture_depends_on_the_view_alone(void **state)
+{
+    (void)state;
+    int64_t differing = 0, views = 0;
+    for (int k = 0; k < PLANETS; k++) {
+        test_random r = {1 + (uint64_t)k};
+        const tc_rings_options rings = {.n_phi = 128, .m = 8};
+        const tc_scene_options options[2] = {{.budget = 0}, {.budget = 700}};
+        scene s[2];
+        for (int i = 0; i < 2; i++)
+            s[i] = planet_scene(context, &planet[k], &rings, &options[i]);
+        for (int view = 0; view < 40; view++, views++) {
+            tc_camera end = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+            uint8_t *pixels[3];
+            tc_frame_stats stats;
+            for (int i = 0; i < 2; i++) {
+                for (int64_t leg = test_random_int(&r, 0, 8); leg > 0; leg--) {
+                    tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+                    scene_draw(&s[i], &c, test_random_unit(&r) < 0.3);
+                }
+                pixels[i] = picture(&s[i], &end, &options[i], &stats);
+            }
+            scene fresh = planet_scene(context, &planet[k], &rings, &options[0]);
+            pixels[2] = picture(&fresh, &end, &options[0], &stats);
+            scene_destroy(&fresh);
+            for (int i = 1; i < 3; i++) {
+                int64_t different = different_pixels(pixels[0], pixels[i], &end);
+                if (different)
+                    printf("view %d of planet %d: %lld pixels: %.17g %.17g %.17g %.17g %.17g %.17g\n", view, k,
+                           (long long)different, end.x, end.y, end.z, end.heading, end.pitch, end.fov);
+                differing += different > 0;
+            }
+            free(pixels[0]), free(pixels[1]), free(pixels[2]);
+        }
+        scene_destroy(&s[0]), scene_destroy(&s[1]);
+    }
+    printf("globe: %lld of %lld views depend on the way there\n", (long long)differing, (long long)views);
+    assert_int_equal(differing, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(culling_removes_nothing_visible),
+        cmocka_unit_test(the_test_finds_what_is_missing),
+        cmocka_unit_test(backs_are_not_missed),
+        cmocka_unit_test(a_picture_depends_on_the_view_alone),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

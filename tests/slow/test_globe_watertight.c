@@ -1,0 +1,263 @@
+/* test_globe_watertight.c - no background shows through a planet, from any view.
+ *
+ * A planet is drawn in flat colours on magenta. What is drawn encloses the planet's middle: a ray from outside it that
+ * anywhere is nearer to the middle than the mesh can be there has passed through it. The mesh is at least as far out as
+ * the lowest height, but for the chords of its triangles, whose length goes with the angle from the foot point. That
+ * finds any hole; a finer rule finds those next to the horizon: sky begins above the last hit and goes on, so a magenta
+ * pixel with terrain further up is suspect, and is a crack where the drawn surface, in double, says that its ray passes
+ * from clearly above to clearly below. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/core/clipmap/camera.h"
+#include "common/core/clipmap/view_error.h"
+#include "spherical/rings_internal.h"
+#include "tests/support/planet_scene.h"
+
+enum { PLANETS = 3 };
+
+static const struct {
+    planet_kind kind;
+    int width;
+    double radius;
+    const char *name;
+} made[PLANETS] = {{PLANET_CLIFF, 1024, 400e3, "cliffs"},
+                   {PLANET_SMOOTH, 512, 1737400, "smooth"},
+                   {PLANET_DEFAULT, 512, 6371000, "the default planet"}};
+
+static tc_context *context;
+static tc_atlas planet[PLANETS];
+
+static int set_up(void **state)
+{
+    (void)state;
+    context = scene_context();
+    for (int k = 0; k < PLANETS; k++)
+        planet[k] = planet_made(made[k].kind, made[k].width, made[k].radius, 5);
+    return context ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    for (int k = 0; k < PLANETS; k++)
+        tc_atlas_free(&planet[k]);
+    tc_context_destroy(context);
+    return 0;
+}
+
+static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)
+{
+    const uint8_t *p = rgb + 3 * (y * c->width + x);
+    return p[0] == 255 && p[1] == 0 && p[2] == 255;
+}
+
+/* ---- Rays -------------------------------------------------------------------------------------------------------- */
+
+/* Whether the ray surely goes through the mesh. */
+static bool ray_enters(const rings_surface *s, const tc_camera *c, const double d[3])
+{
+    double eye = s->atlas->radius + c->z, low = s->atlas->radius + s->z_lo;
+    if (d[2] >= 0)
+        return false;
+    /* Where it is nearest to the middle: the angle from the foot point, and how near. */
+    double theta = acos(fmin(-d[2], 1)), nearest = eye * sqrt(fmax(1 - d[2] * d[2], 0));
+    theta = M_PI / 2 - theta;
+    /* Corners of a triangle there are at most this far from its middle. */
+    double step = 0.5 * hypot(2 * theta / s->geometry.m, 2 * M_PI / s->geometry.n_phi * fmin(theta * 1.1, 1));
+    return nearest < low * cos(step) * (1 - 1e-6);
+}
+
+static bool solid(const uint8_t *rgb, const tc_camera *c, int x, int y)
+{
+    if (x < 1 || y < 1 || x >= c->width - 1 || y >= c->height - 1)
+        return false;
+    for (int k = 0; k < 9; k++)
+        if (magenta(rgb, c, x + k % 3 - 1, y + k / 3 - 1))
+            return false;
+    return true;
+}
+
+/* Whether terrain is drawn between the pixel and where the direction straight up vanishes. */
+static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
+{
+    tc_basis b = tc_camera_basis(c);
+    double tx, ty;
+    tc_camera_tangents(c, &tx, &ty);
+    double vw = b.forward[2], vx = (b.right[2] / tx + vw) * c->width / 2, vy = (vw - b.up[2] / ty) * c->height / 2;
+    double px = x + 0.5, py = y + 0.5, dx = vx - vw * px, dy = vy - vw * py, length = hypot(dx, dy);
+    double most = vw > 0 ? length / vw : 2 * (c->width + c->height);
+    if (length < 1e-9)
+        return false;
+    for (double s = 1; s < most; s++) {
+        int qx = (int)floor(px + s * dx / length), qy = (int)floor(py + s * dy / length);
+        if (qx < 0 || qy < 0 || qx >= c->width || qy >= c->height)
+            return false;
+        if (solid(rgb, c, qx, qy))
+            return true;
+    }
+    return false;
+}
+
+/* Whether the ray passes from above to below the drawn surface by more than a quarter of a pixel. */
+static bool ray_crosses(const rings_surface *s, const tc_camera *c, const double d[3])
+{
+    double radius = s->atlas->radius, margin = 0.25 / tc_camera_pixel_scale(c), far = 2 * (radius + fabs(c->z));
+    bool above = false, below = false;
+    for (double t = 0.01; t < far && !(above && below); t += 0.002 * t) {
+        double p[3], from_eye[3] = {t * d[0], t * d[1], t * d[2]}, z;
+        tc_view_globe_place(c, radius, from_eye, p);
+        if (p[2] > s->z_hi + margin * t) {
+            above = true;
+            if (d[2] * t > -(radius + c->z) * d[2] * d[2])
+                break; /* on its way out */
+            continue;
+        }
+        if (!s->head.drawn_height((tc_surface *)&s->head, c, &(tc_frame_options){0}, p[0], p[1], &z))
+            continue;
+        above |= p[2] > z + margin * t;
+        below |= p[2] < z - margin * t;
+    }
+    return above && below;
+}
+
+/* ---- Views ------------------------------------------------------------------------------------------------------- */
+
+/* What is left open, for the test to find. */
+typedef enum fault { SOUND, DRAW_MISSING, TRIANGLE_MISSING, MERIDIAN_OPEN, DISC_APART } fault;
+static const char *const fault_name[] = {"sound", "a draw left out", "a triangle of each sector left out",
+                                         "columns 0 and n_phi apart", "edge of the disc at another level of detail"};
+
+typedef struct totals {
+    int views, below_surface, too_low, holes, cracks, suspects, views_open;
+    int64_t terrain_pixels, sure_pixels; /* sure: surely terrain */
+} totals;
+
+static void (*sound_frame)(tc_surface *, const tc_camera *, const tc_frame_options *, tc_frame *);
+
+static void frame_without_a_draw(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
+                                 tc_frame *frame)
+{
+    sound_frame(surface, camera, options, frame);
+    tc_draw *draws = ((rings_surface *)surface)->draws;
+    if (frame->strip_draws > 0)
+        draws[frame->strip_draws / 2].count = 0;
+}
+
+static void break_surface(rings_surface *s, fault f)
+{
+    rings_geometry *g = &s->geometry;
+    float(*v)[4] = s->head.geometry.vertices;
+    if (f == DRAW_MISSING) {
+        sound_frame = s->head.frame;
+        s->head.frame = frame_without_a_draw;
+    }
+    for (int k = 0; f == TRIANGLE_MISSING && k < g->sectors; k++)
+        s->head.geometry.indices[g->ring_first[k] + 4] = TC_RESTART;
+    for (int r = 0; f == MERIDIAN_OPEN && r <= g->levels * g->m; r++)
+        v[r * g->stride + g->n_phi][1] -= 0.02f * v[r * g->stride + g->n_phi][0];
+    for (int i = 0; f == DISC_APART && i < g->levels; i++)
+        for (int k = 0; k <= g->n_phi; k++)
+            v[tc_rings_fill_base(g, i) + k][3] -= 3;
+}
+
+static void look(scene *s, const tc_camera *c, bool lagging, fault f, int view, totals *t)
+{
+    const rings_surface *rings = (const rings_surface *)s->surface;
+    double z;
+    if (s->surface->drawn_height(s->surface, c, &(tc_frame_options){0}, c->x, c->y, &z) && z >= c->z) {
+        t->below_surface++; /* a level that lags may stand higher than the eye */
+        t->too_low += !lagging;
+        return;
+    }
+    uint8_t *rgb = scene_pixels(s, c);
+    int holes = 0, cracks = 0;
+    for (int y = 0; y < c->height; y++)
+        for (int x = 0; x < c->width; x++) {
+            double d[3];
+            tc_view_ray(c, x + 0.5, y + 0.5, d);
+            bool sure = ray_enters(rings, c, d), open = magenta(rgb, c, x, y);
+            t->terrain_pixels += !open, t->sure_pixels += sure;
+            holes += sure && open;
+            if (open && !sure && terrain_above(rgb, c, x, y)) {
+                t->suspects++;
+                cracks += (f == SOUND || t->suspects < 300) && ray_crosses(rings, c, d);
+            }
+        }
+    if ((holes || cracks) && f == SOUND)
+        printf("view %d: %d holes, %d cracks: lon %.17g lat %.17g z %.17g heading %.17g pitch %.17g fov %.17g\n", view,
+               holes, cracks, c->x, c->y, c->z, c->heading, c->pitch, c->fov);
+    free(rgb);
+    t->views++, t->holes += holes, t->cracks += cracks, t->views_open += holes + cracks > 0;
+}
+
+static void run(int k, const tc_rings_options *rings, int views, bool lagging, fault f, uint64_t seed, totals *t)
+{
+    tc_scene_options options = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
+    tc_surface *surface = planet_rings(&planet[k], rings, &options);
+    break_surface((rings_surface *)surface, f);
+    scene s = planet_scene_of(context, &planet[k], surface, &options);
+    int64_t n = tc_clipmap_n(s.clipmap);
+    test_random r = {seed};
+    for (int v = 0; v < views; v++) {
+        tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+        if (lagging) {
+            options.budget = test_random_int(&r, n, n * n);
+            tc_renderer_set_options(s.renderer, &options);
+            for (int64_t frames = test_random_int(&r, 0, 2); frames > 0; frames--)
+                scene_draw(&s, &c, false);
+        }
+        scene_draw(&s, &c, !lagging);
+        look(&s, &c, lagging, f, v, t);
+    }
+    scene_destroy(&s);
+}
+
+static const tc_rings_options sizes[3] = {{.n_phi = 128, .m = 8}, {.n_phi = 64, .m = 4}, {.n_phi = 512, .m = 20}};
+
+static void no_background_shows_through(void **state)
+{
+    (void)state;
+    totals t = {0};
+    for (int k = 0; k < PLANETS; k++) {
+        run(k, &sizes[0], 300, false, SOUND, 10 + (uint64_t)k, &t);
+        run(k, &sizes[0], 220, true, SOUND, 20 + (uint64_t)k, &t);
+        run(k, &sizes[1], 120, (k & 1) != 0, SOUND, 30 + (uint64_t)k, &t);
+        run(k, &sizes[2], 60, (k & 1) == 0, SOUND, 40 + (uint64_t)k, &t);
+    }
+    printf(
+        "globe watertight: %d views (%d more from below a lagging surface not counted), %lld terrain pixels, %.2f of "
+        "them surely so, %d suspects, %d holes, %d cracks\n",
+        t.views, t.below_surface, (long long)t.terrain_pixels, (double)t.sure_pixels / (double)t.terrain_pixels,
+        t.suspects, t.holes, t.cracks);
+    assert_true(t.views >= 2000);
+    assert_int_equal(t.too_low, 0);
+    assert_int_equal(t.holes + t.cracks, 0);
+    assert_true((double)t.sure_pixels > 0.85 * (double)t.terrain_pixels);
+}
+
+static void the_test_finds_holes(void **state)
+{
+    (void)state;
+    for (int f = DRAW_MISSING; f <= DISC_APART; f++) {
+        totals t = {0};
+        for (int k = 0; k < PLANETS; k++)
+            run(k, &sizes[0], 60, false, (fault)f, 50 + (uint64_t)k, &t);
+        printf("globe watertight: %s: %d holes and %d cracks in %d of %d views\n", fault_name[f], t.holes, t.cracks,
+               t.views_open, t.views);
+        assert_true(t.holes > 20);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_background_shows_through),
+        cmocka_unit_test(the_test_finds_holes),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
