@@ -22,8 +22,9 @@ static rings_place place_lonlat(const rings_surface *s, int chart, const tc_came
         const tc_clip_level *l = tc_clipmap_level(s->head.clipmap[chart], 1);
         middle = ldexp(0.5 * (double)(l->clip.x0 + l->clip.x1), l->shift);
         period = (double)size.width;
-        /* So short that all its numbers, for a thousand turns, are exact: pictures do not depend on which one it is. */
-        double grain = ldexp(1, ilogb(period) + 11 - 52);
+        /* So short that all its numbers, for dozens of turns, are exact: pictures do not depend on which one it is.
+         * Not shorter: next to steep ground micrometres count. */
+        double grain = ldexp(1, ilogb(period) + 5 - 52);
         at.x = rint((at.x - period * floor(at.x / period)) / grain) * grain;
     }
     at.x += period * rint((middle - at.x) / period);
