@@ -1,8 +1,8 @@
 /* bench_globe.c - what frames of a planet cost, and how far they are from its finest level.
  *
  * The first table: triangles of CH06's three situations (section 5.2: 16 levels, n_phi 512, m 20), in all levels, with
- * horizon and pixel size looked at, and drawn. The second: error_time.csv's rows; brute force is not measured. Argument:
- * `csv`, for the second one alone. TERRACLIP_DATA: real planets, too. */
+ * horizon and pixel size looked at, and drawn. The second: error_time.csv's rows; brute force is not measured.
+ * Argument: `csv`, for the second one alone. TERRACLIP_DATA: real planets, too. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,7 +34,8 @@ static int by_value(const void *a, const void *b)
 
 static tc_camera camera_of(const tc_atlas *atlas, int k)
 {
-    tc_camera c = {.x = 10.3 * DEGREE, .y = 46.4 * DEGREE, .heading = 0.6, .fov = M_PI / 3, .width = WIDTH, .height = HEIGHT};
+    tc_camera c = {
+        .x = 10.3 * DEGREE, .y = 46.4 * DEGREE, .heading = 0.6, .fov = M_PI / 3, .width = WIDTH, .height = HEIGHT};
     double ground;
     if (planet_atlas_height((void *)atlas, c.x, c.y, &ground))
         exit(1);
@@ -63,10 +64,12 @@ static void triangles(const tc_context *context, const tc_atlas *atlas)
     scene s = planet_scene(context, atlas, &(tc_rings_options){.n_phi = 512, .m = 20}, &options);
     const rings_geometry *g = &((const rings_surface *)s.surface)->geometry;
     const int64_t level = 2 * (int64_t)g->m * g->n_phi, disc = (2 * (int64_t)g->fill - 1) * g->n_phi;
-    printf("globe: default planet, n_phi %d, m %d, %d levels of %lld triangles and a disc of %lld; CH06's 16 levels: %lld\n",
+    printf("globe: default planet, n_phi %d, m %d, %d levels of %lld triangles and a disc of %lld; CH06's 16 levels: "
+           "%lld\n",
            g->n_phi, g->m, g->levels, (long long)level, (long long)disc, (long long)(16 * level + disc));
-    printf("| situation | all levels | to the pixel | and from the horizon | drawn | CH06 | draws | levels | frame ms |\n"
-           "|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+    printf(
+        "| situation | all levels | to the pixel | and from the horizon | drawn | CH06 | draws | levels | frame ms |\n"
+        "|---|---:|---:|---:|---:|---:|---:|---:|---:|\n");
     for (int k = 0; k < SITUATIONS; k++) {
         tc_camera c = camera_of(atlas, k);
         tc_frame_stats stats;

@@ -47,8 +47,7 @@ static void pack(const tc_atlas *atlas, const char *to)
     tc_pack_result result;
     tc_error error = {TC_OK, ""};
     if (tc_packer_create(to, &terrain, &(tc_pack_options){.error = 1}, &packer, &error) ||
-        tc_packer_put(packer, all, z, NULL, (ptrdiff_t)size.width, &error) ||
-        tc_packer_finish(packer, &result, &error))
+        tc_packer_put(packer, all, z, NULL, (ptrdiff_t)size.width, &error) || tc_packer_finish(packer, &result, &error))
         fail_msg("%s", error.text);
     tc_packer_destroy(packer);
     free(z);
@@ -166,7 +165,8 @@ static void flat_map_and_globe_agree(void **state)
     test_random r = {3};
     double worst = 0, sum = 0, most = 0, curved = 0, count = 0;
     for (int view = 0; view < 40; view++) {
-        double i0 = test_random_range(&r, 1000, COLUMNS - 1000), j0 = (double)(size.height - 1) * test_random_range(&r, 0.25, 0.75);
+        double i0 = test_random_range(&r, 1000, COLUMNS - 1000),
+               j0 = (double)(size.height - 1) * test_random_range(&r, 0.25, 0.75);
         tc_camera f = {.x = i0 * size.spacing_x, .y = j0 * size.spacing_y, .fov = 1, .width = 64, .height = 48}, g = f;
         g.x = chart->x0 + i0 * chart->dx, g.y = chart->y0 + j0 * chart->dy;
         double ground;
@@ -174,17 +174,22 @@ static void flat_map_and_globe_agree(void **state)
         f.z = g.z = ground + 2;
         scene_draw(&flat, &f, true), scene_draw(&round, &g, true);
         for (int k = 0; k < 300; k++) {
-            double a = test_random_range(&r, 0, 2 * M_PI), d = 20 * sqrt(test_random_unit(&r)), i = i0 + d * cos(a), j = j0 + d * sin(a), z0, z1;
+            double a = test_random_range(&r, 0, 2 * M_PI), d = 20 * sqrt(test_random_unit(&r)), i = i0 + d * cos(a),
+                   j = j0 + d * sin(a), z0, z1;
             float z[16];
             int64_t x = (int64_t)floor(i), y = (int64_t)floor(j);
-            assert_true(flat.surface->drawn_height(flat.surface, &f, &options.frame, i * size.spacing_x, j * size.spacing_y, &z0));
-            assert_true(round.surface->drawn_height(round.surface, &g, &options.frame, chart->x0 + i * chart->dx, chart->y0 + j * chart->dy, &z1));
-            assert_int_equal(tc_pyramid_read(chart->pyramid, m, (tc_rect){x - 1, y - 1, x + 3, y + 3}, z, NULL, 4), TC_OK);
+            assert_true(flat.surface->drawn_height(flat.surface, &f, &options.frame, i * size.spacing_x,
+                                                   j * size.spacing_y, &z0));
+            assert_true(round.surface->drawn_height(round.surface, &g, &options.frame, chart->x0 + i * chart->dx,
+                                                    chart->y0 + j * chart->dy, &z1));
+            assert_int_equal(tc_pyramid_read(chart->pyramid, m, (tc_rect){x - 1, y - 1, x + 3, y + 3}, z, NULL, 4),
+                             TC_OK);
             /* What the mesh, of triangles up to a cell or so wide, can make of the samples around. */
             double bend = 0;
             for (int q = 0; q < 3; q++)
                 for (int p = 0; p < 3; p++)
-                    bend = fmax(bend, fabs((double)z[4 * q + p] - z[4 * q + p + 1] - z[4 * q + p + 4] + z[4 * q + p + 5]) / 4);
+                    bend = fmax(
+                        bend, fabs((double)z[4 * q + p] - z[4 * q + p + 1] - z[4 * q + p + 4] + z[4 * q + p + 5]) / 4);
             for (int q = 0; q < 4; q++)
                 for (int p = 0; p < 2; p++) {
                     bend = fmax(bend, fabs((double)z[4 * q + p] - 2.0 * z[4 * q + p + 1] + z[4 * q + p + 2]) / 2);
@@ -194,8 +199,10 @@ static void flat_map_and_globe_agree(void **state)
             worst = fmax(worst, e), sum += e * e, count++, curved = fmax(curved, bend), most = fmax(most, e - 2 * bend);
         }
     }
-    printf("flat and round: %g places within 20 samples: rms %.4f m, max %.3f m; cells are bent by up to %.3f m; at most "
-           "%.4f m more than twice their own bend\n", count, sqrt(sum / count), worst, curved, most);
+    printf(
+        "flat and round: %g places within 20 samples: rms %.4f m, max %.3f m; cells are bent by up to %.3f m; at most "
+        "%.4f m more than twice their own bend\n",
+        count, sqrt(sum / count), worst, curved, most);
     assert_true(most < 0.05);
     assert_true(curved > 0.1 && worst > 0);
     scene_destroy(&flat), scene_destroy(&round);

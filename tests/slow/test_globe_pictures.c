@@ -128,11 +128,11 @@ static void a_picture_depends_on_the_view_alone(void **state)
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {1 + (uint64_t)k};
         const tc_rings_options rings = {.n_phi = 128, .m = 8};
-        const tc_scene_options options[2] = {{.budget = 0}, {.budget = 700}};
+        const tc_scene_options options[2] = {{.budget = 0}, {.budget = 5000}};
         scene s[2];
         for (int i = 0; i < 2; i++)
             s[i] = planet_scene(context, &planet[k], &rings, &options[i]);
-        for (int view = 0; view < 40; view++, views++) {
+        for (int view = 0; view < 30; view++, views++) {
             tc_camera end = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
             uint8_t *pixels[3];
             tc_frame_stats stats;

@@ -197,8 +197,7 @@ static void look(scene *s, const tc_camera *c, bool lagging, fault f, int view, 
 
 static void run(int k, const tc_rings_options *rings, int views, bool lagging, fault f, uint64_t seed, totals *t)
 {
-    tc_scene_options options = {
-        .unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
+    tc_scene_options options = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
     tc_surface *surface = planet_rings(&planet[k], rings, &options);
     break_surface((rings_surface *)surface, f);
     scene s = planet_scene_of(context, &planet[k], surface, &options);
@@ -230,10 +229,11 @@ static void no_background_shows_through(void **state)
         run(k, &sizes[1], 120, (k & 1) != 0, SOUND, 30 + (uint64_t)k, &t);
         run(k, &sizes[2], 60, (k & 1) == 0, SOUND, 40 + (uint64_t)k, &t);
     }
-    printf("globe watertight: %d views (%d more from below a lagging surface not counted), %lld terrain pixels, %.2f of "
-           "them surely so, %d suspects, %d holes, %d cracks\n",
-           t.views, t.below_surface, (long long)t.terrain_pixels, (double)t.sure_pixels / (double)t.terrain_pixels,
-           t.suspects, t.holes, t.cracks);
+    printf(
+        "globe watertight: %d views (%d more from below a lagging surface not counted), %lld terrain pixels, %.2f of "
+        "them surely so, %d suspects, %d holes, %d cracks\n",
+        t.views, t.below_surface, (long long)t.terrain_pixels, (double)t.sure_pixels / (double)t.terrain_pixels,
+        t.suspects, t.holes, t.cracks);
     assert_true(t.views >= 2000);
     assert_int_equal(t.too_low, 0);
     assert_int_equal(t.holes + t.cracks, 0);

@@ -79,7 +79,8 @@ tc_atlas planet_made(planet_kind kind, int64_t width, double radius, uint64_t se
             for (int64_t i = 0; i < width; i++) {
                 int64_t block = (i / 6 * 7919 + j / 6 * 104729) >> 3;
                 bool alone = ((i / 40 + j / 40) & 1) != 0;
-                g.z[j * width + i] = (alone ? test_random_bits(&r) & 1 : (uint64_t)(block * block >> 2) & 1) ? 5000 : -3000;
+                g.z[j * width + i] =
+                    (alone ? test_random_bits(&r) & 1 : (uint64_t)(block * block >> 2) & 1) ? 5000 : -3000;
             }
     return build(&g, radius);
 }
@@ -174,7 +175,7 @@ tc_camera planet_view(test_random *r, const tc_atlas *atlas, double low, double 
     c.z = ground + above;
     double dip = acos(fmin(1, atlas->radius / (atlas->radius + fmax(c.z, 0)))), way = test_random_unit(r);
     c.heading = test_random_range(r, 0, 2 * M_PI);
-    c.pitch = way < 0.5 ? fmax(-dip + test_random_range(r, -0.5, 0.3), -M_PI / 2)
+    c.pitch = way < 0.5   ? fmax(-dip + test_random_range(r, -0.5, 0.3), -M_PI / 2)
               : way < 0.6 ? -M_PI / 2
                           : test_random_range(r, -M_PI / 2, M_PI / 6 - dip);
     c.fov = test_random_range(r, 20, 110) * DEGREE;

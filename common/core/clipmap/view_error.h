@@ -1,4 +1,5 @@
-/* view_error.h - how far a drawn picture is from the true terrain, in pixels (the design: screen-space error of a view).
+/* view_error.h - how far a drawn picture is from the true terrain, in pixels (the design: screen-space error of a
+ * view).
  *
  * Every pixel that shows terrain says where it saw it: its depth, unprojected. There |drawn height - true height| over
  * the distance from the eye, times W / (2 tan(fov / 2)), is its error. */
@@ -8,8 +9,9 @@
 #include "common/terraclip.h"
 #include "error_stats.h"
 
-/* Place of a reversed depth (near / w; above 0) at (x, y) pixels from the frame's top left corner (centres at + 0.5), in
- * the camera's units: map position, or where radius > 0 longitude, latitude and metres above a sphere of that radius. */
+/* Place of a reversed depth (near / w; above 0) at (x, y) pixels from the frame's top left corner (centres at + 0.5),
+ * in the camera's units: map position, or where radius > 0 longitude, latitude and metres above a sphere of that
+ * radius. */
 void tc_view_unproject(const tc_camera *camera, double near_plane, double radius, double x, double y, float depth,
                        double position_ret[3]);
 
