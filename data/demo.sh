@@ -1,5 +1,5 @@
 #!/bin/sh
-# Default terrain and its pictures: demo.sh BUILD_DIR (by `make demo`). A terrain that is there already is kept.
+# Default terrain and planet and their pictures: demo.sh BUILD_DIR (by `make demo`). What is there already is kept.
 set -eu
 build=${1:?usage: demo.sh BUILD_DIR}
 out=$build/demo
@@ -30,4 +30,31 @@ picture coast 112000,103000,1556,200,-7 --fov 45
 picture levels 80000,80000,4207,125,-10 --fov 60 --n 127 --level-colours
 picture wireframe 80000,80000,4207,125,-14 --fov 60 --n 63 --wireframe --background 0c1420
 
-echo "Pictures are in $out; fly over the terrain yourself with: $build/planar-viewer $terrain"
+globe=$out/planet.tif
+planet=$out/planet.tclip
+if [ ! -f "$globe" ]; then
+    echo "  SYNTH $globe"
+    "$build/terraclip" synth --kind planet --size 4096 --seed 1 -o "$globe"
+fi
+if [ ! -f "$planet" ] || [ "$globe" -nt "$planet" ]; then
+    echo "  PACK  $planet"
+    "$build/terraclip" pack --planet "$globe" -o "$planet"
+fi
+
+# globe NAME VIEW [OPTION]...
+globe_picture() {
+    name=$1 view=$2
+    shift 2
+    echo "  VIEW  $out/$name.png"
+    "$build/planet-viewer" "$planet" -o "$out/$name.png" --size 1280x720 --view="$view" "$@"
+}
+
+# Two metres above the ground.
+shore=$("$build/terraclip" height "$planet" 119.71 16.7 | awk '{ print $NF + 2 }')
+globe_picture planet -75,25,11500000,0,-90 --fov 60
+globe_picture planet-10km 119.9,16,10000,-20,-4 --fov 40
+globe_picture planet-ground 119.71,16.7,"$shore",-20,1 --fov 40
+globe_picture planet-north 0,88,3000000,0,-80
+globe_picture planet-south 30,-89,3000000,0,-85
+
+echo "Pictures are in $out; fly yourself with $build/planar-viewer $terrain or $build/planet-viewer $planet"

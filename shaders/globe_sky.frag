@@ -18,7 +18,7 @@ void main()
     float s = max(dot(d, sun.xyz), 0.0), day = smoothstep(-0.22, 0.3, dot(up, sun.xyz));
     s *= s, s *= s, s *= s;
     c += thick * haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
-    c = c * day * AIR + vec3(0.0008, 0.0009, 0.0012);
+    c = c * day * AIR + vec3(0.00015, 0.00018, 0.00025);
     // Noise of one step of colour, so that the gradient shows no bands (interleaved gradient noise, Jimenez 2014).
     float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
     colour = vec4(sqrt(c) + noise / 255.0, 1.0);

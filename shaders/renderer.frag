@@ -41,7 +41,7 @@ void main()
 #ifdef WATER
     snow = sea ? 0.0 : snow;
 #endif
-    c = mix(c, vec3(0.83, 0.86, 0.9), snow);
+    c = mix(c, vec3(0.58, 0.61, 0.65), snow);
 #endif
 #endif
 #ifdef WATER

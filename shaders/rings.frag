@@ -11,7 +11,8 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 
 float fragment_shift()
 {
-    return max(0.0, surface[1].w - v_terrain.y - surface[3].z);
+    float shift = max(0.0, surface[1].w - v_terrain.y - surface[3].z);
+    return surface[10].w > 0.0 ? floor(shift) : shift;
 }
 
 float surface_level()
@@ -63,7 +64,10 @@ void look(int chart, out float height, out vec2 slopes)
     vec2 texel = (2.0 * (layer[3 * at + 1].xy + round(where * 1024.0) / 1024.0) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
     vec4 n = textureLod(normals_map, vec3(texel, float(at)), 0.0);
     vec2 xy = mix(n.xy, n.zw, alpha);
-    slopes = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01));
+    // Slopes were kept steeper where samples are more than 60 m apart (tc_normal_relief).
+    vec2 samples = layer[3 * at].zw;
+    float spacing = (surface[1].x - surface[1].z) * inversesqrt(samples.x * samples.y);
+    slopes = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01)) * min(1.0, sqrt(60.0 / spacing));
 #endif
 }
 
@@ -114,7 +118,7 @@ float surface_unknown()
 // Height from which snow stays: about that of the Earth's mountains at the equator, the sea near the poles.
 float surface_snow()
 {
-    return 5200.0 * (1.0 - pow(abs(fragment_up.z) / 0.955, 2.5));
+    return 5600.0 * (1.0 - pow(abs(fragment_up.z) / 0.965, 3.0));
 }
 #endif
 

@@ -11,11 +11,12 @@
 //                 than geometry; 1: a part of a globe
 // surface[4 + k]  chart k: reference height in two parts, that above the ground; layer of shift 0
 // surface[7 + k]  chart k: slopes of the cell that the viewer is in; its layer
-// surface[10][k]  chart k: finest and coarsest shift
-// surface[10 + k] cap k: coefficients of s_x, h, 1; of a part of a globe surface[11]: its sides relative to the viewer
-// layer[3 l]      viewer's place in its cell; samples per unit of the chart
-// layer[3 l + 1]  that cell, modulo twice the window's array; last samples of the lattice, relative to that cell
-// layer[3 l + 2]  what is held, relative to that cell: first x, y, last x, y
+// surface[10][k]  chart k: finest shift + 64 coarsest; surface[10].w: 1 where levels meet abruptly
+// surface[10 + k] cap k: coefficients of s_x, h, 1; 1 - its share at the viewer; of a part of a globe surface[11]: its
+//                 sides relative to the viewer
+// layer[3 l]      viewer's place from the nearest sample; samples per unit of the chart
+// layer[3 l + 1]  that sample, modulo twice the window's array; last samples of the lattice, relative to it
+// layer[3 l + 2]  what is held, relative to it: first x, y, last x, y
 
 // atan2 with a relative error of some 2e-7: the driver's may be off by 1e-5 (after Cephes' atanf).
 float exact_atan(float y, float x)
@@ -42,6 +43,14 @@ vec2 cap_weights(vec3 s)
 {
     float d = rise(s) * surface[2].z;
     return clamp(surface[2].xy + vec2(d, -d), 0.0, 1.0);
+}
+
+// How much more they are than at the viewer.
+vec2 cap_changes(vec3 s)
+{
+    float d = rise(s) * surface[2].z;
+    vec2 lo = -surface[2].xy, hi = vec2(surface[11].w, surface[12].w);
+    return max(min(vec2(d, -d), hi), lo) - max(min(vec2(0.0), hi), lo);
 }
 
 #ifndef CH06
@@ -82,15 +91,15 @@ vec2 map_chart(int chart, vec3 s, float w, out float share)
     return place;
 }
 
-// Which layer of a chart a place reads, how much of the coarser one, and where: in samples from the viewer's cell. The
+// Which layer of a chart a place reads, how much of the coarser one, and where: in samples from the viewer's nearest. The
 // wanted level where it is held, else the next coarser one that is. False where the chart has nothing.
 bool find_layer(int chart, vec2 place, float shift, out int at, out float alpha, out vec2 where)
 {
-    int range = floatBitsToInt(surface[10][chart]), finest = range & 0xffff, coarsest = range >> 16;
+    int range = int(surface[10][chart]), finest = range & 63, coarsest = range >> 6;
     int k = clamp(int(shift), finest, coarsest);
     alpha = clamp(shift - float(k), 0.0, 1.0);
     for (; k <= coarsest; k++, alpha = 0.0) {
-        at = floatBitsToInt(surface[4 + chart].w) - k;
+        at = int(surface[4 + chart].w) - k;
         vec4 l = layer[3 * at], held = layer[3 * at + 2];
         where = l.xy + place * l.zw;
         vec2 inside = min(where - held.xy, held.zw - where);
@@ -114,5 +123,6 @@ vec2 cell_of(int at, vec2 where, out vec2 t)
 // Level of detail for ring coordinate w: coarser levels from the finest.
 float shift_of(float w)
 {
-    return max(0.0, surface[1].w - w);
+    float shift = max(0.0, surface[1].w - w);
+    return surface[10].w > 0.0 ? floor(shift) : shift;
 }

@@ -18,7 +18,7 @@ bool chart_height(int chart, vec3 s, float w, float shift, out float height)
     vec4 l = layer[3 * at], reference = surface[4 + chart], slope = surface[7 + chart];
     vec2 cell = cell_of(at, where, t);
     ivec2 origin = ivec2(layer[3 * at + 1].xy) + ivec2(cell);
-    bool near = at == floatBitsToInt(slope.w);
+    bool near = at == int(slope.w);
     vec4 z;
     for (int k = 0; k < 4; k++) {
         ivec2 corner = ivec2(k & 1, k >> 1);
@@ -29,10 +29,14 @@ bool chart_height(int chart, vec3 s, float w, float shift, out float height)
         // and added at the vertex, exactly nothing being left at the corners of that cell.
         float surface_there = near ? d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z : 0.0;
         float left = mix(q.x, q.y, alpha) - surface_there;
-        bool own = near && alpha == 0.0 && all(lessThanEqual(abs(cell + vec2(corner) - 0.5), vec2(0.75)));
+        vec2 from_own = cell + vec2(corner) - floor(l.xy);
+        bool own = near && alpha == 0.0 && all(lessThanEqual(abs(from_own - 0.5), vec2(0.75)));
         z[k] = own ? 0.0 : left;
     }
-    height = mix(mix(z.x, z.y, t.x), mix(z.z, z.w, t.x), t.y);
+    // Not 1 - t: beside the sample nearest to the viewer both shares keep all their digits, so that the edge between two
+    // cells is where it is.
+    vec2 u = max(cell + 1.0 - where, 1.0 - t);
+    height = (z.x * u.x + z.y * t.x) * u.y + (z.z * u.x + z.w * t.x) * t.y;
     if (near) {
         vec2 d = place * l.zw;
         height += d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z;
@@ -50,12 +54,14 @@ vec3 surface_vertex()
     float w = in_vertex.w, shift = shift_of(w), height = 0.0;
     vec2 caps = cap_weights(s);
     vec3 weight = vec3(1.0 - caps.x - caps.y, caps);
+    // What charts give below the viewer adds up to nothing with their shares there: only changes of shares count.
+    vec2 change = cap_changes(s);
+    vec3 more = vec3(-change.x - change.y, change);
     for (int chart = 0; chart < 3; chart++) {
-        if (weight[chart] <= 0.0)
-            continue;
-        float z;
-        bool there = chart_height(chart, s, w, shift, z);
-        height += weight[chart] * (there ? z + surface[4 + chart].z : surface[2].w);
+        float z = 0.0;
+        if (weight[chart] > 0.0 && !chart_height(chart, s, w, shift, z))
+            z = surface[2].w - surface[4 + chart].z;
+        height += weight[chart] * z + more[chart] * surface[4 + chart].z;
     }
     v_direction = s;
     v_terrain = vec2(surface[1].z + height, w);

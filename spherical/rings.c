@@ -15,6 +15,8 @@
 #include "rings_internal.h"
 
 #define DEGREE (M_PI / 180)
+/* Spacing, metres, from which on normals are kept steeper than the terrain; also in rings.frag. */
+#define RELIEF 60
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
@@ -101,14 +103,6 @@ static void add_level(assembly *a, int i, bool disc)
     }
 }
 
-static float bits(int value)
-{
-    int32_t i = value;
-    float f;
-    memcpy(&f, &i, sizeof f);
-    return f;
-}
-
 static void set4(float *out, double x, double y, double z, double w)
 {
     out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
@@ -134,14 +128,14 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
         int finest = tc_clipmap_level(clipmap, levels)->shift;
         double z = near->z;
         set4(u[4 + chart], (float)z, z - (double)(float)z, z - v->z, 0);
-        u[4 + chart][3] = bits(first + levels - 1 + finest); /* layer of shift 0, were there one */
+        u[4 + chart][3] = (float)(first + levels - 1 + finest); /* layer of shift 0, were there one */
         double slope = near->shift >= 0 ? 1 : 0;
         set4(u[7 + chart], slope * near->slope[0], slope * near->slope[1], slope * near->slope[2], 0);
-        u[7 + chart][3] = bits(near->shift >= 0 ? first + levels - 1 - (near->shift - finest) : -1);
+        u[7 + chart][3] = near->shift >= 0 ? (float)(first + levels - 1 - (near->shift - finest)) : -1;
         for (int level = 1; level <= levels; level++) {
             const tc_clip_level *l = tc_clipmap_level(clipmap, level);
             float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
-            double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = floor(x), j = floor(y);
+            double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = rint(x), j = rint(y);
             int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
             rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
             const tc_chart *c = &s->atlas->chart[chart];
@@ -151,15 +145,17 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
             set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
         }
         int coarsest = finest + levels - 1;
-        u[10][chart] = bits(finest | coarsest << 16);
+        u[10][chart] = (float)(finest + 64 * coarsest);
     }
+    u[10][3] = v->no_morph;
     if (tc_rings_regional(s)) {
         const tc_chart *c = &s->atlas->chart[0];
         rings_extent r = tc_rings_region(s, v);
         set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
     }
     for (int cap = 1; cap < s->head.charts; cap++)
-        set4(&s->surface_uniforms[0] + 4 * (10 + cap), v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2], 0);
+        set4(u[10 + cap], v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2],
+             1 - ((cap == 1 ? v->cos_theta : -v->cos_theta) - lo) / (hi - lo));
 }
 
 static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
@@ -167,6 +163,7 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
 {
     rings_surface *s = (rings_surface *)surface;
     rings_view view = tc_rings_view(s, camera);
+    view.no_morph = options->no_morph;
     tc_rings_ground(s, &view);
     assembly a = {.s = s,
                   .view = &view,
@@ -223,8 +220,12 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
     s->z_lo = INFINITY, s->z_hi = -INFINITY;
     for (int chart = 0; chart < s->atlas->charts; chart++) {
         const tc_chart *c = &s->atlas->chart[chart];
-        tc_clipmap_options clip = {
-            .n = n, .max_levels = o->max_levels, .normals = o->normals, .holes = o->holes, .wraps = c->wraps};
+        tc_clipmap_options clip = {.n = n,
+                                   .max_levels = o->max_levels,
+                                   .normals = o->normals,
+                                   .holes = o->holes,
+                                   .wraps = c->wraps,
+                                   .relief = RELIEF};
         tc_status status = tc_clipmap_create(c->pyramid, &clip, &s->head.clipmap[chart], error);
         if (status)
             return status;

@@ -48,6 +48,7 @@ typedef struct rings_view {
     double z_eye;  /* metres above z_base */
     double radius; /* metres, of what heights are above: z_base added */
     rings_place place[TC_MAX_CHARTS];
+    bool no_morph;     /* levels meet abruptly; set by who asks */
     double detail;     /* levels by which shading is finer than geometry */
     double horizon;    /* angle from the foot point beyond which nothing can be seen */
     int first, finest; /* levels of the rings to be drawn */
@@ -105,7 +106,7 @@ void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, dou
 void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h,
                       double weight_ret[TC_MAX_CHARTS]);
 /* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one. */
-double tc_rings_shift(const rings_surface *s, double w);
+double tc_rings_shift(const rings_surface *s, const rings_view *view, double w);
 /* What is held of a level, samples: up to the terrain's end where it reaches it. There the last samples of the level's
  * lattice (x1 and y1 of the second) may lie up to one before, and heights go on as they are. */
 rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);

@@ -62,9 +62,10 @@ void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x
     weight_ret[0] = 1 - weight_ret[1] - weight_ret[2];
 }
 
-double tc_rings_shift(const rings_surface *s, double w)
+double tc_rings_shift(const rings_surface *s, const rings_view *view, double w)
 {
-    return fmax(0, s->shift_base + 1 - w);
+    double shift = fmax(0, s->shift_base + 1 - w);
+    return view->no_morph ? floor(shift) : shift;
 }
 
 rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
@@ -154,7 +155,7 @@ double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sam
 
 double tc_rings_height(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h, double w)
 {
-    double weight[TC_MAX_CHARTS], z = 0, shift = tc_rings_shift(s, w);
+    double weight[TC_MAX_CHARTS], z = 0, shift = tc_rings_shift(s, view, w);
     tc_rings_weights(s, view, s_x, s_y, h, weight);
     for (int chart = 0; chart < s->head.charts; chart++) {
         if (weight[chart] <= 0)
@@ -198,10 +199,10 @@ static double meet(const double d[3], const double a[3], const double b[3], cons
 bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
                            double y, double *z_ret)
 {
-    (void)options;
     const rings_surface *s = (const rings_surface *)surface;
     const rings_geometry *g = &s->geometry;
     rings_view view = tc_rings_view(s, camera);
+    view.no_morph = options && options->no_morph;
     /* Polar coordinates around the viewer, by half angles. */
     double dlat = y - camera->y, dlon = x - camera->x, sl = sin(dlon / 2), sp = sin(dlat / 2);
     double h = 2 * (sp * sp + cos(y) * cos(camera->y) * sl * sl);

@@ -126,7 +126,7 @@ static rings_near read_near(const rings_surface *s, const rings_view *v, int cha
 
 void tc_rings_ground(const rings_surface *s, rings_view *v)
 {
-    double shift = tc_rings_shift(s, v->finest + 1);
+    double shift = tc_rings_shift(s, v, v->finest + 1);
     v->z = 0;
     for (int chart = 0; chart < s->head.charts; chart++) {
         const tc_clipmap *clipmap = s->head.clipmap[chart];
@@ -326,9 +326,9 @@ void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wan
             double w = s->shift_base - l->shift - v.detail, i = floor(fmax(w, 0));
             double angle = w <= 0 ? M_PI : ldexp(M_PI, -(int)i) * (1 - 0.5 * (w - i));
             wanted[chart][level - 1] = (tc_rect){0, 0, 0, 0};
-            if (level == 1 && l->extent.x0 < 0) { /* once around */
+            if (level == 1 && l->extent.x0 < 0) { /* once around, and about the next level's window to half a sample */
                 int64_t width = l->clip.x1 - l->clip.x0;
-                int64_t x0 = ((int64_t)floor(ldexp(v.place[chart].x, -l->shift)) - width / 2) & ~(int64_t)1;
+                int64_t x0 = ((int64_t)floor(ldexp(v.place[chart].x, -l->shift) + 0.5) - width / 2) & ~(int64_t)1;
                 wanted[chart][0] = (tc_rect){x0, l->extent.y0, x0 + width, l->extent.y1};
                 continue;
             }

@@ -44,7 +44,8 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
 
 /* Updates the clipmap for the camera within the budget, uploads, and draws a frame of camera->width x height into the
  * renderer's own framebuffer. finish: waits until it is done, so that draw_ms is the whole cost, and for what must be
- * decoded first. */
+ * decoded first. Over a flat background the terrain's vertices, uniforms and textures stay bound, for tests that run
+ * its vertex stage once more. */
 tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
                             tc_error *error);
 

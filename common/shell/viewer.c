@@ -249,8 +249,9 @@ static void explain(const tc_viewer *v, const tc_stats_summary *summary, const c
                " of %d levels: too fine for the height above ground, or not where the terrain is\n",
                tc_clipmap_levels(v->surface->clipmap[0]) - summary->levels_active,
                tc_clipmap_levels(v->surface->clipmap[0]));
-    printf("left out: %" PRId64 " of %" PRId64 " triangles: outside the view\n",
-           summary->triangles_unculled - summary->triangles, summary->triangles_unculled);
+    printf("left out: %" PRId64 " of %" PRId64 " triangles: %soutside the view\n",
+           summary->triangles_unculled - summary->triangles, summary->triangles_unculled,
+           v->program->sphere ? "beyond the horizon or " : "");
     for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
         if (!tc_plugin_loaded(libraries[i][0]))
             printf("left out: %s: not loaded\n", libraries[i][1]);

@@ -7,6 +7,7 @@ set -u
 build=$(cd "${1:-build}" && pwd) || exit 99
 root=$(cd "${0%/*}/../.." && pwd)
 viewer=$build/planar-viewer
+globe=$build/planet-viewer
 terraclip=$build/terraclip
 make_file=$build/tests/make-file
 compare=$build/tests/compare-heights
@@ -50,10 +51,10 @@ refuses() { # EXIT REGEX COMMAND...
     run "$@"
     wrong=
     [ $rc = "$expected" ] || wrong="exit code $rc instead of $expected"
-    grep -Ev '^(planar-viewer|terraclip): warning: ' stderr.txt >error.txt
+    grep -Ev '^(planar-viewer|planet-viewer|terraclip): warning: ' stderr.txt >error.txt
     lines=$(wc -l <error.txt)
     [ "$lines" = 1 ] || wrong="$wrong, $lines lines on stderr instead of 1"
-    grep -Eq '^(planar-viewer|terraclip): ' error.txt || wrong="$wrong, stderr does not name the program"
+    grep -Eq '^(planar-viewer|planet-viewer|terraclip): ' error.txt || wrong="$wrong, stderr does not name the program"
     grep -Eq -- "$regex" error.txt || wrong="$wrong, stderr does not match '$regex'"
     [ ! -s stdout.txt ] || wrong="$wrong, something on stdout"
     [ -z "$(ls -A out)" ] || wrong="$wrong, left behind: $(ls -A out)"

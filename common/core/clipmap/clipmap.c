@@ -113,6 +113,7 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     s->view.extent = (tc_rect){0, 0, vertices_to_edge(s->view.edge_x, s->view.shift),
                                vertices_to_edge(s->view.edge_y, s->view.shift)};
     s->wraps = options->wraps;
+    s->relief = tc_normal_relief(sqrt(own.spacing_x * own.spacing_y), options->relief);
     if (s->wraps) {
         s->view.edge_x = ENDLESS;
         s->view.extent.x1 = (ENDLESS >> s->view.shift) + 1;
@@ -125,10 +126,11 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     return s->heights && (s->normals || !options->normals) && (s->voids || !options->holes) ? TC_OK : TC_ERR_MEMORY;
 }
 
-/* Once around with a sample more on either side and an even perimeter. */
+/* Once around with two samples more on either side and an even perimeter: half a turn from the viewer in either
+ * direction is then held wherever between two even samples the viewer is. */
 static int64_t once_around(int64_t width)
 {
-    return width + 3 - (width & 1);
+    return width + 5 - (width & 1);
 }
 
 /* Whether a window holds the whole of a level. */
@@ -154,7 +156,7 @@ tc_status tc_clipmap_create(const tc_pyramid *pyramid, const tc_clipmap_options 
         first--;
     if (options->wraps && !(tc_pyramid_wraps(pyramid, first) && fits_window(pyramid, first, true, n)))
         return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "terrain: expected a width of 2^k times at most %d samples to go round, found %lld", n - 3,
+                       "terrain: expected a width of 2^k times at most %d samples to go round, found %lld", n - 5,
                        (long long)top.width);
     int levels = info->levels - first + 1;
     if (options->max_levels > 0 && options->max_levels < levels)

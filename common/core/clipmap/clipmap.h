@@ -15,6 +15,8 @@
 #ifndef TC_CLIPMAP_H
 #define TC_CLIPMAP_H
 
+#include <math.h>
+
 #include "common/terraclip.h"
 
 typedef struct tc_clipmap tc_clipmap;
@@ -26,6 +28,8 @@ typedef struct tc_clipmap_options {
     int max_levels; /* 0: as many as the pyramid needs */
     bool normals;   /* keep normals, too, at twice the resolution */
     bool holes;     /* keep the void mask, too */
+    double relief;  /* metres: levels of spacing g keep slopes times tc_normal_relief(g, relief), since what is far
+                       between  is gentle and would be lost in eight bits; 0: as they are */
     bool wraps;     /* go on in x beyond the pyramid's sides, where its levels wrap; a sample then has many numbers */
 } tc_clipmap_options;
 
@@ -45,6 +49,12 @@ const tc_pyramid *tc_clipmap_pyramid(const tc_clipmap *clipmap);
 
 /* The pyramid's number of a clipmap level. */
 int tc_clipmap_pyramid_level(const tc_clipmap *clipmap, int level);
+
+/* By how much a level's normals are steeper than the terrain; at least 1. */
+static inline double tc_normal_relief(double spacing, double relief)
+{
+    return relief > 0 && spacing > relief ? sqrt(spacing / relief) : 1;
+}
 
 /* One level as it stands. */
 typedef struct tc_clip_level {
@@ -67,13 +77,12 @@ const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level);
 
 /* Moves the windows towards wanted[level - 1] (each at most n x n, even origin, within the extent), coarse to fine,
  * filling at most budget height samples, whole rows or columns (budget < 0: no limit; use at least n for progress).
- * A window that reaches beyond what the coarser one wanted can surround is cut. What a packed pyramid has yet to decode is waited for, or left to later calls and decoded by a thread
- * meanwhile. Crops what falls behind so that
- * LH04's four constraints hold:
- *   clip(l+1) within clip(l) eroded by 1; active(l) within clip(l); perimeter of active(l) on even samples;
- *   active(l+1) within active(l) eroded by 2 (each in the coarser level's samples; nothing is eroded where the terrain
- * ends). Returns the height samples filled, which the budget counts (normals read up to four times as many from the
- * next finer level). */
+ * A window that reaches beyond what the coarser one wanted can surround is cut. What a packed pyramid has yet to decode
+ * is waited for, or left to later calls and decoded by a thread meanwhile. Crops what falls behind so that LH04's four
+ * constraints hold: clip(l+1) within clip(l) eroded by 1; active(l) within clip(l); perimeter of active(l) on even
+ * samples; active(l+1) within active(l) eroded by 2 (each in the coarser level's samples; nothing is eroded where the
+ * terrain ends). Returns the height samples filled, which the budget counts (normals read up to four times as many from
+ * the next finer level). */
 int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait);
 
 /* Whether every wanted window is held. */

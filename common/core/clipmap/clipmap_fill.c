@@ -181,9 +181,18 @@ static tc_status fine_heights(const tc_clipmap *clipmap, const tc_clip_state *s,
     return TC_OK;
 }
 
+/* A normal's components with slopes times `by`. */
+static void steepen(int8_t xy[2], float by)
+{
+    float x = (float)xy[0] / 127, y = (float)xy[1] / 127, z2 = 1 - x * x - y * y;
+    float scale = 127 * by / sqrtf((z2 > 1e-4f ? z2 : 1e-4f) + by * by * (x * x + y * y));
+    xy[0] = (int8_t)lrintf(x * scale);
+    xy[1] = (int8_t)lrintf(y * scale);
+}
+
 /* The coarser level's normals below row b from texel a on, into row[..][2..3]: its texels are twice as far apart; what
  * the bilinear filter would give there. */
-static void coarse_normals(const tc_clip_state *coarse, int64_t mask, int64_t a, int64_t b, int64_t count,
+static void coarse_normals(const tc_clip_state *coarse, float by, int64_t mask, int64_t a, int64_t b, int64_t count,
                            int8_t (*row)[4])
 {
     const int8_t(*r0)[4] = coarse->normals + (tc_floor_shift(b, 1) & mask) * (mask + 1);
@@ -194,6 +203,8 @@ static void coarse_normals(const tc_clip_state *coarse, int64_t mask, int64_t a,
             int sum = r0[left][k] + r0[right][k] + r1[left][k] + r1[right][k];
             row[i][2 + k] = (int8_t)((sum + (sum < 0 ? -2 : 2)) / 4);
         }
+        if (by != 1)
+            steepen(row[i] + 2, by);
     }
 }
 
@@ -207,7 +218,7 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
     if (status)
         return status;
     int64_t mask = 2 * (clipmap->n + 1) - 1, w = 2 * (rect.x1 - rect.x0) + 1, h = 2 * (rect.y1 - rect.y0) + 1;
-    float ix = (float)(1 / s->view.spacing_x), iy = (float)(1 / s->view.spacing_y);
+    float ix = (float)(s->relief / s->view.spacing_x), iy = (float)(s->relief / s->view.spacing_y);
     int8_t(*row)[4] = (int8_t(*)[4])(clipmap->scratch + tc_fill_scratch(clipmap->n)) - (2 * clipmap->n + MARGIN);
     for (int64_t j = 0; j < h; j++) {
         const float *c = z + (j + 1) * stride + 1;
@@ -218,7 +229,8 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
             row[i][1] = row[i][3] = (int8_t)(int)(dy * scale + (dy < 0 ? 0.5f : -0.5f));
         }
         if (level > 1)
-            coarse_normals(s - 1, mask, 2 * rect.x0 - 1, 2 * rect.y0 - 1 + j, w, row);
+            coarse_normals(s - 1, (float)(s->relief / s[-1].relief), mask, 2 * rect.x0 - 1, 2 * rect.y0 - 1 + j, w,
+                           row);
         store_row(s->normals + ((2 * rect.y0 - 1 + j) & mask) * (mask + 1), 2 * rect.x0 - 1, mask, row, w, sizeof *row);
     }
     return TC_OK;

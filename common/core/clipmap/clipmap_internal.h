@@ -9,6 +9,7 @@ typedef struct tc_clip_state {
     int pyramid_level;
     int64_t width, height; /* samples that the pyramid has at this level; vertices beyond lie on the edge */
     bool wraps;            /* in x */
+    double relief;         /* of its normals: tc_normal_relief() */
     float (*heights)[2];   /* toroidal, (z, z_c) */
     int8_t (*normals)[4];  /* toroidal at twice the resolution, (n, n_c); NULL where not kept */
     uint8_t *voids;        /* toroidal; NULL where not kept */

@@ -1,0 +1,91 @@
+#!/bin/sh
+# planet-viewer as its users see it: which maps of planets it shows, from where, and what it refuses.
+. "${0%/*}/lib.sh"
+
+# ---- Maps that are shown
+
+$make_file tiff globe.tif size=128x64 globe=-180,128,64 area=1
+$make_file tiff east.tif size=128x64 globe=0,128,64 area=1
+$make_file tiff points.tif size=129x65 globe=-180,129,65
+accepts '' $globe globe.tif $picture
+accepts '' $globe globe.tif $picture
+cp last.png first.png
+accepts '' $globe globe.tif $picture
+same first.png last.png 'the same planet, twice'
+accepts '' $globe points.tif $picture
+for view in 0,90,1e6,0,-90 0,-90,1e6,0,-90 180,0,1e6,0,-90 -180,0,5,90,0 360,45,2000,0,-10 17,89.9999999,3,0,10 \
+    10,20,-1e6,0,0 10,20,6e7,0,-90 10,20,1e12,0,-90 0,0,0,0,90; do
+    accepts '' $globe globe.tif $picture "--view=$view"
+done
+# Longitudes 360 degrees apart are one place.
+accepts '' $globe globe.tif $picture --view 170,10,2e6,30,-60 && cp last.png first.png
+accepts '' $globe globe.tif $picture --view=-190,10,2e6,30,-60
+same first.png last.png 'once more around'
+for option in --unlit --level-colours --wireframe --no-morph '--n 128' '--n 1024' '--steps 8' '--levels 3' \
+    '--scheme rings-ch06' '--background ff00ff' '--radius 1737400' '--radius 20000' '--radius 1e8' '--voids hole'; do
+    accepts '' $globe globe.tif $picture $option
+done
+accepts '' $globe globe.tif $picture --backend osmesa
+# A picture without a place, twice as wide as high.
+$make_file png map.png size=128x64 type=u16
+accepts 'taken for the whole globe|warning' $globe map.png $picture
+# Parts of a globe.
+$make_file hgt N46E008.hgt
+accepts '' $globe N46E008.hgt $picture
+accepts '' $globe N46E008.hgt $picture --view 8.5,46.5,4000,90,-10
+accepts '' $globe N46E008.hgt $picture --view=-171.5,-46.5,4e6,90,-80
+$make_file tiff degree.tif place=-112,37 heights=voids size=121x121
+accepts '' $globe degree.tif $picture --voids hole
+# Packed.
+$terraclip pack --planet globe.tif -o globe.tclip -q || fail 'pack --planet'
+accepts '' $globe globe.tclip $picture
+accepts '' $viewer globe.tclip $picture
+$terraclip pack degree.tif -o degree.tclip -q || fail 'pack'
+accepts '' $globe degree.tclip $picture
+
+# ---- A flight, figures
+
+printf '170,10,2e6,0,-60\n-170,20,1e6,30,-50 # over the antimeridian\n-150,89,5e5,0,-40\n' >path.txt
+run $globe globe.tif --path path.txt --frames 5 --size 96x64 --json
+[ $rc = 0 ] && grep -q '"frames": 5' stdout.txt || report 'a flight' $globe
+run $globe globe.tif --size 96x64 -o out/picture.png --explain
+[ $rc = 0 ] && grep -q 'left out: .* triangles: beyond the horizon' stdout.txt || report '--explain' $globe
+rm -rf out && mkdir out
+
+# ---- What is refused
+
+for view in nan,0,1,0,0 0,91,1,0,0 0,-90.1,1,0,0 361,0,1,0,0 0,0,inf,0,0 0,0,1,0 0,0,1,0,91 0,0,1,361,0 a; do
+    refuses 2 '--view: expected LON,LAT,ALT,HEADING,PITCH' $globe globe.tif $picture "--view=$view"
+done
+refuses 2 '--radius: expected metres' $globe globe.tif $picture --radius 0
+refuses 2 '--radius: expected metres' $globe globe.tif $picture --radius=-5
+refuses 2 '--radius: expected metres' $globe globe.tif $picture --radius nan
+refuses 2 '--n: expected a multiple of 32' $globe globe.tif $picture --n 255
+refuses 2 '--steps: expected an even number' $globe globe.tif $picture --steps 7
+refuses 2 '--scheme: expected rings' $globe globe.tif $picture --scheme hex
+refuses 2 'steps: expected an even number from 4 to' $globe globe.tif $picture --n 2048 --steps 64
+refuses 2 '--scheme' $viewer globe.tif $picture --scheme rings
+refuses 2 '--radius: expected none' $globe globe.tclip $picture --radius 1e6
+refuses 2 '--spacing: expected none' $globe globe.tif $picture --spacing 30
+refuses 1 'No such file' $globe missing.tif $picture
+$make_file png square.png size=65x65 type=u16
+refuses 1 'twice as wide|2:1|longitude' $globe square.png $picture
+$make_file tiff metres.tif size=65x65 metres=30
+refuses 1 'longitude and latitude' $globe metres.tif $picture
+$terraclip pack square.png -o flat.tclip -q || fail 'pack'
+refuses 1 'longitude and latitude, or one packed with --planet' $globe flat.tclip $picture
+refuses 1 'radius|relief|centre' $globe globe.tif $picture --radius 1000
+printf '0,91,1,0,0\n' >beyond.txt
+refuses 1 'line 1: expected LON,LAT,ALT,HEADING,PITCH' $globe globe.tif --path beyond.txt --frames 3
+
+# ---- Real data
+
+if [ -n "${TERRACLIP_DATA:-}" ]; then
+    for file in moon_gld100_global_5760x2880.tif earth_etopo20_1080x540_f32.tif N46E008.tif N37W119.hgt; do
+        [ ! -f "$TERRACLIP_DATA/$file" ] || accepts '' $globe "$TERRACLIP_DATA/$file" -q $picture
+    done
+else
+    skip 'TERRACLIP_DATA is not set: real planets'
+fi
+
+finish

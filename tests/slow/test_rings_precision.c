@@ -1,0 +1,142 @@
+/* test_rings_precision.c - vertices of the rings as the driver computes them, read back, against long double. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "tests/support/rings_capture.h"
+#include "tests/support/rings_views.h"
+
+/* Bounds: pixels of a frame 1280 wide, samples of the level read. */
+#define PIXELS 0.01
+#define TEXELS 1e-3
+
+static tc_context *context;
+
+static int set_up(void **state)
+{
+    (void)state;
+    context = scene_context();
+    return context ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    tc_context_destroy(context);
+    return 0;
+}
+
+static void take_worst(rings_error *all, const rings_error *e)
+{
+    all->over_radius = fmax(all->over_radius, e->over_radius);
+    all->pixels = fmax(all->pixels, e->pixels);
+    all->texels = fmax(all->texels, e->texels);
+    all->oracle = fmax(all->oracle, e->oracle);
+    all->vertices += e->vertices, all->seen += e->seen;
+}
+
+/* Places on a planet of this radius, each from `altitudes` heights: those of RINGS_ALTITUDES in turn. */
+static rings_error planet(globe_function f, const char *name, double radius, tc_rings_scheme scheme, int places,
+                          int altitudes)
+{
+    enum { SIZE = 1024 };
+    tc_atlas atlas = globe_atlas(f, SIZE, radius);
+    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.scheme = scheme});
+    rings_capture capture = rings_capture_create(&globe);
+    rings_error all = {0}, by_altitude[RINGS_ALTITUDES] = {{0}};
+    test_random r = {(uint64_t)radius};
+    for (int place = 0; place < places; place++)
+        for (int a = 0; a < altitudes; a++) {
+            int k = (place + a * RINGS_ALTITUDES / altitudes) % RINGS_ALTITUDES;
+            tc_camera c = rings_view_of(&atlas, place, SIZE, rings_altitude(k, radius), &r);
+            rings_error level[RINGS_MAX_LEVELS] = {{0}}, here = {0};
+            rings_capture_compare(&capture, &c, 16, level);
+            for (int i = 0; i < RINGS_MAX_LEVELS; i++)
+                take_worst(&here, &level[i]);
+            take_worst(&by_altitude[k], &here);
+            if (getenv("VERBOSE") && (here.pixels > PIXELS || here.texels > TEXELS))
+                fflush(stdout), printf("  place %d (%g, %g), altitude %g: %.3g pixels, %.3g texels\n", place, c.x, c.y,
+                                       rings_altitude(k, radius), here.pixels, here.texels);
+        }
+    for (int k = 0; k < RINGS_ALTITUDES; k++)
+        take_worst(&all, &by_altitude[k]);
+    printf("%s, %s, radius %g m: %lld vertices, %lld in frames; worst %.2e pixels, %.2e texels; map in double %.1e\n",
+           scheme == TC_RINGS_CH06 ? "CH06" : "exact", name, radius, (long long)all.vertices, (long long)all.seen,
+           all.pixels, all.texels, all.oracle);
+    printf("  altitude m/pixels/texels:");
+    for (int k = 0; k < RINGS_ALTITUDES; k++)
+        printf(" %.1e/%.1e/%.1e", rings_altitude(k, radius), by_altitude[k].pixels, by_altitude[k].texels);
+    printf("\n");
+    rings_capture_destroy(&capture);
+    globe_scene_destroy(&globe);
+    tc_atlas_free(&atlas);
+    return all;
+}
+
+static const double radii[] = {1, 1e3, 1737400, 6371000, 1e8};
+enum { RADII = sizeof radii / sizeof radii[0] };
+
+static void exact_within_bounds(globe_function f, const char *name)
+{
+    double pixels = 0, texels = 0, oracle = 0;
+    for (int i = 0; i < RADII; i++) {
+        rings_error e = planet(f, name, radii[i], TC_RINGS_EXACT, RINGS_PLACES, 3);
+        assert_true(e.seen > 100000);
+        oracle = fmax(oracle, e.oracle);
+        pixels = fmax(pixels, e.pixels), texels = fmax(texels, e.texels);
+    }
+    assert_true(oracle < 1e-11);
+    assert_true(pixels < PIXELS);
+    assert_true(texels < TEXELS);
+}
+
+static void rough_planets_within_a_hundredth_of_a_pixel(void **state)
+{
+    (void)state;
+    exact_within_bounds(globe_rough, "rough");
+}
+
+static void smooth_planets_within_a_hundredth_of_a_pixel(void **state)
+{
+    (void)state;
+    exact_within_bounds(globe_smooth, "smooth");
+}
+
+/* The paper's own transform is out of bounds, and is seen to be. */
+static void the_papers_transform_is_found_out(void **state)
+{
+    (void)state;
+    rings_error e = planet(globe_rough, "rough", 6371000, TC_RINGS_CH06, 20, 3);
+    assert_true(e.pixels > PIXELS);
+    assert_true(e.texels > TEXELS);
+}
+
+/* What is captured beside positions changes no bit of them. */
+static void capturing_changes_nothing(void **state)
+{
+    (void)state;
+    tc_atlas atlas = globe_atlas(globe_rough, 1024, 6371000);
+    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){0});
+    rings_capture capture = rings_capture_create(&globe);
+    test_random r = {3};
+    for (int place = 0; place < RINGS_PLACES; place += 7) {
+        tc_camera c = rings_view_of(&atlas, place, 1024, rings_altitude(place % RINGS_ALTITUDES, 6371000), &r);
+        assert_int_equal(rings_capture_additions(&capture, &c), 0);
+    }
+    rings_capture_destroy(&capture);
+    globe_scene_destroy(&globe);
+    tc_atlas_free(&atlas);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(capturing_changes_nothing),
+        cmocka_unit_test(the_papers_transform_is_found_out),
+        cmocka_unit_test(smooth_planets_within_a_hundredth_of_a_pixel),
+        cmocka_unit_test(rough_planets_within_a_hundredth_of_a_pixel),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}

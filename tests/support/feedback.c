@@ -1,0 +1,64 @@
+/* feedback.c - what a vertex stage puts out, read back from the driver by transform feedback. */
+#include "feedback.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "common/shell/program.h"
+
+static void complain(const char *log)
+{
+    fprintf(stderr, "feedback: %s\n", log);
+    exit(99);
+}
+
+GLuint feedback_program(const tc_gl *gl, const char *defines, const char *const *parts, const char *own,
+                        const char *const *varyings)
+{
+    const char *text[16] = {"#version 450 core\n", defines};
+    int texts = 2, captured = 0;
+    for (; *parts && texts < 15; parts++)
+        if (!(text[texts++] = tc_shader_text(*parts)))
+            complain(*parts);
+    text[texts++] = own;
+    char log[1024] = "";
+    GLint done = GL_FALSE;
+    GLuint shader = gl->CreateShader(GL_VERTEX_SHADER), program = gl->CreateProgram();
+    gl->ShaderSource(shader, texts, text, NULL);
+    gl->CompileShader(shader);
+    gl->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
+    if (!done) {
+        gl->GetShaderInfoLog(shader, sizeof log, NULL, log);
+        complain(log);
+    }
+    while (varyings[captured])
+        captured++;
+    gl->AttachShader(program, shader);
+    gl->TransformFeedbackVaryings(program, captured, varyings, GL_INTERLEAVED_ATTRIBS);
+    gl->LinkProgram(program);
+    gl->DeleteShader(shader);
+    gl->GetProgramiv(program, GL_LINK_STATUS, &done);
+    if (!done) {
+        gl->GetProgramInfoLog(program, sizeof log, NULL, log);
+        complain(log);
+    }
+    return program;
+}
+
+void feedback_run(const tc_gl *gl, GLuint program, int first, int count, int floats, float *out)
+{
+    GLsizeiptr bytes = (GLsizeiptr)((size_t)count * (size_t)floats * sizeof *out);
+    GLuint buffer;
+    gl->CreateBuffers(1, &buffer);
+    gl->NamedBufferStorage(buffer, bytes, NULL, 0);
+    gl->BindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
+    gl->UseProgram(program);
+    gl->Enable(GL_RASTERIZER_DISCARD);
+    gl->BeginTransformFeedback(GL_POINTS);
+    gl->DrawArrays(GL_POINTS, first, count);
+    gl->EndTransformFeedback();
+    gl->Disable(GL_RASTERIZER_DISCARD);
+    gl->GetNamedBufferSubData(buffer, 0, bytes, out);
+    gl->BindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+    gl->DeleteBuffers(1, &buffer);
+}

@@ -1,0 +1,157 @@
+/* rings_capture.c - the rings' vertices as the driver computes them, against the oracle. */
+#include "rings_capture.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "feedback.h"
+
+/* In place of renderer.vert: the same, and what was looked up, by the same functions. */
+static const char captured_main[] =
+    "out vec3 c_position;\n"
+    "out vec4 c_map[3];\n"
+    "invariant gl_Position;\n"
+    "void main()\n"
+    "{\n"
+    "    vec3 position = surface_vertex();\n"
+    "    gl_Position = view_projection * vec4(position, 1.0);\n"
+    "    c_position = position;\n"
+    "    for (int chart = 0; chart < 3; chart++) {\n"
+    "        int at;\n"
+    "        float alpha, share;\n"
+    "        vec2 place = map_chart(chart, in_vertex.xyz, in_vertex.w, share), where;\n"
+    "        bool there = find_layer(chart, place, shift_of(in_vertex.w), at, alpha, where);\n"
+    "        c_map[chart] = there ? vec4(where, float(at), alpha) : vec4(0.0, 0.0, -1.0, 0.0);\n"
+    "    }\n"
+    "}\n";
+
+rings_capture rings_capture_create(globe_scene *globe)
+{
+    rings_capture c = {.globe = globe};
+    char defines[200];
+    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n#define SPHERE\n",
+             tc_clipmap_n(globe->surface->clipmap[0]));
+    const char *parts[8] = {"frame.glsl"};
+    int count = 1;
+    for (const char *const *p = globe->surface->vertex_parts; *p && count < 6; p++)
+        parts[count++] = *p;
+    c.program = feedback_program(globe->gl, defines, parts, captured_main,
+                                 (const char *[]){"gl_Position", "c_position", "c_map", NULL});
+    parts[count] = "renderer.vert";
+    c.plain = feedback_program(globe->gl, defines, parts, "", (const char *[]){"gl_Position", NULL});
+    size_t vertices = (size_t)globe->surface->geometry.vertex_count;
+    c.vertices = calloc(vertices, sizeof *c.vertices);
+    c.positions = calloc(vertices, sizeof *c.positions);
+    return c;
+}
+
+void rings_capture_destroy(rings_capture *c)
+{
+    c->globe->gl->DeleteProgram(c->program);
+    c->globe->gl->DeleteProgram(c->plain);
+    free(c->vertices);
+    free(c->positions);
+    *c = (rings_capture){0};
+}
+
+static double worse(double a, double b)
+{
+    return isnan(b) ? INFINITY : fmax(a, b);
+}
+
+/* How far apart two places of a level are that may be `turn` apart and still be one. */
+static double apart(double a, double turn)
+{
+    return fabs(remainder(a, turn));
+}
+
+/* Samples between where the driver looked and where it should have, in the level that it read. */
+static double texel_error(const rings_surface *s, const captured_vertex *v, const oracle_vertex *o, int chart)
+{
+    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_chart *c = &s->atlas->chart[chart];
+    int first = 0, layer = (int)v->map[chart][2];
+    for (int k = 0; k < chart; k++)
+        first += tc_clipmap_levels(s->head.clipmap[k]);
+    if (layer < 0)
+        return 0;
+    int shift = tc_clipmap_level(clipmap, layer - first + 1)->shift;
+    double torus = 2.0 * (tc_clipmap_n(clipmap) + 1), least = INFINITY;
+    const float *cell = &s->layer_uniforms[layer][4];
+    double dx = (double)(v->map[chart][0] - ldexpl(o->x[chart], -shift)) + cell[0];
+    double dy = (double)(v->map[chart][1] - ldexpl(o->y[chart], -shift)) + cell[1];
+    for (int turn = -1; turn <= 1; turn++) /* where it wraps, half a turn from the viewer is on both sides */
+        if (turn == 0 || c->wraps)
+            least = fmin(least, apart(dx + turn * ldexp(2 * M_PI / c->dx, -shift), torus));
+    return hypot(least, apart(dy, torus));
+}
+
+static void compare(const rings_surface *s, const rings_view *view, const tc_camera *camera, const captured_vertex *v,
+                    long double theta, long double phi, long double w, rings_error *e)
+{
+    oracle_vertex o = rings_oracle(s, view, camera, theta, phi, w);
+    double d = 0;
+    for (int i = 0; i < 3; i++)
+        d = hypot(d, (double)(v->position[i] - o.position[i]));
+    e->over_radius = worse(e->over_radius, d / s->atlas->radius);
+    for (int chart = 0; chart < s->head.charts; chart++)
+        if (o.weight[chart] > 1e-6L)
+            e->texels = worse(e->texels, texel_error(s, v, &o, chart));
+    double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
+    height = tc_rings_height(s, view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
+    /* Half a turn from the viewer is on both sides, and each may hold another level. */
+    const tc_chart *c = &s->atlas->chart[0];
+    double turn = o.weight[0] > 0 ? fabs((double)(o.x[0] - view->place[0].x)) * c->dx : 0;
+    if (turn < M_PI * (1 - 1e-9))
+        e->oracle = worse(e->oracle, fabs((double)(height - o.height)) / s->atlas->radius);
+    long double pixel[2];
+    e->vertices++;
+    if (!rings_oracle_pixel(camera, o.position, pixel))
+        return;
+    double x = (0.5 + 0.5 * v->clip[0] / v->clip[3]) * camera->width - (double)pixel[0];
+    double y = (0.5 + 0.5 * v->clip[1] / v->clip[3]) * camera->height - (double)pixel[1];
+    e->pixels = worse(e->pixels, hypot(x, y));
+    e->seen++;
+}
+
+void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, rings_error error[RINGS_MAX_LEVELS])
+{
+    const rings_surface *s = (const rings_surface *)c->globe->surface;
+    const rings_geometry *g = &s->geometry;
+    const long double pi = 3.14159265358979323846264338327950288L;
+    globe_scene_frame(c->globe, camera, false);
+    rings_view view = tc_rings_view(s, camera);
+    int first = tc_rings_level_base(g, view.first), rows = (view.finest - view.first + 1) * g->m + 1;
+    int floats = sizeof *c->vertices / sizeof(float);
+    feedback_run(c->globe->gl, c->program, first, rows * g->stride, floats, (float *)c->vertices);
+    for (int row = 0; row < rows; row++)
+        for (int k = row % step; k < g->n_phi; k += step) {
+            int i = view.first + row / g->m;
+            long double j = row % g->m, theta = ldexpl(pi, -i) * (1 - j / (2 * g->m));
+            compare(s, &view, camera, &c->vertices[row * g->stride + k], theta, 2 * pi * k / g->n_phi, i + j / g->m,
+                    &error[i]);
+        }
+    first = tc_rings_fill_base(g, view.finest);
+    feedback_run(c->globe->gl, c->program, first, g->fill * g->stride + 1, floats, (float *)c->vertices);
+    long double w = view.finest + 1, edge = ldexpl(pi, -view.finest - 1);
+    for (int row = 0; row < g->fill; row++)
+        for (int k = row % step; k < g->n_phi; k += step)
+            compare(s, &view, camera, &c->vertices[row * g->stride + k], edge * (1 - (long double)row / g->fill),
+                    2 * pi * k / g->n_phi, w, &error[view.finest + 1]);
+    compare(s, &view, camera, &c->vertices[g->fill * g->stride], 0, 0, w, &error[view.finest + 1]);
+}
+
+int64_t rings_capture_additions(rings_capture *c, const tc_camera *camera)
+{
+    const rings_surface *s = (const rings_surface *)c->globe->surface;
+    int count = s->geometry.stride * s->geometry.m * s->geometry.levels;
+    globe_scene_frame(c->globe, camera, false);
+    feedback_run(c->globe->gl, c->program, 0, count, sizeof *c->vertices / sizeof(float), (float *)c->vertices);
+    feedback_run(c->globe->gl, c->plain, 0, count, 4, (float *)c->positions);
+    int64_t different = 0;
+    for (int i = 0; i < count; i++)
+        different += memcmp(c->vertices[i].clip, c->positions[i], sizeof c->positions[i]) != 0;
+    return different;
+}

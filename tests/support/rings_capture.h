@@ -1,0 +1,42 @@
+/* rings_capture.h - the rings' vertices as the driver computes them, against the oracle. */
+#ifndef RINGS_CAPTURE_H
+#define RINGS_CAPTURE_H
+
+#include "globe_scene.h"
+#include "rings_oracle.h"
+
+enum { RINGS_MAX_LEVELS = 48 };
+
+/* One captured vertex: what rings.vert puts out, and what it looked up. */
+typedef struct captured_vertex {
+    float clip[4];               /* gl_Position */
+    float position[3];           /* from the eye, metres */
+    float map[TC_MAX_CHARTS][4]; /* of a chart: samples from the viewer's cell, layer (-1: none), coarser share */
+} captured_vertex;
+
+typedef struct rings_capture {
+    globe_scene *globe;
+    GLuint program, plain; /* the latter without additions: gl_Position alone */
+    captured_vertex *vertices;
+    float (*positions)[4];
+} rings_capture;
+
+rings_capture rings_capture_create(globe_scene *globe);
+void rings_capture_destroy(rings_capture *c);
+
+/* Worst errors of the vertices of a level; the disc inside the finest one counts as one more level. */
+typedef struct rings_error {
+    double over_radius; /* of the position, share of the radius */
+    double pixels;      /* on the screen, of vertices within the frame */
+    double texels;      /* of the place, samples of the level that the driver read */
+    double oracle;      /* of rings_map.c's height against the oracle's, share of the radius */
+    int64_t vertices, seen;
+} rings_error;
+
+/* Draws the view (without pixels) and compares every `step`-th column of the drawn levels; adds to error[level]. */
+void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, rings_error error[RINGS_MAX_LEVELS]);
+
+/* Vertices whose gl_Position is another in the program without additions, after the same frame. */
+int64_t rings_capture_additions(rings_capture *c, const tc_camera *camera);
+
+#endif
