@@ -60,7 +60,8 @@ void look(int chart, out float height, out vec2 slopes)
     vec2 z = mix(south, north, t.y);
     height = mix(z.x, z.y, alpha);
 #ifdef LIT
-    vec2 texel = (2.0 * (layer[3 * at + 1].xy + where) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
+    // In steps of a texel's 512th the sum is exact, whichever number of its column the viewer has.
+    vec2 texel = (2.0 * (layer[3 * at + 1].xy + round(where * 1024.0) / 1024.0) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
     vec4 n = textureLod(normals_map, vec3(texel, float(at)), 0.0);
     vec2 xy = mix(n.xy, n.zw, alpha);
     // Slopes were kept steeper where samples are more than 60 m apart (tc_normal_relief).

@@ -48,7 +48,8 @@ enum { ALTITUDES = sizeof altitudes / sizeof *altitudes, PLACES = sizeof places 
 
 static tc_camera camera_at(int k, int a, int p, int look)
 {
-    tc_camera c = {.x = places[p][0] * DEGREE, .y = places[p][1] * DEGREE, .fov = M_PI / 3, .width = 200, .height = 150};
+    tc_camera c = {
+        .x = places[p][0] * DEGREE, .y = places[p][1] * DEGREE, .fov = M_PI / 3, .width = 200, .height = 150};
     double ground;
     planet_truth_height(&truth[k], c.x, c.y, &ground);
     c.z = ground + (a == ALTITUDES - 1 ? 5 * radius : altitudes[a]);
@@ -126,7 +127,8 @@ static void nothing_marks_a_place(void **state)
                     tc_camera c = camera_at(k, a, p, look);
                     scene_draw(&at, &c, true);
                     float *depth = planet_depth(&at, &c);
-                    const tc_truth function = {planet_truth_height, &truth[k]}, data = {planet_atlas_height, &planet[k]};
+                    const tc_truth function = {planet_truth_height, &truth[k]},
+                                   data = {planet_atlas_height, &planet[k]};
                     double near = at.surface->near_plane;
                     assert_int_equal(tc_view_error_add(&c, near, radius, depth, &function, &one), TC_OK);
                     assert_int_equal(tc_view_error_add(&c, near, radius, depth, &data, &finest), TC_OK);
@@ -139,12 +141,13 @@ static void nothing_marks_a_place(void **state)
                 tc_error_stats_merge(&all, &one);
                 tc_error_stats_free(&one);
             }
-            printf("globe error: %s, %g m: %lld pixels, to the function rms %.4f, 99.9 %% %.4f (at worst %.4f, at %g %g), "
-                   "max %.3f px; to the finest samples 99.9 %% %.4f, max %.3f px\n",
-                   k ? "harmonics" : "constant gradient", a == ALTITUDES - 1 ? 5 * radius : altitudes[a],
-                   (long long)all.count, tc_error_stats_rms(&all), tc_error_stats_percentile(&all, 0.999), worst,
-                   places[worst_place][0], places[worst_place][1], all.max, tc_error_stats_percentile(&finest, 0.999),
-                   finest.max);
+            printf(
+                "globe error: %s, %g m: %lld pixels, to the function rms %.4f, 99.9 %% %.4f (at worst %.4f, at %g %g), "
+                "max %.3f px; to the finest samples 99.9 %% %.4f, max %.3f px\n",
+                k ? "harmonics" : "constant gradient", a == ALTITUDES - 1 ? 5 * radius : altitudes[a],
+                (long long)all.count, tc_error_stats_rms(&all), tc_error_stats_percentile(&all, 0.999), worst,
+                places[worst_place][0], places[worst_place][1], all.max, tc_error_stats_percentile(&finest, 0.999),
+                finest.max);
             /* From 2 m the samples, kilometres apart, do not say how the function is between them. */
             assert_true(altitudes[a] < 30 ? tc_error_stats_percentile(&finest, 0.999) < 1 : worst < 1);
             tc_error_stats_free(&all), tc_error_stats_free(&finest);
@@ -173,8 +176,8 @@ static void the_test_finds_errors(void **state)
     float *depth = planet_depth(&at, &c);
     tc_error_stats stats;
     assert_int_equal(tc_error_stats_init(&stats), TC_OK);
-    assert_int_equal(tc_view_error_add(&c, at.surface->near_plane, radius, depth,
-                                       &(tc_truth){turned, &truth[1]}, &stats), TC_OK);
+    assert_int_equal(
+        tc_view_error_add(&c, at.surface->near_plane, radius, depth, &(tc_truth){turned, &truth[1]}, &stats), TC_OK);
     printf("globe error: against one turned by 0.02 degrees: 99.9 %% %.2f px\n",
            tc_error_stats_percentile(&stats, 0.999));
     assert_true(tc_error_stats_percentile(&stats, 0.999) > 1);

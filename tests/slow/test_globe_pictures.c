@@ -52,8 +52,8 @@ static void culling_removes_nothing_visible(void **state)
     int64_t drawn = 0, without = 0, views = 0;
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {2 + (uint64_t)k};
-        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 256, .m = 12}, &culled);
-        for (int view = 0; view < 60; view++, views++) {
+        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
+        for (int view = 0; view < 50; view++, views++) {
             tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &culled, &stats);
@@ -80,7 +80,7 @@ static void the_test_finds_what_is_missing(void **state)
     (void)state;
     test_random r = {2};
     tc_scene_options culled = {.budget = -1};
-    scene s = planet_scene(context, &planet[0], &(tc_rings_options){.n_phi = 256, .m = 12}, &culled);
+    scene s = planet_scene(context, &planet[0], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
     int found = 0;
     for (int view = 0; view < 20; view++) {
         tc_camera c = planet_view(&r, &planet[0], 0.5, 5 * planet[0].radius), other = c;
@@ -106,8 +106,8 @@ static void backs_are_not_missed(void **state)
     int64_t different = 0, views = 0, pixels = 0;
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {4 + (uint64_t)k};
-        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 256, .m = 12}, &front);
-        for (int view = 0; view < 60; view++, views++) {
+        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &front);
+        for (int view = 0; view < 50; view++, views++) {
             tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &front, &stats), *b = picture(&s, &c, &both, &stats);
@@ -128,11 +128,11 @@ static void a_picture_depends_on_the_view_alone(void **state)
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {1 + (uint64_t)k};
         const tc_rings_options rings = {.n_phi = 128, .m = 8};
-        const tc_scene_options options[2] = {{.budget = 0}, {.budget = 700}};
+        const tc_scene_options options[2] = {{.budget = 0}, {.budget = 5000}};
         scene s[2];
         for (int i = 0; i < 2; i++)
             s[i] = planet_scene(context, &planet[k], &rings, &options[i]);
-        for (int view = 0; view < 40; view++, views++) {
+        for (int view = 0; view < 30; view++, views++) {
             tc_camera end = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
             uint8_t *pixels[3];
             tc_frame_stats stats;
@@ -143,17 +143,21 @@ static void a_picture_depends_on_the_view_alone(void **state)
                 }
                 pixels[i] = picture(&s[i], &end, &options[i], &stats);
             }
-            scene fresh = planet_scene(context, &planet[k], &rings, &options[0]);
-            pixels[2] = picture(&fresh, &end, &options[0], &stats);
-            scene_destroy(&fresh);
-            for (int i = 1; i < 3; i++) {
+            int count = 2;
+            if (view % 5 == 0) { /* making one takes long */
+                scene fresh = planet_scene(context, &planet[k], &rings, &options[0]);
+                pixels[count++] = picture(&fresh, &end, &options[0], &stats);
+                scene_destroy(&fresh);
+            }
+            for (int i = 1; i < count; i++) {
                 int64_t different = different_pixels(pixels[0], pixels[i], &end);
                 if (different)
                     printf("view %d of planet %d: %lld pixels: %.17g %.17g %.17g %.17g %.17g %.17g\n", view, k,
                            (long long)different, end.x, end.y, end.z, end.heading, end.pitch, end.fov);
                 differing += different > 0;
             }
-            free(pixels[0]), free(pixels[1]), free(pixels[2]);
+            for (int i = 0; i < count; i++)
+                free(pixels[i]);
         }
         scene_destroy(&s[0]), scene_destroy(&s[1]);
     }

@@ -1,0 +1,218 @@
+/* test_globe_cost.c - what a walk costs near a pole, and that a planet's flat picture and its globe agree. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/core/atlas/atlas_packed.h"
+#include "planar/square.h"
+#include "spherical/rings_internal.h"
+#include "tests/support/made_files.h"
+#include "tests/support/planet_scene.h"
+
+#define DEGREE (M_PI / 180)
+enum { COLUMNS = 8192 };
+static const double radius = 100e3; /* samples are 77 m apart, so that 10 km are 130 of them */
+
+static tc_context *context;
+static tc_atlas memory;
+static const char *path;
+
+/* Chart 0's finest level in a packed file. */
+static void pack(const tc_atlas *atlas, const char *to)
+{
+    tc_pyramid *p = atlas->chart[0].pyramid;
+    int m = tc_pyramid_info(p)->levels;
+    tc_level size = tc_pyramid_level(p, m);
+    float *z = malloc((size_t)(size.width * size.height) * sizeof *z);
+    assert_non_null(z);
+    tc_rect all = {0, 0, size.width, size.height};
+    assert_int_equal(tc_pyramid_read(p, m, all, z, NULL, (ptrdiff_t)size.width), TC_OK);
+    double step = 360.0 / (double)size.width, metres = radius * step * DEGREE;
+    tc_pack_terrain terrain = {.width = size.width,
+                               .height = size.height,
+                               .wraps_x = true,
+                               .radius = radius,
+                               .spacing_x = metres,
+                               .spacing_y = metres,
+                               .sample_type = TC_SAMPLE_FLOAT32,
+                               .unit = 1};
+    terrain.georef = (tc_georef){.known = true, .geographic = true, .semi_major = radius};
+    const double t[6] = {-180, step, 0, 90, 0, -step};
+    memcpy(terrain.georef.transform, t, sizeof t);
+    tc_packer *packer;
+    tc_pack_result result;
+    tc_error error = {TC_OK, ""};
+    if (tc_packer_create(to, &terrain, &(tc_pack_options){.error = 1}, &packer, &error) ||
+        tc_packer_put(packer, all, z, NULL, (ptrdiff_t)size.width, &error) || tc_packer_finish(packer, &result, &error))
+        fail_msg("%s", error.text);
+    tc_packer_destroy(packer);
+    free(z);
+}
+
+/* Harmonics and finer hills, down to a few samples. */
+static double hills(void *ctx, const double p[3])
+{
+    double z = planet_smooth(ctx, p), a = 60, f = 40;
+    for (int k = 0; k < 5; k++, a *= 0.5, f *= 2.1)
+        z += a * sin(f * p[0] + k) * cos(f * p[1] - 2 * k) + a * sin(f * p[2] + f * 0.3 * p[1]);
+    return z;
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    double relief = 1000;
+    context = scene_context();
+    memory = planet_atlas(COLUMNS, radius, hills, &relief);
+    path = made_path("planet.tclip");
+    pack(&memory, path);
+    return context ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    tc_atlas_free(&memory);
+    tc_context_destroy(context);
+    made_folder_remove();
+    return 0;
+}
+
+/* ---- A walk ------------------------------------------------------------------------------------------------------ */
+
+typedef struct cost {
+    int64_t samples, uploaded, decoded;
+} cost;
+
+static int64_t bytes_decoded(const tc_atlas *atlas)
+{
+    int64_t sum = 0;
+    for (int k = 0; k < atlas->charts; k++)
+        sum += tc_pyramid_bytes_decoded(atlas->chart[k].pyramid);
+    return sum;
+}
+
+/* 10 km in steps of 20 m, 2 m above ground: along the parallel, or along the meridian (and over the pole). Counts what
+ * is updated after the first frame, and all that is decoded. */
+static cost walk(const tc_atlas *atlas, double latitude, bool north)
+{
+    const tc_scene_options options = {.background_set = true, .budget = -1};
+    enum { STEPS = 500 };
+    scene s = planet_scene(context, atlas, &(tc_rings_options){0}, &options);
+    cost sum = {0};
+    for (int i = 0; i <= STEPS; i++) {
+        double way = 20.0 * i / radius, lat = latitude * DEGREE + (north ? way : 0), ground;
+        tc_camera c = {.x = 0.3 + (north ? 0 : way / cos(lat)), .y = lat, .fov = M_PI / 2, .width = 32, .height = 24};
+        if (lat > M_PI / 2)
+            c.x += M_PI, c.y = M_PI - lat;
+        c.x = remainder(c.x, 2 * M_PI);
+        assert_int_equal(planet_atlas_height((void *)atlas, c.x, c.y, &ground), TC_OK);
+        c.z = ground + 2, c.pitch = 1.2; /* up: drawing is not what is measured */
+        tc_frame_stats stats = scene_draw(&s, &c, true);
+        if (i > 0)
+            sum.samples += stats.samples_updated, sum.uploaded += stats.bytes_uploaded;
+    }
+    sum.decoded = bytes_decoded(atlas);
+    scene_destroy(&s);
+    return sum;
+}
+
+static void walks_near_a_pole_cost_no_more(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++)
+        for (int north = 0; north < 2; north++) {
+            cost at[3];
+            const double latitude[3] = {0, 57.5, 89.9};
+            for (int i = 0; i < 3; i++) {
+                tc_atlas packed; /* opened anew: nothing is decoded yet */
+                if (k)
+                    assert_int_equal(tc_atlas_open(path, NULL, &packed, NULL), TC_OK);
+                at[i] = walk(k ? &packed : &memory, latitude[i], north);
+                if (k)
+                    tc_atlas_free(&packed);
+                printf("globe walk: %s, %s from %g: %lld samples updated, %lld bytes uploaded, %lld decoded: %.2f, "
+                       "%.2f, %.2f times the equator's\n",
+                       k ? "packed" : "in memory", north ? "10 km north" : "10 km east", latitude[i],
+                       (long long)at[i].samples, (long long)at[i].uploaded, (long long)at[i].decoded,
+                       (double)at[i].samples / (double)at[0].samples, (double)at[i].uploaded / (double)at[0].uploaded,
+                       (double)at[i].decoded / fmax(1, (double)at[0].decoded));
+            }
+            assert_true(at[0].samples > 10000 && (k == 0 || at[0].decoded > 1000));
+            assert_true(at[2].samples <= 4 * at[0].samples);
+            assert_true(at[2].uploaded <= 4 * at[0].uploaded);
+            assert_true(at[2].decoded <= 4 * at[0].decoded);
+        }
+}
+
+/* ---- Flat and round ---------------------------------------------------------------------------------------------- */
+
+/* The same pyramid drawn by square grids, on triangles, and by rings, on a bilinear surface sampled by their own mesh:
+ * next to the viewer, where both have the finest level, they differ by what a cell is not flat. */
+static void flat_map_and_globe_agree(void **state)
+{
+    (void)state;
+    tc_chart *chart = &memory.chart[0];
+    int m = tc_pyramid_info(chart->pyramid)->levels;
+    tc_level size = tc_pyramid_level(chart->pyramid, m);
+    const tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1};
+    scene flat = scene_create(context, chart->pyramid, 255, &options);
+    scene round = planet_scene(context, &memory, &(tc_rings_options){0}, &options);
+    test_random r = {3};
+    double worst = 0, sum = 0, most = 0, curved = 0, count = 0;
+    for (int view = 0; view < 40; view++) {
+        double i0 = test_random_range(&r, 1000, COLUMNS - 1000),
+               j0 = (double)(size.height - 1) * test_random_range(&r, 0.25, 0.75);
+        tc_camera f = {.x = i0 * size.spacing_x, .y = j0 * size.spacing_y, .fov = 1, .width = 64, .height = 48}, g = f;
+        g.x = chart->x0 + i0 * chart->dx, g.y = chart->y0 + j0 * chart->dy;
+        double ground;
+        assert_int_equal(planet_atlas_height(&memory, g.x, g.y, &ground), TC_OK);
+        f.z = g.z = ground + 2;
+        scene_draw(&flat, &f, true), scene_draw(&round, &g, true);
+        for (int k = 0; k < 300; k++) {
+            double a = test_random_range(&r, 0, 2 * M_PI), d = 20 * sqrt(test_random_unit(&r)), i = i0 + d * cos(a),
+                   j = j0 + d * sin(a), z0, z1;
+            float z[16];
+            int64_t x = (int64_t)floor(i), y = (int64_t)floor(j);
+            assert_true(flat.surface->drawn_height(flat.surface, &f, &options.frame, i * size.spacing_x,
+                                                   j * size.spacing_y, &z0));
+            assert_true(round.surface->drawn_height(round.surface, &g, &options.frame, chart->x0 + i * chart->dx,
+                                                    chart->y0 + j * chart->dy, &z1));
+            assert_int_equal(tc_pyramid_read(chart->pyramid, m, (tc_rect){x - 1, y - 1, x + 3, y + 3}, z, NULL, 4),
+                             TC_OK);
+            /* What the mesh, of triangles up to a cell or so wide, can make of the samples around. */
+            double bend = 0;
+            for (int q = 0; q < 3; q++)
+                for (int p = 0; p < 3; p++)
+                    bend = fmax(
+                        bend, fabs((double)z[4 * q + p] - z[4 * q + p + 1] - z[4 * q + p + 4] + z[4 * q + p + 5]) / 4);
+            for (int q = 0; q < 4; q++)
+                for (int p = 0; p < 2; p++) {
+                    bend = fmax(bend, fabs((double)z[4 * q + p] - 2.0 * z[4 * q + p + 1] + z[4 * q + p + 2]) / 2);
+                    bend = fmax(bend, fabs((double)z[4 * p + q] - 2.0 * z[4 * p + q + 4] + z[4 * p + q + 8]) / 2);
+                }
+            double e = fabs(z0 - z1);
+            worst = fmax(worst, e), sum += e * e, count++, curved = fmax(curved, bend), most = fmax(most, e - 2 * bend);
+        }
+    }
+    printf(
+        "flat and round: %g places within 20 samples: rms %.4f m, max %.3f m; cells are bent by up to %.3f m; at most "
+        "%.4f m more than twice their own bend\n",
+        count, sqrt(sum / count), worst, curved, most);
+    assert_true(most < 0.05);
+    assert_true(curved > 0.1 && worst > 0);
+    scene_destroy(&flat), scene_destroy(&round);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(walks_near_a_pole_cost_no_more),
+        cmocka_unit_test(flat_map_and_globe_agree),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
