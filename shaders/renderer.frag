@@ -3,9 +3,9 @@
 // The surface's part before it defines
 //     float surface_height()              metres above z_base; called first
 //     bool  surface_void()                whether there is a hole; HOLES
-//     float surface_level()               layer of the vertex textures; LIT, LEVEL_COLOURS
+//     float surface_level()               that is seen, from 0 on; LIT, LEVEL_COLOURS
 //     vec3  surface_normal(out vec3 up)   unit normal, and which way is up, in the eye's axes; LIT
-//     float surface_unknown()             1 where there is no terrain, else 0; SPHERE, LIT
+//     float surface_unknown()             1 where there is no terrain, else 0; SPHERE
 //     float surface_snow()                height where snow stays, metres above the sea; SPHERE
 //     float surface_haze()                squared optical depth of the air before the terrain; HAZE
 //
@@ -26,6 +26,10 @@ void main()
     at = sea ? 0.5 - clamp(-h * heights.y, 0.001, 0.999) * 0.5 : at;
 #endif
     vec3 c = textureLod(ramp_map, at, 0.0).rgb;
+#ifdef SPHERE
+    float unknown = surface_unknown();
+    c = mix(c, vec3(0.16, 0.165, 0.17), unknown);
+#endif
 #ifdef LIT
     vec3 up, n = surface_normal(up);
     float upright = dot(n, up);
@@ -41,14 +45,11 @@ void main()
 #ifdef WATER
     snow = sea ? 0.0 : snow;
 #endif
-    c = mix(c, vec3(0.58, 0.61, 0.65), snow);
+    c = mix(c, vec3(0.58, 0.61, 0.65), snow * (1.0 - unknown));
 #endif
 #endif
 #ifdef WATER
     n = sea ? up + 0.2 * (n - upright * up) : n; // the bottom just shows through
-#endif
-#ifdef SPHERE
-    c = mix(c, vec3(0.16, 0.165, 0.17), surface_unknown());
 #endif
     // The sun, light of the sky from above and of the ground around from the side (softer than Lambert's law alone).
     float facing = dot(n, sun.xyz), direct = max(facing, 0.0) * sun.w;

@@ -17,7 +17,7 @@ float fragment_shift()
 
 float surface_level()
 {
-    return floor(min(v_terrain.y, surface[1].w));
+    return max(floor(min(v_terrain.y, surface[1].w)), 0.0);
 }
 
 #ifdef HOLES
@@ -99,6 +99,12 @@ float surface_height()
     return height;
 }
 
+// 1 where there is no terrain, only the sphere.
+float surface_unknown()
+{
+    return 1.0 - fragment_known;
+}
+
 #ifdef LIT
 // Normal and up in the eye's axes: east, north, up.
 vec3 surface_normal(out vec3 up)
@@ -107,12 +113,6 @@ vec3 surface_normal(out vec3 up)
     vec3 p = fragment_up, n = p - fragment_slope;
     up = vec3(p.y, st * p.z - ct * p.x, st * p.x + ct * p.z);
     return normalize(vec3(n.y, st * n.z - ct * n.x, st * n.x + ct * n.z));
-}
-
-// 1 where there is no terrain, only the sphere.
-float surface_unknown()
-{
-    return 1.0 - fragment_known;
 }
 
 // Height from which snow stays: about that of the Earth's mountains at the equator, the sea near the poles.

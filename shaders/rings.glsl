@@ -13,7 +13,7 @@
 // surface[7 + k]  chart k: slopes of the cell that the viewer is in; its layer
 // surface[10][k]  chart k: finest shift + 64 coarsest; surface[10].w: 1 where levels meet abruptly
 // surface[10 + k] cap k: coefficients of s_x, h, 1; 1 - its share at the viewer; of a part of a globe surface[11]: its
-//                 sides relative to the viewer
+//                 sides relative to the viewer; surface[12]: 1 where it wraps, ends at the south, at the north pole
 // layer[3 l]      viewer's place from the nearest sample; samples per unit of the chart
 // layer[3 l + 1]  that sample, modulo twice the window's array; last samples of the lattice, relative to it
 // layer[3 l + 2]  what is held, relative to it: first x, y, last x, y
@@ -83,8 +83,15 @@ vec2 map_chart(int chart, vec3 s, float w, out float share)
     vec2 place = map_lonlat(s, w);
     if (surface[3].w > 0.0) {
         vec4 side = surface[11];
-        place.x += 6.2831853 * round((0.5 * (side.x + side.z) - place.x) / 6.2831853);
-        vec2 inside = clamp(place, side.xy, side.zw), beyond = (place - inside) * vec2(surface[0].y, 1.0);
+        bool wraps = surface[12].x > 0.0;
+        if (!wraps)
+            place.x += 6.2831853 * round((0.5 * (side.x + side.z) - place.x) / 6.2831853);
+        vec2 inside = clamp(place, side.xy, side.zw);
+        if (wraps)
+            inside.x = place.x;
+        vec2 beyond = (place - inside) * vec2(surface[0].y, 1.0);
+        if ((beyond.y > 0.0 ? surface[12].z : surface[12].y) > 0.0)
+            beyond.y = 0.0;
         place = inside;
         share = beyond == vec2(0.0) ? 1.0 : max(0.0, 1.0 - length(beyond) / (0.05 * sqrt(2.0 * s.z)));
     }

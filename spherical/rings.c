@@ -25,6 +25,8 @@ typedef struct assembly {
     rings_surface *s;
     const rings_view *view; /* of the camera drawn */
     tc_frustum frustum;     /* of the camera culled for */
+    bool frozen;            /* which is another one: to its axes from the drawn eye's, and to its eye */
+    double turn[3][3], eye[3];
     bool no_cull;
     int count;
     int64_t triangles, triangles_unculled;
@@ -50,6 +52,46 @@ static void cosine(double from, double to, double out[2])
         else
             out[1] = 1;
     }
+}
+
+/* East, north and up of an eye at longitude and latitude, from the planet's middle. */
+static void local_axes(const tc_camera *c, double axes[3][3])
+{
+    double sl = sin(c->x), cl = cos(c->x), sp = sin(c->y), cp = cos(c->y);
+    double rows[3][3] = {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
+    memcpy(axes, rows, sizeof rows);
+}
+
+/* Culls for another camera than is drawn. */
+static void freeze(assembly *a, const tc_camera *drawn, const tc_camera *culled)
+{
+    double from[3][3], to[3][3], way[3];
+    local_axes(drawn, from);
+    local_axes(culled, to);
+    for (int i = 0; i < 3; i++)
+        way[i] = (a->view->radius + a->view->z_eye) * from[2][i] -
+                 (a->view->radius + a->view->z_eye + culled->z - drawn->z) * to[2][i];
+    a->frozen = true;
+    for (int i = 0; i < 3; i++) {
+        a->eye[i] = to[i][0] * way[0] + to[i][1] * way[1] + to[i][2] * way[2];
+        for (int k = 0; k < 3; k++)
+            a->turn[i][k] = to[i][0] * from[k][0] + to[i][1] * from[k][1] + to[i][2] * from[k][2];
+    }
+}
+
+/* The box around a box, as seen from the camera culled for. */
+static void turn_box(const assembly *a, double lo[3], double hi[3])
+{
+    double middle[3], half[3];
+    for (int i = 0; i < 3; i++) {
+        middle[i] = a->eye[i], half[i] = 0;
+        for (int k = 0; k < 3; k++) {
+            middle[i] += a->turn[i][k] * 0.5 * (lo[k] + hi[k]);
+            half[i] += fabs(a->turn[i][k]) * 0.5 * (hi[k] - lo[k]);
+        }
+    }
+    for (int i = 0; i < 3; i++)
+        lo[i] = middle[i] - half[i], hi[i] = middle[i] + half[i];
 }
 
 /* Whether the part of the planet from angle inner to outer around the foot point, phi from to to, heights lo to hi, may
@@ -78,6 +120,8 @@ static bool visible(const assembly *a, double inner, double outer, double from, 
         double slack = 1e-5 * fmax(fabs(box_lo[i]), fabs(box_hi[i]));
         box_lo[i] -= slack, box_hi[i] += slack;
     }
+    if (a->frozen)
+        turn_box(a, box_lo, box_hi);
     return tc_frustum_sees(&a->frustum, box_lo, box_hi);
 }
 
@@ -119,7 +163,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
     /* Without caps weights never leave 0. */
     set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
          caps ? 1 / (hi - lo) : 0, s->outside - v->z);
-    set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), v->detail, tc_rings_regional(s));
+    set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), v->detail, tc_rings_partial(s));
     for (int chart = 0; chart < s->head.charts; chart++) {
         const rings_near *near = &v->near[chart];
         const rings_place *at = &v->place[chart];
@@ -127,11 +171,12 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
         int levels = tc_clipmap_levels(clipmap), first = tc_surface_first_layer(&s->head, chart);
         int finest = tc_clipmap_level(clipmap, levels)->shift;
         double z = near->z;
-        set4(u[4 + chart], (float)z, z - (double)(float)z, z - v->z, 0);
-        u[4 + chart][3] = (float)(first + levels - 1 + finest); /* layer of shift 0, were there one */
-        double slope = near->shift >= 0 ? 1 : 0;
-        set4(u[7 + chart], slope * near->slope[0], slope * near->slope[1], slope * near->slope[2], 0);
-        u[7 + chart][3] = near->shift >= 0 ? (float)(first + levels - 1 - (near->shift - finest)) : -1;
+        int fine_layer = first + levels - 1 + finest; /* of shift 0, were there one */
+        set4(u[4 + chart], z, z - (double)(float)z, z - v->z, fine_layer);
+        if (near->shift >= 0)
+            set4(u[7 + chart], near->slope[0], near->slope[1], near->slope[2], fine_layer - near->shift);
+        else
+            set4(u[7 + chart], 0, 0, 0, -1);
         for (int level = 1; level <= levels; level++) {
             const tc_clip_level *l = tc_clipmap_level(clipmap, level);
             float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
@@ -144,14 +189,15 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
                  lattice.y1 - j);
             set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
         }
-        int coarsest = finest + levels - 1;
-        u[10][chart] = (float)(finest + 64 * coarsest);
+        u[10][chart] = (float)(finest + 64 * (finest + levels - 1));
     }
     u[10][3] = v->no_morph;
-    if (tc_rings_regional(s)) {
+    if (!caps) {
         const tc_chart *c = &s->atlas->chart[0];
-        rings_extent r = tc_rings_region(s, v);
+        bool south, north;
+        rings_extent r = tc_rings_sides(s, v, &south, &north);
         set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
+        set4(u[12], c->wraps, south, north, 0);
     }
     for (int cap = 1; cap < s->head.charts; cap++)
         set4(u[10 + cap], v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2],
@@ -169,6 +215,8 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
                   .view = &view,
                   .frustum = tc_camera_frustum(options->cull_camera ? options->cull_camera : camera),
                   .no_cull = options->no_cull};
+    if (options->cull_camera)
+        freeze(&a, camera, options->cull_camera);
     int first = options->no_cull ? 0 : view.first;
     for (int i = view.finest; i >= 0; i--) { /* nearest first */
         if (i == view.finest)
@@ -225,7 +273,9 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
                                    .normals = o->normals,
                                    .holes = o->holes,
                                    .wraps = c->wraps,
-                                   .relief = RELIEF};
+                                   .relief = RELIEF,
+            .spacing_x = c->dx * s->atlas->radius,
+            .spacing_y = c->dy * s->atlas->radius};
         tc_status status = tc_clipmap_create(c->pyramid, &clip, &s->head.clipmap[chart], error);
         if (status)
             return status;
@@ -238,7 +288,7 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
             s->z_lo = fmin(s->z_lo, lo), s->z_hi = fmax(s->z_hi, hi);
         }
     }
-    if (!s->atlas->chart[0].wraps)
+    if (tc_rings_partial(s))
         s->z_lo = fmin(s->z_lo, s->outside), s->z_hi = fmax(s->z_hi, s->outside);
     return TC_OK;
 }
@@ -259,9 +309,9 @@ tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options
     static const char *const ch06_fragment_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.frag", NULL};
     int n_phi = options->n_phi ? options->n_phi : 512, m = options->m ? options->m : 20;
     if (n_phi < 64 || n_phi > 2048 || n_phi % 32 != 0)
-        return tc_fail(error, TC_ERR_USAGE, "n: expected a multiple of 32 from 64 to 2048, found %d", n_phi);
+        return tc_fail(error, TC_ERR_USAGE, "--n: expected a multiple of 32 from 64 to 2048, found %d", n_phi);
     if (m < 4 || m > 64 || m % 2 != 0 || (m + 1) * (n_phi + 64) > TC_RESTART)
-        return tc_fail(error, TC_ERR_USAGE, "steps: expected an even number from 4 to %d, found %d",
+        return tc_fail(error, TC_ERR_USAGE, "--steps: expected an even number from 4 to %d, found %d",
                        (int)fmin(64, TC_RESTART / (n_phi + 64) - 1) & ~1, m);
     rings_surface *s = calloc(1, sizeof *s);
     if (!s)

@@ -111,10 +111,11 @@ double tc_rings_shift(const rings_surface *s, const rings_view *view, double w);
  * lattice (x1 and y1 of the second) may lie up to one before, and heights go on as they are. */
 rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);
 rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level);
-/* Whether the planet is a part of a globe. */
-bool tc_rings_regional(const rings_surface *s);
-/* Of a part of a globe: its sides, finest samples relative to the view's place. */
-rings_extent tc_rings_region(const rings_surface *s, const rings_view *view);
+/* Whether the planet is a part of a globe, or one without caps: chart 0 has sides then. */
+bool tc_rings_partial(const rings_surface *s);
+/* Those sides, finest samples relative to the view's place; x of them is none's where the chart wraps. south, north:
+ * that one is the pole, to within a sample, beyond which heights go on. */
+rings_extent tc_rings_sides(const rings_surface *s, const rings_view *view, bool *south_ret, bool *north_ret);
 rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
                            double shift);
 double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample);

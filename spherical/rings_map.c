@@ -33,8 +33,9 @@ void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, dou
     if (c->projection == TC_LONLAT) {
         relative_angles(view, s_x, s_y, h, &dx, &dy);
         dy = -dy;
-        if (tc_rings_regional(s)) { /* the way round on which it is nearer */
-            rings_extent r = tc_rings_region(s, view);
+        if (tc_rings_partial(s) && !c->wraps) { /* the way round on which it is nearer */
+            bool poles[2];
+            rings_extent r = tc_rings_sides(s, view, &poles[0], &poles[1]);
             dx += 2 * M_PI * rint((0.5 * (r.x0 + r.x1) * c->dx - dx) / (2 * M_PI));
         }
     } else {
@@ -112,17 +113,19 @@ rings_extent tc_rings_held(const tc_clipmap *clipmap, int level)
     return r;
 }
 
-bool tc_rings_regional(const rings_surface *s)
+bool tc_rings_partial(const rings_surface *s)
 {
-    return !s->atlas->chart[0].wraps;
+    return s->atlas->charts < TC_MAX_CHARTS;
 }
 
-rings_extent tc_rings_region(const rings_surface *s, const rings_view *view)
+rings_extent tc_rings_sides(const rings_surface *s, const rings_view *view, bool *south_ret, bool *north_ret)
 {
-    const tc_pyramid *pyramid = s->atlas->chart[0].pyramid;
-    tc_level size = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
-    double x = view->place[0].x, y = view->place[0].y;
-    return (rings_extent){-x, -y, (double)(size.width - 1) - x, (double)(size.height - 1) - y};
+    const tc_chart *c = &s->atlas->chart[0];
+    tc_level size = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
+    double x = view->place[0].x, y = view->place[0].y, rows = (double)(size.height - 1);
+    *south_ret = c->y0 - 1.01 * c->dy < -M_PI / 2;
+    *north_ret = c->y0 + (rows + 1.01) * c->dy > M_PI / 2;
+    return (rings_extent){-x, -y, (double)(size.width - 1) - x, rows - y};
 }
 
 /* Brings a place beside a part of a globe to its side; the share of the height there that is left, since what is
@@ -130,11 +133,14 @@ rings_extent tc_rings_region(const rings_surface *s, const rings_view *view)
 static double come_inside(const rings_surface *s, const rings_view *view, double h, double *du, double *dv)
 {
     const tc_chart *c = &s->atlas->chart[0];
-    rings_extent r = tc_rings_region(s, view);
-    double u = fmin(fmax(*du, r.x0), r.x1), v = fmin(fmax(*dv, r.y0), r.y1);
-    double beyond = hypot((*du - u) * c->dx * view->sin_theta, (*dv - v) * c->dy);
+    bool south, north;
+    rings_extent r = tc_rings_sides(s, view, &south, &north);
+    double u = c->wraps ? *du : fmin(fmax(*du, r.x0), r.x1), v = fmin(fmax(*dv, r.y0), r.y1);
+    double across = (*du - u) * c->dx * view->sin_theta, along = (*dv - v) * c->dy;
+    if (along > 0 ? north : south)
+        along = 0;
     *du = u, *dv = v;
-    return beyond > 0 ? fmax(0, 1 - beyond / (0.05 * sqrt(2 * h))) : 1;
+    return across != 0 || along != 0 ? fmax(0, 1 - hypot(across, along) / (0.05 * sqrt(2 * h))) : 1;
 }
 
 double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample)
@@ -162,7 +168,7 @@ double tc_rings_height(const rings_surface *s, const rings_view *view, double s_
             continue;
         double du, dv;
         tc_rings_map(s, view, chart, s_x, s_y, h, &du, &dv);
-        double share = tc_rings_regional(s) ? come_inside(s, view, h, &du, &dv) : 1;
+        double share = tc_rings_partial(s) ? come_inside(s, view, h, &du, &dv) : 1;
         rings_sample at = share > 0 ? tc_rings_find(s, view, chart, du, dv, shift) : (rings_sample){0};
         double there = at.level ? tc_rings_sample_height(s, chart, &at) : s->outside;
         z += weight[chart] * (s->outside + share * (there - s->outside));

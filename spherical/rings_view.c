@@ -246,7 +246,7 @@ void tc_rings_bounds(const rings_surface *s, const rings_view *v, double angle, 
         else
             chart_bounds(s, v, chart, e, &lo, &hi);
     }
-    if (s->atlas->chart[0].projection == TC_LONLAT && !s->atlas->chart[0].wraps)
+    if (tc_rings_partial(s))
         widen(&lo, &hi, s->outside, s->outside);
     *lo_ret = fmax(lo, s->z_lo), *hi_ret = fmin(hi, s->z_hi);
 }

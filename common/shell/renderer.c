@@ -104,7 +104,7 @@ static tc_status build_programs(tc_renderer *r, tc_error *error)
 {
     GLuint *terrain = r->terrain[r->options.level_colours];
     tc_status status = TC_OK;
-    for (int closers = 0; closers < 2 && !status; closers++)
+    for (int closers = 0; closers <= (r->surface->closers ? 1 : 0) && !status; closers++)
         if (!terrain[closers])
             status = build_terrain(r, closers, &terrain[closers], error);
     if (!status && !r->sky && !r->options.background_set)

@@ -106,14 +106,14 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     s->width = own.width;
     s->height = own.height;
     s->view.shift = finest - s->pyramid_level;
-    s->view.spacing_x = own.spacing_x;
-    s->view.spacing_y = own.spacing_y;
+    s->view.spacing_x = options->spacing_x > 0 ? ldexp(options->spacing_x, s->view.shift) : own.spacing_x;
+    s->view.spacing_y = options->spacing_y > 0 ? ldexp(options->spacing_y, s->view.shift) : own.spacing_y;
     s->view.edge_x = top.width - 1;
     s->view.edge_y = top.height - 1;
     s->view.extent = (tc_rect){0, 0, vertices_to_edge(s->view.edge_x, s->view.shift),
                                vertices_to_edge(s->view.edge_y, s->view.shift)};
     s->wraps = options->wraps;
-    s->relief = tc_normal_relief(sqrt(own.spacing_x * own.spacing_y), options->relief);
+    s->relief = tc_normal_relief(sqrt(s->view.spacing_x * s->view.spacing_y), options->relief);
     if (s->wraps) {
         s->view.edge_x = ENDLESS;
         s->view.extent.x1 = (ENDLESS >> s->view.shift) + 1;

@@ -28,9 +28,11 @@ typedef struct tc_clipmap_options {
     int max_levels; /* 0: as many as the pyramid needs */
     bool normals;   /* keep normals, too, at twice the resolution */
     bool holes;     /* keep the void mask, too */
-    double relief;  /* metres: levels of spacing g keep slopes times tc_normal_relief(g, relief), since what is far
-                       between  is gentle and would be lost in eight bits; 0: as they are */
     bool wraps;     /* go on in x beyond the pyramid's sides, where its levels wrap; a sample then has many numbers */
+    double spacing_x, spacing_y; /* metres between the finest samples, for normals; 0: the pyramid's */
+    /* Metres: levels of spacing g keep slopes times tc_normal_relief(g, relief), since slopes between samples far apart
+     * are gentle and would be lost in eight bits. 0: as they are. */
+    double relief;
 } tc_clipmap_options;
 
 /* The levels of a clipmap are the pyramid's from the first that fits in a window to the finest (or max_levels of

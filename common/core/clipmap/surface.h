@@ -71,12 +71,13 @@ struct tc_surface {
      * renderer.vert and renderer.frag. */
     const char *const *vertex_parts, *const *fragment_parts;
     const char *sky;   /* the sky's fragment shader */
+    bool closers;      /* draws triangle lists, too */
     bool sphere;       /* the map is a sphere around the eye's frame, not a plane */
     double near_plane; /* metres, for positions relative to the eye */
     double extent;     /* metres, of all that there is to see */
     tc_geometry geometry;
     int charts;
-    tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. Not owned */
+    tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. The surface's own */
     /* Windows wanted at each level for this camera: wanted[chart][level - 1]; empty for levels too fine for it. */
     void (*wanted)(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
     /* What is visible of the clipmaps as they stand. */
