@@ -325,7 +325,7 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
                      .vertex_parts = vertex_parts,
                      .fragment_parts = fragment_parts,
                      .sky = "sky.frag",
-                           .closers = true,
+                     .closers = true,
                      .near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)),
                      .extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y),
                      .charts = 1,

@@ -75,23 +75,26 @@ static void step(tc_flight *flight, const tc_flight_input *input, const tc_groun
     view->z = fmax(view->z, highest_ground(ground, view) + ground->clearance);
 }
 
-/* The globe from where its disc fills most of the frame; a part of one from above its middle, near enough to fill it.
- */
+/* The globe from where its disc fills most of the frame, over the middle of what there is; a smaller part of one from
+ * the south of its middle, near enough to fill the frame. */
 static tc_view whole(const tc_flight_box *box, double fov, int width, int height)
 {
-    double tx = tan(fov / 2), half = atan(tx * fmin(1, (double)height / width)),
-           top = box->radius + fmax(box->z_max, 0);
-    tc_view view = {.x = 20 * DEGREE, .y = 25 * DEGREE, .pitch = -M_PI / 2};
+    double tx = tan(fov / 2), half = atan(tx * fmin(1, (double)height / width));
+    double top = box->radius + fmax(box->z_max, 0);
+    double wide = box->east - box->west, tall = box->north - box->south, middle = 0.5 * (box->south + box->north);
+    double across = wide * cos(middle);
+    bool around = wide > 2 * M_PI - 0.1, poles = tall > M_PI - 0.1;
+    tc_view view = {.x = around ? 20 * DEGREE : 0.5 * (box->west + box->east), .y = middle, .pitch = -M_PI / 2};
+    if (around && poles)
+        view.y = 25 * DEGREE;
+    else if (around && fabs(middle) > 0.2) /* all of it is about one pole */
+        view.y = middle > 0 ? fmin(box->north, M_PI / 2) : fmax(box->south, -M_PI / 2);
     view.z = top / sin(0.88 * half) - box->radius;
-    double across = (box->east - box->west) * cos(0.5 * (box->south + box->north)), tall = box->north - box->south;
-    if (across < 1 && tall < 1) {
-        view.x = 0.5 * (box->west + box->east);
-        view.y = 0.5 * (box->south + box->north);
+    if (across < 1 && tall < 1 && !around) {
         double t = tan(half), size = 1.1 * fmax(tall * box->radius / 2 / t, across * box->radius / 2 / tx);
-        /* From the south, at an angle. */
         view.pitch = -45 * DEGREE;
         view.z = box->z_max + size * 0.9;
-        view.y -= view.z / box->radius;
+        view.y = middle - (view.z - fmin(box->z_max, 0)) / box->radius;
     }
     settle(&view);
     return view;

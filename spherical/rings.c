@@ -274,8 +274,8 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
                                    .holes = o->holes,
                                    .wraps = c->wraps,
                                    .relief = RELIEF,
-            .spacing_x = c->dx * s->atlas->radius,
-            .spacing_y = c->dy * s->atlas->radius};
+                                   .spacing_x = c->dx * s->atlas->radius,
+                                   .spacing_y = c->dy * s->atlas->radius};
         tc_status status = tc_clipmap_create(c->pyramid, &clip, &s->head.clipmap[chart], error);
         if (status)
             return status;

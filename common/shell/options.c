@@ -111,83 +111,89 @@ static bool read_backend(void *backend, const char *value)
 
 /* ---- The table ---------------------------------------------------------------------------------------------- */
 
-/* Rows of all viewers, of planet viewers alone and of the others alone. */
-static const tc_option table[] = {
-    {.help = "What is seen"},
-    {0, "view", NULL, NULL, NULL, set_view, 0}, /* as the navigation says */
-    {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)},
-    {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
-    TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
-    {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
-     offsetof(tc_options, scene)},
-    TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces"),
-    TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail"),
-    TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),
-    {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
-     offsetof(tc_options, scene.samples)},
-
-    {.help = "Where it goes"},
-    {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
-     offsetof(tc_options, output)},
-    {0, "path", "FILE", "a file name",
-     "fly through the views of FILE, one a line as --view has it; with -o frame-%05d.png write each frame, "
-     "without only measure",
-     tc_read_text, offsetof(tc_options, path)},
-    {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
-     offsetof(tc_options, frames)},
-    {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", read_backend,
-     offsetof(tc_options, backend)},
-
-    {.help = "How the file is read"},
-    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", tc_read_spacing,
-     offsetof(tc_options, source.spacing)},
-    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", tc_read_unit,
-     offsetof(tc_options, source.unit)},
-    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height", tc_read_nodata,
-     offsetof(tc_options, source)},
-    {0, "voids", "POLICY", TC_EXPECTED_VOIDS, "where there is no height: fill, hole or constant=V (fill)",
-     tc_read_voids, offsetof(tc_options, source)},
-    {0, "threads", "N", TC_EXPECTED_THREADS, "that prepare the terrain (all processors)", tc_read_threads,
-     offsetof(tc_options, threads)},
-
-    {.help = "Geometry clipmap"},
-    {0, "levels", "M", "1..32", "of detail at most (all)", read_levels, offsetof(tc_options, levels)},
-    {0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)", read_budget,
-     offsetof(tc_options, scene.budget)},
-
-    {.help = "What is told"},
-    {0, "stats", "FILE.json", "a file name", "write times, counts and memory", tc_read_text,
-     offsetof(tc_options, stats)},
-    TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output"),
-    TC_SWITCH(tc_options, explain, 0, "explain", "print what the scene does not need and was left out"),
-    TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress"),
-    TC_SWITCH(tc_options, verbose, 'v', "verbose", "how the file was understood, what it is drawn with"),
-    TC_HELP_AND_VERSION,
+/* One row of the table, and whose it is. A view's texts are the navigation's. */
+typedef enum owner { ALL, FLAT, GLOBE } owner;
+static const struct row {
+    owner of;
+    tc_option option;
+} table[] = {
+    {ALL, {.help = "What is seen"}},
+    {ALL, {0, "view", NULL, NULL, NULL, set_view, 0}},
+    {ALL, {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)}},
+    {ALL, {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0}},
+    {ALL, TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light")},
+    {ALL,
+     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
+      offsetof(tc_options, scene)}},
+    {ALL, TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces")},
+    {ALL, TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail")},
+    {ALL, TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly")},
+    {ALL,
+     {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
+      offsetof(tc_options, scene.samples)}},
+    {ALL, {.help = "Where it goes"}},
+    {ALL,
+     {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
+      offsetof(tc_options, output)}},
+    {ALL,
+     {0, "path", "FILE", "a file name",
+      "fly through the views of FILE, one a line as --view has it; with -o frame-%05d.png write each frame, "
+      "without only measure",
+      tc_read_text, offsetof(tc_options, path)}},
+    {ALL,
+     {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
+      offsetof(tc_options, frames)}},
+    {ALL,
+     {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", read_backend,
+      offsetof(tc_options, backend)}},
+    {ALL, {.help = "How the file is read"}},
+    {ALL,
+     {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", tc_read_spacing,
+      offsetof(tc_options, source.spacing)}},
+    {ALL,
+     {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", tc_read_unit,
+      offsetof(tc_options, source.unit)}},
+    {ALL,
+     {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height", tc_read_nodata,
+      offsetof(tc_options, source)}},
+    {ALL,
+     {0, "voids", "POLICY", TC_EXPECTED_VOIDS, "where there is no height: fill, hole or constant=V (fill)",
+      tc_read_voids, offsetof(tc_options, source)}},
+    {ALL,
+     {0, "threads", "N", TC_EXPECTED_THREADS, "that prepare the terrain (all processors)", tc_read_threads,
+      offsetof(tc_options, threads)}},
+    {ALL, {.help = "Geometry clipmap"}},
+    {FLAT,
+     {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
+      offsetof(tc_options, n)}},
+    {ALL, {0, "levels", "M", "1..32", "of detail at most (all)", read_levels, offsetof(tc_options, levels)}},
+    {ALL,
+     {0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)", read_budget,
+      offsetof(tc_options, scene.budget)}},
+    {GLOBE, {.help = "Planet"}},
+    {GLOBE,
+     {0, "scheme", "NAME", "rings or rings-ch06", "rings, or rings-ch06: the paper's own map transform (rings)",
+      read_scheme, offsetof(tc_options, scheme)}},
+    {GLOBE,
+     {0, "n", "N", "a multiple of 32 of 64..2048",
+      "steps of a ring around the viewer (512; in a window on a software renderer 256)", read_n_phi,
+      offsetof(tc_options, n)}},
+    {GLOBE,
+     {0, "steps", "M", "an even number of 4..64", "steps outwards in a level of rings (20)", read_steps,
+      offsetof(tc_options, steps)}},
+    {GLOBE,
+     {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
+      read_radius, offsetof(tc_options, radius)}},
+    {ALL, {.help = "What is told"}},
+    {ALL,
+     {0, "stats", "FILE.json", "a file name", "write times, counts and memory", tc_read_text,
+      offsetof(tc_options, stats)}},
+    {ALL, TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output")},
+    {ALL, TC_SWITCH(tc_options, explain, 0, "explain", "print what the scene does not need and was left out")},
+    {ALL, TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress")},
+    {ALL, TC_SWITCH(tc_options, verbose, 'v', "verbose", "how the file was understood, what it is drawn with")},
 };
-
-static const tc_option flat_table[] = {
-    {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
-     offsetof(tc_options, n)},
-};
-
-static const tc_option sphere_table[] = {
-    {.help = "Planet"},
-    {0, "scheme", "NAME", "rings or rings-ch06", "rings, or rings-ch06: the paper's own map transform (rings)",
-     read_scheme, offsetof(tc_options, scheme)},
-    {0, "n", "N", "a multiple of 32 of 64..2048", "steps of a ring around the viewer (512)", read_n_phi,
-     offsetof(tc_options, n)},
-    {0, "steps", "M", "an even number of 4..64", "steps outwards in a level of rings (20)", read_steps,
-     offsetof(tc_options, steps)},
-    {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
-     read_radius, offsetof(tc_options, radius)},
-};
-
-/* All rows of a program. */
-enum { MOST_ROWS = 64 };
-typedef struct rows {
-    tc_option row[MOST_ROWS];
-    tc_command_line line;
-} rows;
+static const tc_option last_rows[] = {TC_HELP_AND_VERSION};
 
 static tc_status set_terrain(void *options, const char *operand, tc_error *error)
 {
@@ -198,28 +204,30 @@ static tc_status set_terrain(void *options, const char *operand, tc_error *error
     return TC_OK;
 }
 
+/* The rows of a program. */
+enum { MOST_ROWS = sizeof table / sizeof *table + sizeof last_rows / sizeof *last_rows };
+typedef struct rows {
+    tc_option row[MOST_ROWS];
+    tc_command_line line;
+} rows;
+
 static void make_rows(const tc_options_program *program, rows *r)
 {
-    const tc_option *own = program->sphere ? sphere_table : flat_table;
-    size_t common = sizeof table / sizeof *table, owned = sizeof flat_table / sizeof *flat_table, count = 0;
-    if (program->sphere)
-        owned = sizeof sphere_table / sizeof *sphere_table;
-    for (size_t i = 0; i < common; i++) {
-        tc_option row = table[i];
-        if (row.name && strcmp(row.name, "view") == 0) {
-            row.argument = program->navigation->form;
-            row.expected = program->navigation->bounds;
-            row.help = program->navigation->help;
-        }
-        r->row[count++] = row;
-        bool flat_place = row.help && !row.name && strcmp(row.help, "Geometry clipmap") == 0;
-        bool sphere_place = row.name && strcmp(row.name, "budget") == 0;
-        if (program->sphere ? sphere_place : flat_place) {
-            memcpy(r->row + count, own, owned * sizeof *own);
-            count += owned;
+    int count = 0;
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        if (table[i].of == (program->sphere ? FLAT : GLOBE))
+            continue;
+        tc_option *row = &r->row[count++];
+        *row = table[i].option;
+        if (row->set == set_view) {
+            row->argument = program->navigation->form;
+            row->expected = program->navigation->bounds;
+            row->help = program->navigation->help;
         }
     }
-    r->line = (tc_command_line){.options = r->row, .count = (int)count, .help = "--help", .operand = set_terrain};
+    memcpy(r->row + count, last_rows, sizeof last_rows);
+    count += (int)(sizeof last_rows / sizeof *last_rows);
+    r->line = (tc_command_line){.options = r->row, .count = count, .help = "--help", .operand = set_terrain};
 }
 
 /* ---- Parsing ------------------------------------------------------------------------------------------------ */

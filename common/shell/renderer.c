@@ -467,12 +467,6 @@ void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth)
     }
 }
 
-void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera, double x, double y, float depth,
-                           double position_ret[3])
-{
-    tc_view_unproject(camera, renderer->surface->near_plane, 0, x, y, depth, position_ret);
-}
-
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
 {
     const tc_geometry *g = &renderer->surface->geometry;

@@ -53,13 +53,9 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
 void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height);
 
 /* Reads the last frame: rgb 3 bytes a pixel, rows top to bottom, width x height of its camera. depth, where not NULL:
- * reversed depth (0 at infinity; see
- * tc_renderer_unproject); only where a pixel is one sample, rows top to bottom. */
+ * reversed depth (0 at
+ * infinity; see tc_view_unproject); only where a pixel is one sample, rows top to bottom. */
 void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth);
-
-/* Map position, metres, of a depth read at (x, y) pixels from the frame's top left corner (centres at + 0.5). */
-void tc_renderer_unproject(const tc_renderer *renderer, const tc_camera *camera, double x, double y, float depth,
-                           double position_ret[3]);
 
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret);
 

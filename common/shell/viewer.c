@@ -15,7 +15,8 @@
 #include <malloc.h>
 #endif
 
-enum { WINDOW_FRAMES = 65536 }; /* that a window's statistics look back */
+enum { WINDOW_FRAMES = 65536 };          /* that a window's statistics look back */
+static const double LEAST_HEIGHT = 0.01; /* metres above the ground of a planet */
 
 /* ---- Starting ----------------------------------------------------------------------------------------------- */
 
@@ -46,16 +47,21 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     return status;
 }
 
-/* The terrain's height, or that of a coarser level which is drawn in its place and may be higher. */
-static double ground_height(void *context, double x, double y)
+static double true_height(const tc_viewer *v, double x, double y)
 {
-    const tc_viewer *v = context;
-    double z = 0, drawn;
+    double z = 0;
     if (v->program->sphere)
         tc_atlas_height(&v->atlas, x, y, &z);
     else
         tc_pyramid_height(v->pyramid, x, y, &z);
-    z += tc_pyramid_info(v->pyramid)->z_base;
+    return z + tc_pyramid_info(v->pyramid)->z_base;
+}
+
+/* The terrain's height, or that of a coarser level which is drawn in its place and may be higher. */
+static double ground_height(void *context, double x, double y)
+{
+    const tc_viewer *v = context;
+    double z = true_height(v, x, y), drawn;
     if (v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn))
         z = fmax(z, drawn);
     return z;
@@ -103,7 +109,19 @@ void tc_viewer_place(tc_viewer *v, const tc_view *view)
 {
     tc_view_to_camera(view, &v->camera);
     if (v->program->sphere) /* an eye inside the planet sees nothing */
-        v->camera.z = fmax(v->camera.z, ground_height(v, view->x, view->y) + 0.01);
+        v->camera.z = fmax(v->camera.z, true_height(v, view->x, view->y) + LEAST_HEIGHT);
+}
+
+/* Lifts the eye out of a planet as it is drawn; whether it had to be. */
+static bool lift(tc_viewer *v)
+{
+    double z;
+    const tc_camera *c = &v->camera;
+    if (!v->program->sphere || !v->surface->drawn_height(v->surface, c, &v->scene.frame, c->x, c->y, &z) ||
+        c->z >= z + LEAST_HEIGHT)
+        return false;
+    v->camera.z = z + 2 * LEAST_HEIGHT;
+    return true;
 }
 
 /* Where the camera starts. */
@@ -210,12 +228,16 @@ tc_status tc_viewer_measured_frame(tc_viewer *v, tc_frame_stats *frame_ret, tc_e
 tc_status tc_viewer_resident_frame(tc_viewer *v, tc_error *error)
 {
     /* Every frame brings something, or nothing more will come. */
-    for (int idle = 0; idle < 3 && !tc_interrupted();) {
+    for (int idle = 0, tries = 0; idle < 3 && tries < 100000 && !tc_interrupted(); tries++) {
         tc_frame_stats frame;
         double start = tc_clock_ms();
         tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, &frame, error);
         if (status != TC_OK)
             return status;
+        if (frame.resident && lift(v)) { /* which may call for other levels */
+            tc_stats_load(v->stats, &frame);
+            continue;
+        }
         if (frame.resident) {
             tc_stats_frame(v->stats, tc_clock_ms() - start, &frame);
             return TC_OK;

@@ -97,7 +97,6 @@ static void do_view(session *s)
 {
     char text[TC_VIEW_TEXT];
     tc_view_format(s->viewer->program->navigation, &s->flight.view, s->viewer->spacing, text);
-    tc_view_to_camera(&s->flight.view, &s->viewer->camera);
     printf("--view %s\n", text);
     fflush(stdout);
 }

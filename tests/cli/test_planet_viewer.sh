@@ -36,6 +36,17 @@ accepts '' $globe N46E008.hgt $picture --view 8.5,46.5,4000,90,-10
 accepts '' $globe N46E008.hgt $picture --view=-171.5,-46.5,4e6,90,-80
 $make_file tiff degree.tif place=-112,37 heights=voids size=121x121
 accepts '' $globe degree.tif $picture --voids hole
+# A map that goes around but not to the poles: no background shows through beside it.
+$make_file tiff band.tif size=128x40 globe=-180,128,64 from=0,12 area=1 lift=3000
+accepts '' $globe band.tif $picture --background ff00ff --view 10,80,2000,0,-89 && cp last.png first.png
+accepts '' $globe band.tif $picture --background 00ff00 --view 10,80,2000,0,-89
+same first.png last.png 'beside a band around the globe'
+accepts '' $globe band.tif $picture
+# An eye that is below what coarse levels show is lifted, on a flight as in a picture.
+accepts '' $globe globe.tif $picture --levels 1 --view 31,17,-3000,0,0 && cp last.png first.png
+printf '%s\n' -60,-40,4e6,0,-90 31,17,-3000,0,0 >far.txt
+run $globe globe.tif --levels 1 --path far.txt --frames 2 -o frame-%d.png --size 96x64
+same first.png frame-1.png 'a picture and the frame of a flight'
 # Packed.
 $terraclip pack --planet globe.tif -o globe.tclip -q || fail 'pack --planet'
 accepts '' $globe globe.tclip $picture

@@ -1,4 +1,5 @@
 /* test_pictures.c - what a picture may depend on, and what it must not. */
+#include "common/core/clipmap/view_error.h"
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -196,7 +197,7 @@ static void drawn_depth_is_the_surface(void **state)
             double p[3], z;
             if (depth[i] == 0)
                 continue;
-            tc_renderer_unproject(s.renderer, &c, i % WIDTH + 0.5, i / WIDTH + 0.5, depth[i], p);
+            tc_view_unproject(&c, s.surface->near_plane, 0, i % WIDTH + 0.5, i / WIDTH + 0.5, depth[i], p);
             if (!s.surface->drawn_height(s.surface, &c, &options.frame, p[0], p[1], &z))
                 continue; /* a pixel on the very rim */
             double d = sqrt(pow(p[0] - c.x, 2) + pow(p[1] - c.y, 2) + pow(p[2] - c.z, 2));
