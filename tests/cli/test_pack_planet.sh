@@ -128,6 +128,32 @@ for latitude in 90 -90; do
 done
 refuses 1 'found one outside' $terraclip height area.tclip 0 90.01
 
+# Maps that were not packed, or packed flat, answer much like the planet.
+does '' $terraclip pack area.tif -o flat.tclip --lossless
+for file in area.tif flat.tclip; do
+    for at in '180 10' '179.9999 10' '-180 10' '-179.7 -33' '539.6 0' '0 90' '137 90' '50 -90'; do
+        height area.tclip ${at% *} ${at#* }
+        one=$out
+        height $file ${at% *} ${at#* }
+        near "$out" "$one" 2 "$file at $at"
+    done
+    for latitude in 90 -90; do
+        height $file 0 $latitude
+        one=$out
+        height $file 137 $latitude
+        near "$out" "$one" 0 "a pole is one point: $latitude of $file"
+    done
+    refuses 1 'found one outside' $terraclip height $file 0 90.01
+done
+for file in repeated points odd; do
+    height $file.tif -0.0001 40
+    one=$out
+    height $file.tif 0 40
+    near "$out" "$one" 1 "across the seam of $file.tif"
+    height $file.tif 360.0001 -40
+done
+does '' $terraclip height area.tif --level 5 -- -179.9 10
+
 # ---- Files cut short
 
 does '' $terraclip info moon.tclip --json
