@@ -1,8 +1,11 @@
 /* height.c - `terraclip height`: heights at points, of a packed terrain or of any DEM.
  *
  * A point is taken to columns and rows by the file's transform, and from there to samples of a level. Heights are those
- * of the level's mesh of triangles: what the viewers draw. Around a planet longitudes go on, and between its last row
- * and the pole the polar cap has the height. */
+ * of the level's mesh of triangles, which planar-viewer draws. planet-viewer's ground is another one between samples:
+ * it interpolates bilinearly, and mixes the polar caps in from 56 degrees of latitude on, as tc_atlas_height() does.
+ *
+ * Around the globe longitudes go on. Between its last row and the pole a packed planet has the polar cap's height; a
+ * map that was not packed as one goes straight to the row's mean, at the pole. */
 #include "height.h"
 
 #include "common/core/atlas/atlas_packed.h"
@@ -87,6 +90,8 @@ typedef struct place {
     const tc_atlas *atlas; /* of a packed planet, else zero */
     int level;
     double stride_x, stride_y; /* finest samples between those of the level */
+    int64_t around;            /* finest columns once around the globe, of a map whose levels do not go round; else 0 */
+    double south, north;       /* rows from its first and its last one to the poles; 0 where they are not next to one */
 } place;
 
 /* Points may be off the border by so much of a sample: their decimals were rounded. */
@@ -125,6 +130,12 @@ static bool locate(const place *p, double x, double y, double *u, double *v)
         *u -= floor(*u / (double)t->width) * (double)t->width;
         return p->atlas->charts ? fabs(y) <= 90 : *v >= -tolerance && *v <= (double)(t->height - 1) + tolerance;
     }
+    if (p->around > 0) {
+        double turn = (double)p->around;
+        to_samples(p, x, y, u, v);
+        *u -= floor(*u / turn) * turn;
+        return *v >= -tolerance - p->south && *v <= (double)(t->height - 1) + tolerance + p->north;
+    }
     /* Longitudes repeat. */
     for (int turn = 0; turn < (t->georef.geographic ? 3 : 1); turn++) {
         to_samples(p, x + (turn == 1 ? 360 : turn == 2 ? -360 : 0), y, u, v);
@@ -134,12 +145,28 @@ static bool locate(const place *p, double x, double y, double *u, double *v)
     return false;
 }
 
+/* Where a level's last column is not next to its first one, though the map goes around: the share of the way between
+ * them that u, in samples of the level, has gone; else 0. */
+static double seam_share(const place *p, int64_t width, double u)
+{
+    double last = (double)(width - 1), turn = (double)p->around / p->stride_x;
+    return p->around > 0 && u > last && turn > last ? (u - last) / (turn - last) : 0;
+}
+
+/* A cell from the last column, a rectangle, to the first one. */
+static tc_status read_seam(const tc_pyramid *pyramid, int level, tc_rect last, float z[4], uint8_t voids[4])
+{
+    tc_status status = tc_pyramid_read(pyramid, level, last, z, voids, 2);
+    return status ? status : tc_pyramid_read(pyramid, level, (tc_rect){0, last.y0, 1, last.y1}, z + 1, voids + 1, 2);
+}
+
 /* Height of a level's mesh at a point in its samples; beyond its last samples that of the nearest point. NaN where a
  * void is left out. */
 static tc_status read_mesh(const place *p, const tc_pyramid *pyramid, int level, double u, double v, double *z_ret)
 {
     const tc_level l = tc_pyramid_level(pyramid, level);
     bool wraps = tc_pyramid_wraps(pyramid, level);
+    double share = seam_share(p, l.width, u);
     u = wraps ? fmax(u, 0) : fmin(fmax(u, 0), (double)(l.width - 1));
     v = fmin(fmax(v, 0), (double)(l.height - 1));
     int64_t i = tc_clamp64((int64_t)u, 0, wraps ? l.width - 1 : tc_max64(0, l.width - 2)),
@@ -148,7 +175,13 @@ static tc_status read_mesh(const place *p, const tc_pyramid *pyramid, int level,
     tc_rect cell = {i, j, wraps ? i + 2 : tc_min64(i + 2, l.width), tc_min64(j + 2, l.height)};
     float z[4] = {0};
     uint8_t voids[4] = {0};
-    tc_status status = tc_pyramid_read(pyramid, level, cell, z, voids, 2);
+    tc_status status;
+    if (share > 0) {
+        i = l.width - 1, tx = share;
+        status = read_seam(pyramid, level, (tc_rect){i, cell.y0, i + 1, cell.y1}, z, voids);
+    } else {
+        status = tc_pyramid_read(pyramid, level, cell, z, voids, 2);
+    }
     if (status != TC_OK)
         return status;
     *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], tx, ty) + tc_pyramid_info(pyramid)->z_base;
@@ -174,11 +207,45 @@ static tc_status read_cap(const place *p, double longitude, double latitude, dou
                      (r * sin(longitude * degree) - cap->y0) / spacing, z_ret);
 }
 
+/* Mean height of the level's first or last row; NaN where all of it are voids that are left out. */
+static tc_status read_row_mean(const place *p, int64_t row, double *z_ret)
+{
+    const tc_pyramid *pyramid = p->terrain->pyramid;
+    const tc_level l = tc_pyramid_level(pyramid, p->level);
+    int64_t columns = tc_min64(l.width, (int64_t)ceil((double)p->around / p->stride_x)), count = 0;
+    float *z = malloc((size_t)columns * sizeof *z);
+    uint8_t *voids = malloc((size_t)columns);
+    tc_rect rect = {0, row, columns, row + 1};
+    tc_status status = z && voids ? tc_pyramid_read(pyramid, p->level, rect, z, voids, columns) : TC_ERR_MEMORY;
+    double sum = 0;
+    for (int64_t i = 0; i < columns && status == TC_OK; i++)
+        if (p->terrain->voids != TC_VOIDS_HOLE || !voids[i])
+            sum += (double)z[i], count++;
+    free(z), free(voids);
+    *z_ret = count > 0 ? sum / (double)count + tc_pyramid_info(pyramid)->z_base : NAN;
+    return status;
+}
+
+/* Between a row and the pole beside it, `beyond` of `gap` rows away from it. */
+static tc_status read_to_pole(const place *p, int64_t row, double u, double beyond, double gap, double *z_ret)
+{
+    double z = 0, pole = 0, share = fmin(beyond / gap, 1);
+    tc_status status = read_mesh(p, p->terrain->pyramid, p->level, u / p->stride_x, (double)row, &z);
+    if (status == TC_OK)
+        status = read_row_mean(p, row, &pole);
+    *z_ret = share < 1 ? z + share * (pole - z) : pole;
+    return status;
+}
+
 /* Height of the level at (x, y), which lies at (u, v) in finest samples. */
 static tc_status read_height(const place *p, double x, double y, double u, double v, double *z_ret)
 {
-    bool beyond = v < 0 || v > (double)(p->terrain->height - 1);
-    if (beyond && p->atlas->charts == TC_MAX_CHARTS)
+    double beyond = fmax(-v, v - (double)(p->terrain->height - 1)), gap = v < 0 ? p->south : p->north;
+    if (beyond > 0 && gap > tolerance) {
+        int64_t last = tc_pyramid_level(p->terrain->pyramid, p->level).height - 1;
+        return read_to_pole(p, v < 0 ? 0 : last, u, beyond, gap, z_ret);
+    }
+    if (beyond > 0 && p->atlas->charts == TC_MAX_CHARTS)
         return read_cap(p, x, y, z_ret);
     return read_mesh(p, p->terrain->pyramid, p->level, u / p->stride_x, v / p->stride_y, z_ret);
 }
@@ -265,6 +332,23 @@ static void say(void *context, bool warning, const char *text)
         fprintf(stderr, "terraclip: %s%s\n", warning ? "warning: " : "", text);
 }
 
+/* Whether the map goes around the globe, and ends next to the poles, where its levels do not know. */
+static void find_around(place *p)
+{
+    const tc_terrain *t = p->terrain;
+    const double *g = t->georef.transform;
+    if (!t->georef.known || !t->georef.geographic || g[2] != 0 || g[4] != 0 || !(g[1] > 0 && g[5] < 0) ||
+        tc_pyramid_info(t->pyramid)->wraps_x)
+        return;
+    int64_t columns = (int64_t)fmin((double)t->width, floor(360 / g[1] + 0.5));
+    if (!tc_atlas_around(columns, 360 / g[1]))
+        return;
+    double north = (90 - g[3]) / -g[5] + 0.5, south = (g[3] + (double)t->height * g[5] + 90) / -g[5] + 0.5;
+    p->around = columns;
+    p->north = north > 0 && north < 1.001 ? north : 0;
+    p->south = south > 0 && south < 1.001 ? south : 0;
+}
+
 static tc_status tell(const struct arguments *a, const tc_terrain *terrain, const tc_atlas *atlas, double x, double y,
                       tc_error *error)
 {
@@ -275,6 +359,7 @@ static tc_status tell(const struct arguments *a, const tc_terrain *terrain, cons
     const tc_level level = tc_pyramid_level(terrain->pyramid, p.level);
     p.stride_x = rint(level.spacing_x / terrain->spacing_x);
     p.stride_y = rint(level.spacing_y / terrain->spacing_y);
+    find_around(&p);
     tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
     int64_t damaged = tc_terrain_damaged(terrain->pyramid);
     for (int c = 1; c < atlas->charts; c++)

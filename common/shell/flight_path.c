@@ -2,9 +2,11 @@
  *
  * The curve is the uniform one: each stretch between two keys takes the same time and the velocity is continuous, so
  * that whoever writes the keys sets the pace by their distances. At its ends the path goes on straight
- * (p_-1 = 2 p_0 - p_1), which makes evenly spaced keys on a line an even flight. */
+ * (p_-1 = 2 p_0 - p_1), which makes evenly spaced keys on a line an even flight. On a globe longitudes, latitudes and
+ * headings are those of flight_sphere.c. */
 #include "flight_path.h"
 #include "common/core/base/status.h"
+#include "flight_sphere.h"
 
 #include <errno.h>
 #include <math.h>
@@ -15,6 +17,12 @@
 #define HALF_TURN 3.14159265358979323846
 
 enum { MAX_FILE = 16 << 20 }; /* bytes; more is no path file */
+
+/* What a line must be. */
+static const char *form_of(const tc_navigation *navigation)
+{
+    return navigation->x_period > 0 ? navigation->bounds : navigation->form;
+}
 
 static bool is_blank(char c)
 {
@@ -63,7 +71,7 @@ tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name
             if (!fits || !tc_view_parse(navigation, content, &key)) {
                 tc_flight_path_free(&path);
                 return tc_fail(error, TC_ERR_FORMAT, "%s: line %d: expected %s, found '%.60s%s'", name, number,
-                               navigation->form, content, strlen(content) > 60 ? "..." : "");
+                               form_of(navigation), content, strlen(content) > 60 ? "..." : "");
             }
             if (!add_key(&path, &capacity, key)) {
                 tc_flight_path_free(&path);
@@ -73,7 +81,7 @@ tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name
         line = *next ? next + 1 : next;
     }
     if (path.count == 0)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: expected lines of %s, found none", name, navigation->form);
+        return tc_fail(error, TC_ERR_FORMAT, "%s: expected lines of %s, found none", name, form_of(navigation));
     *path_ret = path;
     return TC_OK;
 }
@@ -120,12 +128,6 @@ void tc_flight_path_free(tc_flight_path *path)
     *path = (tc_flight_path){0};
 }
 
-/* The curve's value at t in 0 .. 1 between p1 and p2. */
-static double catmull_rom(double p0, double p1, double p2, double p3, double t)
-{
-    return p1 + 0.5 * t * (p2 - p0 + t * (2 * p0 - 5 * p1 + 4 * p2 - p3 + t * (3 * (p1 - p2) + p3 - p0)));
-}
-
 /* Number of a view's components, and one of them. */
 enum { COMPONENTS = 5 };
 static double *component(tc_view *view, int i)
@@ -142,6 +144,9 @@ tc_view tc_flight_path_view(const tc_flight_path *path, int frame, int frames)
     if (last == 0 || at <= 0)
         return path->keys[0];
     double t = at - i;
+    bool globe = path->navigation->x_period > 0;
+    if (globe && t <= 0)
+        return path->keys[i];
     if (t >= 1)
         return path->keys[i + 1];
     tc_view p[4] = {path->keys[i > 0 ? i - 1 : 0], path->keys[i], path->keys[i + 1],
@@ -155,8 +160,10 @@ tc_view tc_flight_path_view(const tc_flight_path *path, int frame, int frames)
             q[0] = 2 * q[1] - q[2];
         if (i + 2 > last)
             q[3] = 2 * q[2] - q[1];
-        *component(&view, c) = catmull_rom(q[0], q[1], q[2], q[3], t);
+        *component(&view, c) = tc_catmull_rom(q[0], q[1], q[2], q[3], t);
     }
+    if (globe)
+        tc_flight_on_sphere(p, i == 0, i + 2 > last, t, &view);
     /* The curve swings beyond its keys. */
     view.pitch = fmax(-HALF_TURN / 2, fmin(HALF_TURN / 2, view.pitch));
     path->navigation->settle(&view);

@@ -13,6 +13,7 @@
 #include "common/core/base/status.h"
 #include "common/core/pyramid/fill.h"
 #include "planet_place.h"
+#include "source_internal.h"
 #include "terrain.h"
 
 /* Places a file before it is read, so that one that cannot be shown is refused at once. Says nothing: tc_grid_load
@@ -212,14 +213,28 @@ tc_status tc_planet_load(const char *path, const tc_source_options *options, dou
 }
 
 /* A packed flat terrain in degrees is a part of a globe. */
-static tc_status place_packed(const char *path, tc_terrain *terrain, tc_atlas *atlas_ret, tc_error *error)
+static tc_status place_packed(const char *path, const tc_source_options *options, double radius, tc_terrain *terrain,
+                              tc_atlas *atlas_ret, tc_error *error)
 {
+    const tc_terrain_info *info = tc_pyramid_info(terrain->pyramid);
     const tc_georef *g = &tc_pyramid_packed_info(terrain->pyramid)->terrain.georef;
     const double degree = M_PI / 180, *t = g->transform;
     if (!g->known || !g->geographic || t[2] != 0 || t[4] != 0)
         return tc_fail(
             error, TC_ERR_UNSUPPORTED,
             "%s: expected a terrain in longitude and latitude, or one packed with --planet, found a flat one", path);
+    radius = tc_planet_radius(g, radius);
+    tc_status status = tc_planet_check_relief(path, info->z_base + (double)info->z_min,
+                                              info->z_base + (double)info->z_max, radius, error);
+    if (status != TC_OK)
+        return status;
+    /* Its levels do not go round, and it has no caps. */
+    double turn = 360 / t[1];
+    if (tc_atlas_around(terrain->width, turn) || (double)terrain->width > turn)
+        tc_say(options, true,
+               "%s: packed flat: around the globe it has a gap where its sides meet, and at the poles holes; pack it "
+               "with --planet",
+               path);
     tc_chart chart = {.pyramid = terrain->pyramid, .projection = TC_LONLAT, .dx = t[1] * degree, .dy = -t[5] * degree};
     chart.x0 = (t[0] + 0.5 * t[1]) * degree;
     chart.y0 = (t[3] + ((double)terrain->height - 0.5) * t[5]) * degree;
@@ -227,7 +242,7 @@ static tc_status place_packed(const char *path, tc_terrain *terrain, tc_atlas *a
     double coarser =
         ldexp(1, (int)lround(log2((double)terrain->width / (double)held.width))); /* where it was cut short */
     chart.dx *= coarser, chart.dy *= coarser;
-    *atlas_ret = (tc_atlas){.radius = tc_planet_radius(g, 0), .charts = 1, .chart = {chart}};
+    *atlas_ret = (tc_atlas){.radius = radius, .charts = 1, .chart = {chart}};
     terrain->pyramid = NULL;
     return TC_OK;
 }
@@ -237,21 +252,25 @@ tc_status tc_planet_open(const char *path, const tc_source_options *options, dou
 {
     if (!tc_is_packed(path))
         return tc_planet_load(path, options, radius, false, threads, planet_ret, error);
-    if (radius > 0)
-        return tc_fail(error, TC_ERR_USAGE,
-                       "--radius: expected none for %s, a packed terrain: it was settled when packing", path);
     double start = tc_clock_ms();
     tc_terrain terrain;
-    tc_status status = tc_terrain_open_packed(path, options, &terrain, error);
+    tc_status status = tc_planet_check_radius(radius, error);
+    if (status == TC_OK)
+        status = tc_terrain_open_packed(path, options, &terrain, error);
     if (status != TC_OK)
         return status;
+    if (radius > 0 && tc_pyramid_packed_info(terrain.pyramid)->terrain.radius > 0) {
+        tc_terrain_close(&terrain);
+        return tc_fail(error, TC_ERR_USAGE,
+                       "--radius: expected none for %s, a packed planet: it was settled when packing", path);
+    }
     const tc_open_options how = {
         .has_policy = options->has_voids, .voids = options->voids, .void_constant = options->void_constant};
     tc_planet planet = {
         .voids = terrain.voids, .georef = terrain.georef, .width = terrain.width, .height = terrain.height};
     status = tc_atlas_open(path, &how, &planet.atlas, error);
     if (status == TC_ERR_UNSUPPORTED)
-        status = place_packed(path, &terrain, &planet.atlas, error);
+        status = place_packed(path, options, radius, &terrain, &planet.atlas, error);
     tc_terrain_close(&terrain);
     planet.read_ms = tc_clock_ms() - start;
     if (status == TC_OK)

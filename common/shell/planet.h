@@ -23,7 +23,8 @@ typedef struct tc_planet {
  * planet_place.h. options->spacing must be 0. */
 tc_status tc_planet_load(const char *path, const tc_source_options *options, double radius, bool whole, int threads,
                          tc_planet *planet_ret, tc_error *error);
-/* The same of a packed planet, or of such a file. Options as for tc_terrain_open(). */
+/* The same of a packed planet, whose radius was settled and must be 0 here, of a packed flat terrain in degrees, or of
+ * such a file. Options as for tc_terrain_open(). */
 tc_status tc_planet_open(const char *path, const tc_source_options *options, double radius, int threads,
                          tc_planet *planet_ret, tc_error *error);
 void tc_planet_close(tc_planet *planet);

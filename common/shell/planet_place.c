@@ -12,6 +12,8 @@
 
 static const double earth_radius = 6371000;
 
+enum { MOST_RESAMPLED = 4 }; /* times the columns that there are: higher maps would take any amount of memory */
+
 double tc_planet_radius(const tc_georef *georef, double radius)
 {
     return radius > 0 ? radius : georef->semi_major > 0 ? georef->semi_major : earth_radius;
@@ -78,6 +80,17 @@ static int64_t beyond_pole(double latitude, double dy)
     return tc_max64(0, (int64_t)ceil((latitude - 90) / dy - 5e-4));
 }
 
+/* Less than this has no surface, or no polar caps. */
+static tc_status check_size(const char *path, int64_t columns, int64_t rows, bool around, bool poles, tc_error *error)
+{
+    int64_t least_columns = around ? 4 : 2, least_rows = poles ? 4 : 2;
+    if (columns < least_columns || rows < least_rows)
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: expected at least %" PRId64 " x %" PRId64 " samples%s, found %" PRId64 " x %" PRId64, path,
+                       least_columns, least_rows, around ? " around the globe" : "", columns, rows);
+    return TC_OK;
+}
+
 tc_status tc_planet_place_raster(const char *path, const tc_source_options *options, int64_t width, int64_t height,
                                  const tc_georef *georef, bool whole, tc_planet_place *place_ret, tc_error *error)
 {
@@ -97,18 +110,25 @@ tc_status tc_planet_place_raster(const char *path, const tc_source_options *opti
         tc_say(options, true, "%" PRId64 " of its rows lie beyond a pole and are left out", north + south);
     top -= (double)north * dy, bottom += (double)south * dy;
 
-    /* Within half a sample of a full turn is one. */
     double turn = 360 / dx;
-    bool around = turn >= 3.5 && (double)width >= turn - 0.5 - 1e-6;
-    int64_t columns = around ? tc_min64(width, (int64_t)floor(turn + 0.5)) : width;
+    int64_t columns = (double)width > turn + 0.5 ? (int64_t)floor(turn + 0.5) : width, rows = height - north - south;
+    bool around = tc_atlas_around(columns, turn);
+    status =
+        check_size(path, columns, rows, around, around && top + 1.001 * dy > 90 && bottom - 1.001 * dy < -90, error);
+    if (status != TC_OK)
+        return status;
     if (whole && !around)
         return tc_fail(error, TC_ERR_USAGE, "%s: expected a map of all 360 degrees of longitude, found %.6g", path,
                        (double)width * dx);
     if (columns < width)
         tc_say(options, false, "%" PRId64 " of its columns come round again and are left out", width - columns);
-    tc_planet_place place = {.columns = columns, .south = south, .rows = height - north - south, .around = around};
-    place.poles = around && top + 1.001 * dy > 90 && bottom - 1.001 * dy < -90;
-    place.width = around ? tc_atlas_width(columns) : columns;
+    tc_planet_place place = {.columns = columns, .south = south, .rows = rows, .around = around};
+    place.width = around ? tc_atlas_width(columns, rows) : columns;
+    if (place.width > MOST_RESAMPLED * columns)
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: expected a map that is wider or not so high, found %" PRId64 " x %" PRId64
+                       " samples around the globe",
+                       path, columns, rows);
     if (place.width != columns)
         tc_say(options, false,
                "its %" PRId64 " columns are resampled to %" PRId64

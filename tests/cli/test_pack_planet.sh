@@ -45,6 +45,8 @@ $make_file tiff area.tif size=320x160 globe=-180,320,160 area=1
 $make_file tiff points.tif size=384x193 globe=0,384,193
 $make_file tiff repeated.tif size=385x193 globe=0,384,193
 $make_file tiff odd.tif size=514x257 globe=0,514,257 type=f32 heights=plane
+$make_file tiff tall.tif size=100x1500 globe=0,100,1500 area=1
+$make_file tiff few.tif size=4x2 globe=0,4,2 area=1
 $make_file png square.png size=200x200
 $make_file png globe.png size=320x160
 
@@ -53,6 +55,7 @@ $make_file png globe.png size=320x160
 refuses 1 'hills.tif: expected longitude and latitude' $pack hills.tif
 refuses 2 'placed.tif: expected a map of all 360 degrees' $pack placed.tif
 refuses 1 'beyond.tif: expected latitudes from -90 to 90' $pack beyond.tif
+refuses 1 'few.tif: expected at least 4 x 4 samples' $pack few.tif
 refuses 1 'square.png: expected a georeference .*twice as wide as high' $pack square.png
 refuses 1 'odd.tif: lossless: expected a number of columns' $pack odd.tif --lossless
 refuses 2 '--spacing: expected none for a planet' $pack area.tif --spacing 30
@@ -98,6 +101,11 @@ does '' $terraclip info odd.tclip --json
 holds '"width": 516,' stdout.txt
 same odd.tclip two.tclip 'one file and two'
 
+does '' $terraclip pack tall.tif -o tall.tclip --planet --rms 5
+does '' $terraclip info tall.tclip --json
+holds '"width": 104,' stdout.txt
+does '' $globe tall.tclip -o picture.png --size 96x64
+
 # ---- Heights
 
 for at in '0 0' '-179.9 40' '33 -77'; do
@@ -119,6 +127,32 @@ for latitude in 90 -90; do
     near "$out" "$one" 0.01 "a pole is one point: $latitude"
 done
 refuses 1 'found one outside' $terraclip height area.tclip 0 90.01
+
+# Maps that were not packed, or packed flat, answer much like the planet.
+does '' $terraclip pack area.tif -o flat.tclip --lossless
+for file in area.tif flat.tclip; do
+    for at in '180 10' '179.9999 10' '-180 10' '-179.7 -33' '539.6 0' '0 90' '137 90' '50 -90'; do
+        height area.tclip ${at% *} ${at#* }
+        one=$out
+        height $file ${at% *} ${at#* }
+        near "$out" "$one" 2 "$file at $at"
+    done
+    for latitude in 90 -90; do
+        height $file 0 $latitude
+        one=$out
+        height $file 137 $latitude
+        near "$out" "$one" 0 "a pole is one point: $latitude of $file"
+    done
+    refuses 1 'found one outside' $terraclip height $file 0 90.01
+done
+for file in repeated points odd; do
+    height $file.tif -0.0001 40
+    one=$out
+    height $file.tif 0 40
+    near "$out" "$one" 1 "across the seam of $file.tif"
+    height $file.tif 360.0001 -40
+done
+does '' $terraclip height area.tif --level 5 -- -179.9 10
 
 # ---- Files cut short
 

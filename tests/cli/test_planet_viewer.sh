@@ -53,6 +53,11 @@ accepts '' $globe globe.tclip $picture
 accepts '' $viewer globe.tclip $picture
 $terraclip pack degree.tif -o degree.tclip -q || fail 'pack'
 accepts '' $globe degree.tclip $picture
+accepts '' $globe degree.tclip $picture --radius 1e6
+# All of it, but packed flat.
+$terraclip pack globe.tif -o map.tclip -q || fail 'pack'
+accepts 'warning: map.tclip: packed flat: .* pack it with --planet' $globe map.tclip $picture
+accepts 'packed flat' $globe map.tclip $picture --radius 1737400
 
 # ---- A flight, figures
 
@@ -76,7 +81,8 @@ refuses 2 '--steps: expected an even number' $globe globe.tif $picture --steps 7
 refuses 2 '--scheme: expected rings' $globe globe.tif $picture --scheme hex
 refuses 2 'steps: expected an even number from 4 to' $globe globe.tif $picture --n 2048 --steps 64
 refuses 2 '--scheme' $viewer globe.tif $picture --scheme rings
-refuses 2 '--radius: expected none' $globe globe.tclip $picture --radius 1e6
+refuses 2 '--radius: expected none for globe.tclip, a packed planet' $globe globe.tclip $picture --radius 1e6
+refuses 1 'small beside the radius of 900 m' $globe degree.tclip $picture --radius 900
 refuses 2 '--spacing: expected none' $globe globe.tif $picture --spacing 30
 refuses 1 'No such file' $globe missing.tif $picture
 $make_file png square.png size=65x65 type=u16

@@ -331,11 +331,14 @@ static void nonsense_is_refused(void **state)
         assert_non_null(strstr(error.text, "planet: "));
         assert_null(grid.z);
     }
-    assert_int_equal(tc_atlas_width(1), 1);
-    assert_int_equal(tc_atlas_width(250), 250);
-    assert_int_equal(tc_atlas_width(251), 252);
-    assert_int_equal(tc_atlas_width(5760), 5760);
-    assert_int_equal(tc_atlas_width(21601), 21632);
+    assert_int_equal(tc_atlas_width(1, 1), 1);
+    assert_int_equal(tc_atlas_width(250, 250), 250);
+    assert_int_equal(tc_atlas_width(251, 126), 252);
+    assert_int_equal(tc_atlas_width(5760, 2880), 5760);
+    assert_int_equal(tc_atlas_width(21601, 10801), 21632);
+    assert_int_equal(tc_atlas_width(249, 300), 250); /* the height needs more halvings */
+    assert_int_equal(tc_atlas_width(100, 2000), 104);
+    assert_int_equal(tc_atlas_width(100, 2001), 112);
 }
 
 int main(void)

@@ -7,6 +7,7 @@
 
 #include "common/core/clipmap/camera.h"
 #include "common/shell/flight_path.h"
+#include "spherical/globe.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -269,6 +270,125 @@ static void a_straight_path_is_even(void **state)
     tc_flight_path_free(&path);
 }
 
+static tc_flight_path globe_path_of(const char *text)
+{
+    tc_flight_path path;
+    tc_error error = {.text = ""};
+    if (tc_flight_path_parse(&tc_globe_navigation, "path", text, &path, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    return path;
+}
+
+static void directions_of(const tc_view *view, double foot[3], double forward[3])
+{
+    double sx = sin(view->x), cx = cos(view->x), sy = sin(view->y), cy = cos(view->y);
+    double s = sin(view->heading), c = cos(view->heading);
+    const double at[3] = {cy * cx, cy * sx, sy}, to[3] = {-s * sx - c * sy * cx, s * cx - c * sy * sx, c * cy};
+    memcpy(foot, at, sizeof at), memcpy(forward, to, sizeof to);
+}
+
+/* Foot point and direction come along without a jump, and arrive at the keys. */
+static void assert_smooth(const tc_flight_path *path, double most)
+{
+    const int steps = 1000, frames = steps * (path->count - 1) + 1;
+    double last[2][3] = {{0}}, step[2][3] = {{0}};
+    for (int i = 0; i < frames; i++) {
+        tc_view view = tc_flight_path_view(path, i, frames);
+        double now[2][3];
+        directions_of(&view, now[0], now[1]);
+        for (int k = 0; k < 6; k++) {
+            double is = now[k / 3][k % 3] - last[k / 3][k % 3], was = step[k / 3][k % 3];
+            if (i > 0 && fabs(is) > most / steps)
+                fail_msg("frame %d, number %d: a step of %g", i, k, is);
+            if (i > 1 && fabs(is - was) > 20 * most / steps / steps)
+                fail_msg("frame %d, number %d: a step of %g after one of %g", i, k, is, was);
+            step[k / 3][k % 3] = i > 0 ? is : 0;
+        }
+        memcpy(last, now, sizeof now);
+        if (i % steps == 0) {
+            double key[2][3];
+            directions_of(&path->keys[i / steps], key[0], key[1]);
+            for (int k = 0; k < 6; k++)
+                assert_float_equal(now[k / 3][k % 3], key[k / 3][k % 3], 1e-9);
+        }
+    }
+}
+
+static void over_the_pole_along_a_meridian(void **state)
+{
+    (void)state;
+    static const char *const texts[] = {"0,80,1e5,0,-30\n0,90,1e5,0,-30\n180,80,1e5,180,-30\n",
+                                        /* On the pole the same direction along another meridian. */
+                                        "0,80,1e5,0,-30\n90,90,1e5,90,-30\n-180,80,1e5,180,-30\n"};
+    for (int k = 0; k < 2; k++) {
+        tc_flight_path path = globe_path_of(texts[k]);
+        for (int i = 0; i <= 200; i++) {
+            tc_view view = tc_flight_path_view(&path, i, 201);
+            double over = i <= 100 ? 80 + 0.1 * i : 100 - 0.1 * i;
+            assert_float_equal(view.y, (i <= 100 ? over : 180 - (80 + 0.1 * i)) * degree, 1e-9);
+            if (i == 100)
+                continue; /* the key itself */
+            assert_float_equal(sin(view.x), 0, 1e-7);
+            assert_true(cos(view.x) * (i < 100 ? 1 : -1) > 0.999);
+            assert_float_equal(sin(view.heading), 0, 1e-7);
+            assert_true(cos(view.heading) * (i < 100 ? 1 : -1) > 0.999);
+            assert_float_equal(view.z, 1e5, 1e-6);
+            assert_float_equal(view.pitch, -30 * degree, 1e-12);
+        }
+        assert_smooth(&path, 0.3);
+        tc_flight_path_free(&path);
+    }
+    /* Past it. */
+    tc_flight_path path = globe_path_of("10,80,1e5,5,0\n40,87,1e5,30,0\n150,84,1e5,160,0\n170,75,1e5,120,0\n");
+    assert_smooth(&path, 2);
+    tc_flight_path_free(&path);
+}
+
+static void over_the_antimeridian(void **state)
+{
+    (void)state;
+    tc_flight_path path = globe_path_of("170,0,1e5,90,0\n-170,0,1e5,90,0\n-150,0,1e5,90,0\n");
+    for (int i = 0; i <= 40; i++) {
+        tc_view view = tc_flight_path_view(&path, i, 41);
+        assert_float_equal(remainder(view.x - (170 + i) * degree, 2 * M_PI), 0, 1e-9);
+        assert_float_equal(view.y, 0, 1e-9);
+        assert_float_equal(view.heading, 90 * degree, 1e-9);
+    }
+    assert_smooth(&path, 1);
+    tc_flight_path_free(&path);
+}
+
+static void along_a_parallel(void **state)
+{
+    (void)state;
+    tc_flight_path path = globe_path_of("0,50,1e5,90,0\n10,50,1e5,90,0\n20,50,1e5,90,0\n30,50,1e5,90,0\n");
+    for (int i = 30; i <= 60; i++) {
+        tc_view view = tc_flight_path_view(&path, i, 91);
+        assert_float_equal(view.x, i / 3. * degree, 0.01 * degree);
+        assert_float_equal(view.y, 50 * degree, 0.02 * degree);
+        assert_float_equal(view.heading, 90 * degree, 0.2 * degree);
+    }
+    assert_smooth(&path, 1);
+    tc_flight_path_free(&path);
+    /* On the spot, once around by thirds: evenly. */
+    path = globe_path_of("7,50,1e5,0,0\n7,50,1e5,120,0\n7,50,1e5,240,0\n7,50,1e5,360,0\n");
+    for (int i = 0; i <= 90; i++) {
+        tc_view view = tc_flight_path_view(&path, i, 91);
+        assert_float_equal(remainder(view.heading - 4 * i * degree, 2 * M_PI), 0, 1e-9);
+        assert_float_equal(view.x, 7 * degree, 1e-12);
+    }
+    tc_flight_path_free(&path);
+    /* To the other side of the globe, some way. */
+    path = globe_path_of("0,0,1e5,90,0\n180,0,1e5,90,0\n");
+    tc_view view = tc_flight_path_view(&path, 1, 3);
+    assert_float_equal(view.x, 90 * degree, 1e-9);
+    tc_flight_path_free(&path);
+    /* A globe's lines have bounds. */
+    tc_error error;
+    assert_int_equal(tc_flight_path_parse(&tc_globe_navigation, "p", "0,91,1,0,0", &path, &error), TC_ERR_FORMAT);
+    assert_non_null(strstr(error.text, "p: line 1: expected LON,LAT,ALT,HEADING,PITCH in degrees and metres, |LON|"));
+}
+
 static void a_path_of_one_key_stands_still(void **state)
 {
     (void)state;
@@ -342,6 +462,9 @@ int main(void)
         cmocka_unit_test(directions_and_speed),
         cmocka_unit_test(a_path_passes_its_keys),
         cmocka_unit_test(a_straight_path_is_even),
+        cmocka_unit_test(over_the_pole_along_a_meridian),
+        cmocka_unit_test(over_the_antimeridian),
+        cmocka_unit_test(along_a_parallel),
         cmocka_unit_test(a_path_of_one_key_stands_still),
         cmocka_unit_test(bad_paths_name_the_line),
         cmocka_unit_test(a_path_file_is_read),

@@ -1,6 +1,7 @@
 /* test_planet_load.c - planets from files: where their samples lie, and what is refused. */
 #include "tests/support/test.h"
 
+#include "common/core/clipmap/clipmap.h"
 #include "common/shell/planet.h"
 #include "common/shell/planet_place.h"
 #include "tests/support/loading.h"
@@ -26,20 +27,22 @@ typedef struct map {
     double west, north, step; /* degrees */
     bool point;
     int epsg;
-    double hole; /* degrees of longitude around which 30 degrees are void; 0 none */
+    double hole;   /* degrees of longitude around which 30 degrees are void; 0 none */
+    double step_y; /* degrees; 0: step */
 } map;
 
 static const char *make_map(const char *name, const map *m)
 {
     float *z = malloc((size_t)(m->width * m->height) * sizeof *z);
+    double step_y = m->step_y > 0 ? m->step_y : m->step;
     for (int row = 0; row < m->height; row++)
         for (int column = 0; column < m->width; column++) {
-            double longitude = m->west + column * m->step, latitude = m->north - row * m->step;
+            double longitude = m->west + column * m->step, latitude = m->north - row * step_y;
             bool hole = m->hole != 0 && cos((longitude - m->hole) * degree) > cos(15 * degree) && fabs(latitude) < 20;
             z[row * m->width + column] = hole ? -9999 : (float)relief(longitude, latitude);
         }
     double corner = m->point ? 0 : 0.5; /* of point registration the file names the first sample */
-    const double t[6] = {m->west - corner * m->step, m->step, 0, m->north + corner * m->step, 0, -m->step};
+    const double t[6] = {m->west - corner * m->step, m->step, 0, m->north + corner * step_y, 0, -step_y};
     made_tiff tiff = {.width = m->width,
                       .height = m->height,
                       .bits = 32,
@@ -114,19 +117,19 @@ static void globes_of_every_kind(void **state)
         map map;
         int64_t width, height;
     } kinds[] = {
-        {{360, 180, -179.5, 89.5, 1, false, 4326, 0}, 360, 180},
-        {{360, 180, 0.5, 89.5, 1, false, 4326, 0}, 360, 180},
-        {{360, 180, 0, 89.5, 1, false, 4326, 0}, 360, 180},
-        {{360, 180, 100.25, 89.5, 1, true, 4326, 0}, 360, 180},
-        {{361, 181, -180, 90, 1, true, 4326, 0}, 360, 181},
-        {{361, 181, 0, 90, 1, false, 4326, 0}, 360, 181},
-        {{360, 182, -180, 90.5, 1, true, 4326, 0}, 360, 180}, /* first and last row beyond the poles */
-        {{362, 181, -180, 90, 1, true, 4326, 0}, 360, 181},
-        {{360, 179, -180, 89, 1, true, 4326, 0}, 360, 179},
-        {{720, 361, -180, 90, 0.5, true, 0, 0}, 720, 361}, /* no coordinate system */
-        {{301, 151, 0, 90, 1.2, true, 4326, 0}, 300, 151},
-        {{511, 256, -180, 90, 360. / 511, true, 4326, 0}, 512, 256}, /* resampled */
-        {{257, 129, -180, 90, 360. / 257, true, 4326, 0}, 258, 129},
+        {{360, 180, -179.5, 89.5, 1, false, 4326, 0, 0}, 360, 180},
+        {{360, 180, 0.5, 89.5, 1, false, 4326, 0, 0}, 360, 180},
+        {{360, 180, 0, 89.5, 1, false, 4326, 0, 0}, 360, 180},
+        {{360, 180, 100.25, 89.5, 1, true, 4326, 0, 0}, 360, 180},
+        {{361, 181, -180, 90, 1, true, 4326, 0, 0}, 360, 181},
+        {{361, 181, 0, 90, 1, false, 4326, 0, 0}, 360, 181},
+        {{360, 182, -180, 90.5, 1, true, 4326, 0, 0}, 360, 180}, /* first and last row beyond the poles */
+        {{362, 181, -180, 90, 1, true, 4326, 0, 0}, 360, 181},
+        {{360, 179, -180, 89, 1, true, 4326, 0, 0}, 360, 179},
+        {{720, 361, -180, 90, 0.5, true, 0, 0, 0}, 720, 361}, /* no coordinate system */
+        {{301, 151, 0, 90, 1.2, true, 4326, 0, 0}, 300, 151},
+        {{511, 256, -180, 90, 360. / 511, true, 4326, 0, 0}, 512, 256}, /* resampled */
+        {{257, 129, -180, 90, 360. / 257, true, 4326, 0, 0}, 258, 129},
     };
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         tc_planet p = planet_of(make_map("globe.tif", &kinds[k].map), 0, true, NULL);
@@ -145,10 +148,53 @@ static void globes_of_every_kind(void **state)
     }
 }
 
+/* Their columns must be halved as often as their rows, to fit a window. */
+static void globes_higher_than_wide(void **state)
+{
+    (void)state;
+    static const struct {
+        int width, height;
+        int64_t resampled;
+    } kinds[] = {{100, 2000, 104}, {249, 300, 250}, {249, 250, 249}, {4, 4, 4}, {4, 1000, 4}, {96, 1500, 96}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        const int w = kinds[k].width, h = kinds[k].height;
+        const map m = {w, h, -180 + 180. / w, 90 - 90. / h, 360. / w, false, 4326, 0, 180. / h};
+        tc_planet p = planet_of(make_map("tall.tif", &m), 0, true, NULL);
+        assert_true(p.width == kinds[k].resampled && p.height == h && p.atlas.charts == 3);
+        const tc_clipmap_options options = {.n = 255, .wraps = true};
+        tc_clipmap *clipmap;
+        tc_error error;
+        if (tc_clipmap_create(p.atlas.chart[0].pyramid, &options, &clipmap, &error) != TC_OK)
+            fail_msg("%d x %d: %s", w, h, error.text);
+        tc_clipmap_destroy(clipmap);
+        tc_planet_close(&p);
+    }
+}
+
+/* Refused with their name, before anything is made of them. */
+static void grids_of_a_few_samples(void **state)
+{
+    (void)state;
+    static const struct {
+        int width, height;
+        const char *found;
+    } kinds[] = {{1, 1, "found 1 x 1"}, {2, 1, "found 2 x 1"}, {3, 2, "found 3 x 2"}, {3, 5, "found 3 x 5"},
+                 {4, 2, "found 4 x 2"}, {8, 3, "found 8 x 3"}, {4, 9000, "few.tif"}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        const int w = kinds[k].width, h = kinds[k].height;
+        const map m = {w, h, -180 + 180. / w, 90 - 90. / h, 360. / w, false, 4326, 0, 180. / h};
+        const char *path = make_map("few.tif", &m);
+        planet_refused(path, 0, true, TC_ERR_FORMAT, kinds[k].found);
+        planet_refused(path, 0, false, TC_ERR_FORMAT, "few.tif: expected");
+    }
+    const map strip = {40, 1, 10, 20, 0.1, true, 4326, 0, 0};
+    planet_refused(make_map("strip.tif", &strip), 0, false, TC_ERR_FORMAT, "strip.tif: expected at least 2 x 2");
+}
+
 static void maps_without_caps(void **state)
 {
     (void)state;
-    const map belt = {360, 120, -180, 59.5, 1, true, 4326, 0}, part = {200, 90, 170, 45, 0.1, true, 4326, 0};
+    const map belt = {360, 120, -180, 59.5, 1, true, 4326, 0, 0}, part = {200, 90, 170, 45, 0.1, true, 4326, 0, 0};
     tc_planet p = planet_of(make_map("belt.tif", &belt), 1e6, true, NULL);
     assert_true(p.atlas.charts == 1 && p.atlas.chart[0].wraps && p.atlas.radius == 1e6);
     assert_true(chart_error(&p.atlas.chart[0]) < 1e-3);
@@ -184,7 +230,8 @@ static void pictures_of_a_globe(void **state)
 static void voids_across_the_seam(void **state)
 {
     (void)state;
-    const map inside = {360, 180, -179.5, 89.5, 1, false, 4326, 0.5}, edge = {360, 180, 0.5, 89.5, 1, false, 4326, 0.5};
+    const map inside = {360, 180, -179.5, 89.5, 1, false, 4326, 0.5, 0},
+              edge = {360, 180, 0.5, 89.5, 1, false, 4326, 0.5, 0};
     tc_planet p[2] = {planet_of(make_map("inside.tif", &inside), 0, true, NULL),
                       planet_of(make_map("edge.tif", &edge), 0, true, NULL)};
     int m = tc_pyramid_info(p[0].atlas.chart[0].pyramid)->levels;
@@ -207,9 +254,9 @@ static void voids_across_the_seam(void **state)
 static void what_is_no_planet_is_refused(void **state)
 {
     (void)state;
-    const map good = {36, 18, -175, 85, 10, false, 4326, 0}, beyond = {360, 180, -179.5, 100, 1, false, 4326, 0};
-    const map projected = {36, 18, 500000, 5e6, 30, false, 32632, 0};
-    const map nothing = {36, 18, 500000, 5e6, 30, false, 0, 0};
+    const map good = {36, 18, -175, 85, 10, false, 4326, 0, 0}, beyond = {360, 180, -179.5, 100, 1, false, 4326, 0, 0};
+    const map projected = {36, 18, 500000, 5e6, 30, false, 32632, 0, 0};
+    const map nothing = {36, 18, 500000, 5e6, 30, false, 0, 0, 0};
     const char *path = make_map("good.tif", &good);
     tc_planet p = planet_of(path, 0, true, NULL);
     tc_planet_close(&p);
@@ -229,6 +276,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(globes_of_every_kind),         cmocka_unit_test(maps_without_caps),
+        cmocka_unit_test(globes_higher_than_wide),      cmocka_unit_test(grids_of_a_few_samples),
         cmocka_unit_test(pictures_of_a_globe),          cmocka_unit_test(voids_across_the_seam),
         cmocka_unit_test(what_is_no_planet_is_refused),
     };

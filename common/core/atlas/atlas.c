@@ -7,16 +7,22 @@
 #include <string.h>
 
 #include "atlas_caps.h"
+#include "common/core/base/rect.h"
 #include "common/core/base/status.h"
 
 static const double pi = 3.141592653589793, degree = 0.017453292519943295;
 
-int64_t tc_atlas_width(int64_t width)
+int64_t tc_atlas_width(int64_t width, int64_t height)
 {
     int halvings = 0;
-    while ((width + ((int64_t)1 << halvings) - 1) >> halvings > TC_MOST_ODD)
+    while (tc_ceil_shift(tc_max64(width, height), halvings) > TC_MOST_ODD)
         halvings++;
-    return (width + ((int64_t)1 << halvings) - 1) >> halvings << halvings;
+    return tc_ceil_shift(width, halvings) << halvings;
+}
+
+bool tc_atlas_around(int64_t columns, double turn)
+{
+    return fabs((double)columns - turn) <= 0.5 + 1e-6;
 }
 
 /* Where the grid's samples lie, rows south to north. */
@@ -86,11 +92,12 @@ static tc_status build(tc_grid *grid, int threads, tc_grid cap[TC_CAPS], tc_atla
 {
     tc_lonlat at = lonlat_of(grid);
     double south = at.y0 + pi / 2, north = pi / 2 - (at.y0 + (double)(at.height - 1) * at.dy), row = 1.001 * at.dy;
-    bool wraps = fabs((double)at.width * at.dx - 2 * pi) <= 0.5 * at.dx, poles = wraps && south < row && north < row;
-    if (wraps && tc_atlas_width(at.width) != at.width)
+    bool wraps = tc_atlas_around(at.width, 2 * pi / at.dx), poles = wraps && south < row && north < row;
+    if (wraps && tc_atlas_width(at.width, at.height) != at.width)
         return tc_fail(error, TC_ERR_USAGE,
-                       "planet: expected a width of 2^k times at most %d samples around the globe, found %" PRId64,
-                       (int)TC_MOST_ODD, at.width);
+                       "planet: expected a width around the globe that can be halved until it and the height are at "
+                       "most %d samples, found %" PRId64 " x %" PRId64,
+                       (int)TC_MOST_ODD, at.width, at.height);
     if (wraps)
         at.dx = 2 * pi / (double)at.width;
     tc_status status = poles ? make_caps(grid, &at, atlas->radius, threads, cap) : TC_OK;

@@ -27,7 +27,7 @@ typedef struct tc_chart {
     tc_projection projection;
     double x0, y0; /* of the finest level's first sample */
     double dx, dy; /* between the finest level's samples */
-    bool wraps;    /* column `width` is column 0; the width is then 2^k times at most TC_MOST_ODD */
+    bool wraps;    /* column `width` is column 0; the width is then as tc_atlas_width() says */
 } tc_chart;
 
 typedef struct tc_atlas {
@@ -36,8 +36,8 @@ typedef struct tc_atlas {
     tc_chart chart[TC_MAX_CHARTS];
 } tc_atlas;
 
-/* A level that wraps must have an even width, and so on until it fits a window. Grids of other widths are resampled to
- * the next width that is a power of two times at most this. */
+/* A level that wraps must have an even width, and so on until it fits a window, which holds so many samples. Grids of
+ * other widths are resampled to the next one that can be halved often enough. */
 enum { TC_MOST_ODD = 250 };
 
 /* Caps take over from chart 0 between these latitudes, degrees, and reach down to TC_CAP_EDGE. */
@@ -45,8 +45,12 @@ enum { TC_MOST_ODD = 250 };
 #define TC_CAP_BLEND_END 59.0
 #define TC_CAP_EDGE 52.0
 
-/* The next width from `width` on that is a power of two times at most TC_MOST_ODD: width itself where it is one. */
-int64_t tc_atlas_width(int64_t width);
+/* The next width from `width` on that can be halved until neither it nor the height, halved along with it, is more than
+ * TC_MOST_ODD: width itself where it can. */
+int64_t tc_atlas_width(int64_t width, int64_t height);
+
+/* Whether so many columns, of which `turn` would make 360 degrees, go once around the globe: to within half a one. */
+bool tc_atlas_around(int64_t columns, double turn);
 
 /* Builds the pyramids of *grid and takes the grid over (it is zeroed, also on failure freed). Its georeference must be
  * known and geographic (degrees, not rotated). Where it covers 360 degrees, to within half a sample, chart 0 wraps and
