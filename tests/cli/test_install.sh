@@ -12,7 +12,7 @@ if ! make -C "$root" config=$config install PREFIX=/usr DESTDIR="$stage" >instal
 fi
 
 cases=$((cases + 1))
-wanted='./bin/planar-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/pkgconfig/terraclip.pc
+wanted='./bin/planar-viewer ./bin/planet-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/pkgconfig/terraclip.pc
 ./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-window.so'
 found=$(cd "$stage/usr" && find . -type f | LC_ALL=C sort | tr '\n' ' ')
 [ "$(echo $found)" = "$(echo $wanted)" ] || fail "installed: $found"
