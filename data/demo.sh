@@ -51,7 +51,7 @@ globe_picture() {
 
 # Two metres above the ground.
 shore=$("$build/terraclip" height "$planet" 119.71 16.7 | awk '{ print $NF + 2 }')
-globe_picture planet -75,25,11500000,0,-90 --fov 60
+globe_picture planet -75,25,15000000,0,-90 --fov 60
 globe_picture planet-10km 119.9,16,10000,-20,-4 --fov 40
 globe_picture planet-ground 119.71,16.7,"$shore",-20,1 --fov 40
 globe_picture planet-north 0,88,3000000,0,-80
