@@ -59,11 +59,11 @@ void main()
     float day = smoothstep(-0.22, 0.3, dot(up, sun.xyz));
     direct *= day;
     ambient *= 0.06 + 0.94 * day;
+#endif
 #ifndef NATURAL_LAND
     // Without air there is no light from the sky.
     direct *= 1.5;
     ambient *= 0.18;
-#endif
 #endif
     c *= direct * vec3(1.0, 0.96, 0.88) + ambient * vec3(0.82, 0.91, 1.0);
 #endif
