@@ -62,9 +62,9 @@ refuses() { # EXIT REGEX COMMAND...
     rm -rf out && mkdir out
 }
 
-# A command must end with 0, on stderr only what matches the regular expression ('' for nothing at all), and write the
-# picture; which is then last.png.
-accepts() { # REGEX COMMAND...
+# Runs a command; $wrong says what is not as it should be: an end with 0, on stderr only what matches the regular
+# expression ('' for nothing at all).
+ends_well() { # REGEX COMMAND...
     regex=$1
     shift
     run "$@"
@@ -75,12 +75,33 @@ accepts() { # REGEX COMMAND...
     else
         grep -Eq -- "$regex" stderr.txt || wrong="$wrong, stderr does not match '$regex'"
     fi
+}
+
+# A command must end with 0, on stderr only what matches the regular expression ('' for nothing at all), and write the
+# picture; which is then last.png.
+accepts() { # REGEX COMMAND...
+    ends_well "$@"
+    shift
     is_png out/picture.png || wrong="$wrong, no picture"
     [ "$(ls -A out)" = picture.png ] || wrong="$wrong, in out/: $(ls -A out)"
     [ -z "$wrong" ] || report "$wrong" "$@"
     rm -f last.png
     [ -f out/picture.png ] && mv out/picture.png last.png
     rm -rf out && mkdir out
+}
+
+# A command must end with 0; sets $out to what it printed. Warnings must match the regular expression ('' for none).
+does() { # REGEX COMMAND...
+    ends_well "$@"
+    shift
+    [ -z "$wrong" ] || report "$wrong" "$@"
+    out=$(cat stdout.txt)
+}
+
+# Both files hold the same heights.
+equal() { # FILE FILE SETTING...
+    cases=$((cases + 1))
+    difference=$($compare "$@") || fail "$1 and $2 differ: $difference"
 }
 
 report() { # WHAT COMMAND...

@@ -2,28 +2,6 @@
 # Packed terrains by way of the programs: what goes in comes out, and what is wrong is said in one line.
 . "${0%/*}/lib.sh"
 
-# A command must end with 0; sets $out to what it printed. Warnings must match the regular expression ('' for none).
-does() { # REGEX COMMAND...
-    regex=$1
-    shift
-    run "$@"
-    wrong=
-    [ $rc = 0 ] || wrong="exit code $rc instead of 0"
-    if [ -z "$regex" ]; then
-        [ ! -s stderr.txt ] || wrong="$wrong, something on stderr"
-    else
-        grep -Eq -- "$regex" stderr.txt || wrong="$wrong, stderr does not match '$regex'"
-    fi
-    [ -z "$wrong" ] || report "$wrong" "$@"
-    out=$(cat stdout.txt)
-}
-
-# Both files hold the same heights.
-equal() { # FILE FILE SETTING...
-    cases=$((cases + 1))
-    difference=$($compare "$@") || fail "$1 and $2 differ: $difference"
-}
-
 # A number of a JSON file.
 number() { # KEY
     sed -n "s/.*\"$1\": \([-0-9.e+]*\).*/\1/p" | head -n 1

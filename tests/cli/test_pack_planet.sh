@@ -2,26 +2,6 @@
 # Packed planets by way of the programs.
 . "${0%/*}/lib.sh"
 
-does() { # REGEX COMMAND...
-    regex=$1
-    shift
-    run "$@"
-    wrong=
-    [ $rc = 0 ] || wrong="exit code $rc instead of 0"
-    if [ -z "$regex" ]; then
-        [ ! -s stderr.txt ] || wrong="$wrong, something on stderr"
-    else
-        grep -Eq -- "$regex" stderr.txt || wrong="$wrong, stderr does not match '$regex'"
-    fi
-    [ -z "$wrong" ] || report "$wrong" "$@"
-    out=$(cat stdout.txt)
-}
-
-equal() { # FILE FILE SETTING...
-    cases=$((cases + 1))
-    difference=$($compare "$@") || fail "$1 and $2 differ: $difference"
-}
-
 holds() { # REGEX FILE
     cases=$((cases + 1))
     grep -Eq -- "$1" "$2" || fail "$2 does not match '$1': $(head -c 2000 "$2")"
