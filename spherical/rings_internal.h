@@ -103,7 +103,7 @@ typedef struct rings_sample {
 void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, double s_x, double s_y, double h,
                   double *du_ret, double *dv_ret);
 /* Shares of the charts there. */
-void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h,
+void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double h,
                       double weight_ret[TC_MAX_CHARTS]);
 /* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one. */
 double tc_rings_shift(const rings_surface *s, const rings_view *view, double w);

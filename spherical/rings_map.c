@@ -7,8 +7,6 @@
 #include "common/core/pyramid/pyramid.h"
 #include "rings_internal.h"
 
-#define DEGREE (M_PI / 180)
-
 /* Longitude and colatitude relative to the viewer's, without cancellation (the design, section 7). */
 static void relative_angles(const rings_view *v, double s_x, double s_y, double h, double *dphi_ret, double *dtheta_ret)
 {
@@ -49,18 +47,10 @@ void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, dou
     *dv_ret = dy / c->dy;
 }
 
-void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h,
+void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double h,
                       double weight_ret[TC_MAX_CHARTS])
 {
-    (void)s_y;
-    const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
-    double pz = view->cos_theta + rise(view, s_x, h);
-    weight_ret[0] = 1, weight_ret[1] = weight_ret[2] = 0;
-    if (s->head.charts < TC_MAX_CHARTS)
-        return;
-    weight_ret[1] = fmin(fmax((pz - lo) / (hi - lo), 0), 1);
-    weight_ret[2] = fmin(fmax((-pz - lo) / (hi - lo), 0), 1);
-    weight_ret[0] = 1 - weight_ret[1] - weight_ret[2];
+    tc_atlas_weights(s->head.charts, view->cos_theta + rise(view, s_x, h), weight_ret);
 }
 
 double tc_rings_shift(const rings_surface *s, const rings_view *view, double w)
@@ -162,7 +152,7 @@ double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sam
 double tc_rings_height(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h, double w)
 {
     double weight[TC_MAX_CHARTS], z = 0, shift = tc_rings_shift(s, view, w);
-    tc_rings_weights(s, view, s_x, s_y, h, weight);
+    tc_rings_weights(s, view, s_x, h, weight);
     for (int chart = 0; chart < s->head.charts; chart++) {
         if (weight[chart] <= 0)
             continue;

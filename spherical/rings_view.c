@@ -70,7 +70,7 @@ static rings_view place(const rings_surface *s, const tc_camera *camera)
         v.place[chart] =
             s->atlas->chart[chart].projection == TC_LONLAT ? place_lonlat(s, chart, camera) : place_cap(s, chart, &v);
     double weight[TC_MAX_CHARTS];
-    tc_rings_weights(s, &v, 0, 0, 0, weight);
+    tc_rings_weights(s, &v, 0, 0, weight);
     for (int chart = 0; chart < s->head.charts; chart++) {
         v.place[chart].weight = weight[chart];
         v.near[chart].shift = -1;

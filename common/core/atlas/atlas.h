@@ -60,6 +60,10 @@ bool tc_atlas_around(int64_t columns, double turn);
  * tc_atlas_free(). TC_ERR_USAGE for a grid or a radius that is not as above. */
 tc_status tc_atlas_build(tc_grid *grid, double radius, int threads, tc_atlas *atlas_ret, tc_error *error);
 
+/* Shares of the charts in the height at a place whose direction has this z, the sine of its latitude: chart 0 alone up
+ * to TC_CAP_BLEND_START, the cap alone from TC_CAP_BLEND_END on. charts: 1, or 3 with caps. */
+void tc_atlas_weights(int charts, double z, double weight_ret[TC_MAX_CHARTS]);
+
 /* Height at a place, radians, of the finest levels, bilinear, in metres above z_base; where there is none that of the
  * sphere. Thread-safe. */
 tc_status tc_atlas_height(const tc_atlas *atlas, double longitude, double latitude, double *z_ret);

@@ -41,15 +41,21 @@ static tc_status chart_height(const tc_chart *c, double x, double y, bool *there
     return TC_OK;
 }
 
-tc_status tc_atlas_height(const tc_atlas *atlas, double longitude, double latitude, double *z_ret)
+void tc_atlas_weights(int charts, double z, double weight_ret[TC_MAX_CHARTS])
 {
     const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
-    double weight[TC_MAX_CHARTS] = {1}, z = 0;
-    for (int cap = 1; cap < atlas->charts; cap++) {
-        double up = (cap == 1 ? 1 : -1) * sin(latitude);
-        weight[cap] = fmin(fmax((up - lo) / (hi - lo), 0), 1);
-        weight[0] -= weight[cap];
-    }
+    weight_ret[0] = 1, weight_ret[1] = weight_ret[2] = 0;
+    if (charts < TC_MAX_CHARTS)
+        return;
+    weight_ret[1] = fmin(fmax((z - lo) / (hi - lo), 0), 1);
+    weight_ret[2] = fmin(fmax((-z - lo) / (hi - lo), 0), 1);
+    weight_ret[0] = 1 - weight_ret[1] - weight_ret[2];
+}
+
+tc_status tc_atlas_height(const tc_atlas *atlas, double longitude, double latitude, double *z_ret)
+{
+    double weight[TC_MAX_CHARTS], z = 0;
+    tc_atlas_weights(atlas->charts, sin(latitude), weight);
     for (int k = 0; k < atlas->charts; k++) {
         const tc_chart *c = &atlas->chart[k];
         double x = longitude, y = latitude, part = -tc_pyramid_info(c->pyramid)->z_base;
