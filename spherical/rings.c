@@ -226,8 +226,6 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
         else
             a.triangles_unculled += 2 * (int64_t)s->geometry.m * s->geometry.n_phi;
     }
-    for (int k = 0; k < a.count; k++)
-        s->draws[k].base_instance = 0;
     set_uniforms(s, &view);
     *frame_ret =
         (tc_frame){.draws = s->draws,

@@ -13,7 +13,6 @@
 
 #include "common/core/base/rect.h"
 #include "common/core/clipmap/camera.h"
-#include "common/core/clipmap/view_error.h"
 #include "common/core/base/status.h"
 #include "level_textures.h"
 #include "palette.h"
