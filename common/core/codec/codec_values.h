@@ -73,19 +73,25 @@ TC_INLINE void add_row_any(const tc_codec *c, tc_raw_reader *raw, int band, int 
 }
 
 #if TC_AVX2
-/* Symbols with their signs, of a run that has neither escapes nor low bits. */
-TC_TARGET_AVX2 static inline __m256i signed_run_avx2(tc_raw_reader *raw, __m256i symbol)
+/* A sign for each bit of mask: byte k is all ones where that of bit k is minus, else 0. */
+TC_TARGET_AVX2 static inline __m256i take_signs_avx2(tc_raw_reader *raw, uint32_t mask)
 {
-    uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, _mm256_setzero_si256()));
-    if (mask == 0)
-        return symbol;
     uint32_t negative = _pdep_u32(tc_raw_take(raw, __builtin_popcount(mask)), mask);
     /* Bit k to byte k. */
     __m256i byte =
         _mm256_shuffle_epi8(_mm256_set1_epi32((int32_t)negative),
                             _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303));
     __m256i bit = _mm256_set1_epi64x((int64_t)0x8040201008040201);
-    __m256i minus = _mm256_cmpeq_epi8(_mm256_and_si256(byte, bit), bit);
+    return _mm256_cmpeq_epi8(_mm256_and_si256(byte, bit), bit);
+}
+
+/* Symbols with their signs, of a run that has neither escapes nor low bits. */
+TC_TARGET_AVX2 static inline __m256i signed_run_avx2(tc_raw_reader *raw, __m256i symbol)
+{
+    uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, _mm256_setzero_si256()));
+    if (mask == 0)
+        return symbol;
+    __m256i minus = take_signs_avx2(raw, mask);
     return _mm256_sub_epi8(_mm256_xor_si256(symbol, minus), minus);
 }
 
@@ -120,12 +126,7 @@ TC_TARGET_AVX2 static inline bool decode_values_avx2(tc_raw_reader *raw, int ban
     uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_packus_epi16(value[0], value[1]), zero));
     if (mask == 0)
         return true;
-    uint32_t negative = _pdep_u32(tc_raw_take(raw, __builtin_popcount(mask)), mask);
-    __m256i byte =
-        _mm256_shuffle_epi8(_mm256_set1_epi32((int32_t)negative),
-                            _mm256_setr_epi64x(0, 0x0101010101010101, 0x0202020202020202, 0x0303030303030303));
-    __m256i bit = _mm256_set1_epi64x((int64_t)0x8040201008040201);
-    __m256i minus = _mm256_cmpeq_epi8(_mm256_and_si256(byte, bit), bit);
+    __m256i minus = take_signs_avx2(raw, mask);
     __m256i minus0 = _mm256_unpacklo_epi8(minus, minus), minus1 = _mm256_unpackhi_epi8(minus, minus);
     value[0] = _mm256_sub_epi16(_mm256_xor_si256(value[0], minus0), minus0);
     value[1] = _mm256_sub_epi16(_mm256_xor_si256(value[1], minus1), minus1);
