@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "common/core/base/status.h"
+#include "planet_scene.h"
 
 static void must(tc_status status, const tc_error *error)
 {
@@ -51,19 +52,14 @@ tc_atlas globe_atlas(globe_function f, int64_t width, double radius)
 
 globe_scene globe_scene_create(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *options)
 {
-    globe_scene s = {.gl = tc_context_gl(context), .atlas = atlas};
-    tc_error error;
-    tc_scene_options look = {.unlit = true, .background_set = true, .budget = -1};
-    must(tc_rings_create(atlas, options, &s.surface, &error), &error);
-    must(tc_renderer_create(s.gl, s.surface, &look, &s.renderer, &error), &error);
-    return s;
+    const tc_scene_options look = {.unlit = true, .background_set = true, .budget = -1};
+    scene s = planet_scene(context, atlas, options, &look);
+    return (globe_scene){tc_context_gl(context), atlas, s.surface, s.renderer};
 }
 
 void globe_scene_destroy(globe_scene *s)
 {
-    tc_renderer_destroy(s->renderer);
-    if (s->surface)
-        s->surface->destroy(s->surface);
+    scene_destroy(&(scene){.surface = s->surface, .renderer = s->renderer});
     *s = (globe_scene){0};
 }
 
