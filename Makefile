@@ -3,6 +3,7 @@
 #   make            the programs, under build/ (config=debug|release|sanitize; others than release under build/<config>/)
 #   make demo       default terrain and pictures, into build/demo/
 #   make check      fast tests (seconds)          make test    all tests (minutes)
+#   make test-extreme  extreme cases, a row each  make report  error against run time, into build/report/ (report-full)
 #   make bench      measurements                  make format  clang-format over the sources
 #   make fuzz       TIME=seconds, all fuzzers together
 #   make install    PREFIX=/usr/local DESTDIR=    make clean
@@ -128,10 +129,12 @@ $(O)/terraclip-window.so: $(OBJ)/common/shell/plugin_window.o $(OBJ)/common/core
 
 # ---- Tests -------------------------------------------------------------------------------------------------------
 
-# tests/fast/test_*.c run in seconds; tests/slow/test_*.c in minutes; tests/bench/bench_*.c print figures.
+# tests/fast/test_*.c run in seconds; tests/slow/test_*.c in minutes; tests/extreme/extreme_*.c print a row a case;
+# tests/bench/bench_*.c print figures.
 # tests/support/*.c is linked into all of them.
 FAST := $(patsubst tests/fast/%.c,$(O)/tests/%,$(wildcard tests/fast/test_*.c))
 SLOW := $(patsubst tests/slow/%.c,$(O)/tests/%,$(wildcard tests/slow/test_*.c))
+EXTREME := $(patsubst tests/extreme/%.c,$(O)/tests/%,$(wildcard tests/extreme/extreme_*.c))
 BENCH := $(patsubst tests/bench/%.c,$(O)/tests/%,$(wildcard tests/bench/bench_*.c))
 SUPPORT_OBJ := $(call obj,$(wildcard tests/support/*.c))
 TEST_OBJ := $(SUPPORT_OBJ) $(PLANAR_OBJ) $(SPHERICAL_OBJ) $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
@@ -144,6 +147,7 @@ $(O)/tests/%: $(OBJ)/tests/$(1)/%.o $(TEST_OBJ)
 endef
 $(eval $(call test_rule,fast))
 $(eval $(call test_rule,slow))
+$(eval $(call test_rule,extreme))
 $(eval $(call test_rule,bench))
 .SECONDARY:
 
@@ -166,15 +170,25 @@ $(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(SHELL_LIBRARY) 
 	@mkdir -p $(@D)
 	$(LINK)
 
-.PHONY: check test bench
+.PHONY: check test test-extreme bench report report-full
 check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
-test: all $(FAST) $(SLOW) $(O)/tests/make-file $(O)/tests/compare-heights
-	@sh tests/run.sh $(O) $(FAST) $(SLOW) $(wildcard tests/cli/test_*.sh)
+test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights
+	@mkdir -p $(O)/extreme
+	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(FAST) $(SLOW) $(EXTREME) $(wildcard tests/cli/test_*.sh)
+
+test-extreme: all $(EXTREME)
+	@mkdir -p $(O)/extreme
+	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(EXTREME)
 
 bench: all $(BENCH)
 	@for b in $(BENCH); do $$b || exit 1; done
+
+# Measures, and makes a page of it: build/report/index.html. Under 3 minutes; report-full under 40.
+report report-full: all $(BENCH) $(EXTREME)
+	@sh .ci/packages gnuplot-nox
+	@sh tests/report/report.sh $(O) $(if $(filter report,$@),quick,full)
 
 # ---- Fuzzing -----------------------------------------------------------------------------------------------------
 

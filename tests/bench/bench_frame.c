@@ -13,22 +13,11 @@
 #include "common/shell/clock.h"
 #include "common/shell/program.h"
 #include "planar/square_internal.h"
+#include "tests/support/measure.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
 enum { WIDTH = 640, HEIGHT = 480, PAIRS = 21 };
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return values[count / 2];
-}
 
 /* A mesh of ready-made positions, drawn with a position-only shader. */
 typedef struct plain_mesh {
@@ -204,8 +193,8 @@ static double ratio(const tc_gl *gl, scene *s, const plain_mesh *m, const tc_cam
         b[i] = plain_frame(gl, m, matrix, one_sided);
         ratios[i] = a[i] / b[i];
     }
-    *frame_ms = median(a, pairs), *plain_ms = median(b, pairs);
-    return median(ratios, pairs);
+    *frame_ms = measure_of(a, pairs).median, *plain_ms = measure_of(b, pairs).median;
+    return measure_of(ratios, pairs).median;
 }
 
 /* A square of `size` samples around the middle of a terrain repeated in mirror images. */
@@ -262,7 +251,8 @@ static void sizes(const tc_context *context, const tc_grid *terrain)
     for (int k = 0; k < 3; k++) {
         tc_frame_stats stats = scene_draw(&s[k], &camera[k], false);
         printf("frame: %lld x %lld: %.2f ms, %lld triangles, ratio to 1025 x 1025 %.3f\n", (long long)size[k],
-               (long long)size[k], median(ms[k], PAIRS), (long long)stats.triangles, median(r[k], PAIRS));
+               (long long)size[k], measure_of(ms[k], PAIRS).median, (long long)stats.triangles,
+               measure_of(r[k], PAIRS).median);
         scene_destroy(&s[k]);
         tc_pyramid_destroy(p[k]);
     }

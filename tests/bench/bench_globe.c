@@ -13,6 +13,7 @@
 #include "common/shell/clock.h"
 #include "common/shell/planet.h"
 #include "spherical/rings_internal.h"
+#include "tests/support/measure.h"
 #include "tests/support/planet_scene.h"
 
 #define DEGREE (M_PI / 180)
@@ -25,12 +26,6 @@ static const struct {
     int paper;       /* triangles drawn by CH06 */
 } situation[SITUATIONS] = {
     {"2m", 2, -5, 330000}, {"10km", 10e3, -25, 140000}, {"1000km", 1e6, -50, 0}, {"10000km", 1e7, -90, 100000}};
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
 
 static tc_camera camera_of(const tc_atlas *atlas, int k)
 {
@@ -54,8 +49,7 @@ static double measure(scene *s, const tc_camera *c, tc_frame_stats *stats)
         *stats = scene_draw(s, c, false);
         ms[i] = tc_clock_ms() - start;
     }
-    qsort(ms, FRAMES, sizeof *ms, by_value);
-    return ms[FRAMES / 2];
+    return measure_of(ms, FRAMES).median;
 }
 
 static void triangles(const tc_context *context, const tc_atlas *atlas)

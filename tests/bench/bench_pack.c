@@ -16,6 +16,7 @@
 #include "jpeg2000.h"
 #include "lerc.h"
 #include "tests/support/made_files.h"
+#include "tests/support/measure.h"
 #include "tests/support/terrain_files.h"
 #include "tests/support/terrains.h"
 
@@ -122,10 +123,10 @@ static void rate_section(const char *only)
     for (int i = 0; i < rates.lh04_count; i++)
         worst_paper = fmax(worst_paper, rates.lh04[i]);
     printf("against JPEG 2000, %d rows that count: median %+.1f %% (bar -7), worst %+.1f %% (bar +1)\n", rates.count,
-           100 * terrain_median(rates.against, rates.count), 100 * worst);
+           100 * measure_of(rates.against, rates.count).median, 100 * worst);
     printf(
         "against LH04's codec, %d rows nearest 0.25 bits (0.125 to 0.5): median %+.1f %% (bar -25), worst %+.1f %%\n",
-        rates.lh04_count, 100 * terrain_median(rates.lh04, rates.lh04_count), 100 * worst_paper);
+        rates.lh04_count, 100 * measure_of(rates.lh04, rates.lh04_count).median, 100 * worst_paper);
 }
 
 /* ---- Bounded errors and none ------------------------------------------------------------------------------------ */
@@ -299,8 +300,8 @@ static region_times read_regions(const both *b)
             j2k[n] = 1e3 * (terrain_cpu() - start);
         }
     }
-    return (region_times){terrain_median(cold, PLACES), terrain_median(opened, PLACES),
-                          terrain_median(resident, PLACES), terrain_median(j2k, J2K_PLACES)};
+    return (region_times){measure_of(cold, PLACES).median, measure_of(opened, PLACES).median,
+                          measure_of(resident, PLACES).median, measure_of(j2k, J2K_PLACES).median};
 }
 
 static void decode_section(void)

@@ -15,6 +15,7 @@
 #include "common/core/clipmap/camera.h"
 #include "common/shell/flight.h"
 #include "common/shell/source.h"
+#include "tests/support/measure.h"
 #include "tests/support/made_files.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
@@ -99,12 +100,6 @@ static double measure(const char *program, const char *what, const char *path)
     return ms;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static void compare(const char *program, const char *path, const char *name)
 {
     double reads[RUNS], starts[RUNS];
@@ -115,9 +110,7 @@ static void compare(const char *program, const char *path, const char *name)
             starts[i] = start;
         }
     }
-    qsort(reads, RUNS, sizeof *reads, by_value);
-    qsort(starts, RUNS, sizeof *starts, by_value);
-    double read = reads[RUNS / 2], start = starts[RUNS / 2];
+    double read = measure_of(reads, RUNS).median, start = measure_of(starts, RUNS).median;
     printf("start: %s: read %.0f ms, first frame %.0f ms, ratio %.2f (at most 3)\n", name, read, start, start / read);
     fflush(stdout);
 }

@@ -1,14 +1,58 @@
 /* datasets.c - real terrains for measurements. */
 #include "datasets.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include "common/core/base/rect.h"
 #include "common/shell/source.h"
 #include "terrains.h"
+
+/* Pictures of heights do not say how far apart their samples are. */
+static const dataset scales[] = {{"ps_height_1k.png", 160, 0.1}, {"moon_gld100_256ppd_ne_4097.png", 118.45, 0}};
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp((const char *)a, (const char *)b);
+}
+
+static bool elevation_name(const char *name)
+{
+    static const char *const ends[] = {".hgt", ".tif", ".tiff", ".png", ".pgm", ".vrt",
+                                       ".jp2", ".asc", ".img",  ".exr", ".dem"};
+    const char *dot = strrchr(name, '.');
+    for (size_t i = 0; dot && i < sizeof ends / sizeof *ends; i++)
+        if (strcasecmp(dot, ends[i]) == 0)
+            return true;
+    return false;
+}
+
+int dataset_list(dataset *list, int capacity)
+{
+    static char names[DATASETS_MAX][256];
+    int count = 0, files = 0;
+    list[count++] = (dataset){"default", 0, 0};
+    const char *folder = getenv("TERRACLIP_DATA");
+    DIR *d = folder && *folder ? opendir(folder) : NULL;
+    for (struct dirent *e; d && (e = readdir(d)) && files < DATASETS_MAX;)
+        if (elevation_name(e->d_name) && strlen(e->d_name) < sizeof *names)
+            strcpy(names[files++], e->d_name);
+    if (d)
+        closedir(d);
+    qsort(names, (size_t)files, sizeof *names, by_name);
+    for (int i = 0; i < files && count < capacity; i++) {
+        list[count] = (dataset){names[i], 0, 0};
+        for (size_t k = 0; k < sizeof scales / sizeof *scales; k++)
+            if (strcmp(names[i], scales[k].name) == 0)
+                list[count] = (dataset){names[i], scales[k].spacing, scales[k].unit};
+        count++;
+    }
+    return count;
+}
 
 bool dataset_load(const dataset *d, tc_grid *grid)
 {

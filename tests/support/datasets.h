@@ -9,6 +9,12 @@ typedef struct dataset {
     double spacing, unit; /* metres; 0: the file's own */
 } dataset;
 
+/* All there is to measure on: the default terrain and, by name, every elevation file of TERRACLIP_DATA; what it says of
+ * files whose scale no file tells is known here for some. Returned is how many, at most capacity. Names stay valid
+ * until the next call. */
+enum { DATASETS_MAX = 64 };
+int dataset_list(dataset *list, int capacity);
+
 /* Loads a dataset as a grid. False, saying why on stdout, where it is not there. */
 bool dataset_load(const dataset *d, tc_grid *grid);
 

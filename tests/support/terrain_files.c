@@ -45,18 +45,6 @@ double terrain_wall(void)
     return seconds(CLOCK_MONOTONIC);
 }
 
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-double terrain_median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, by_value);
-    return count ? 0.5 * (values[(count - 1) / 2] + values[count / 2]) : NAN;
-}
-
 /* ---- Nearest heights -------------------------------------------------------------------------------------------- */
 
 /* Takes over the neighbour's nearest sample where that is nearer than the one known so far. */

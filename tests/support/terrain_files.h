@@ -44,7 +44,4 @@ terrain_error terrain_compare(const tc_grid *grid, const char *path);
 double terrain_cpu(void);
 double terrain_wall(void);
 
-/* The middle one of values, which are sorted. */
-double terrain_median(double *values, int count);
-
 #endif

@@ -1,0 +1,61 @@
+/* measure.c - what benchmarks have in common. */
+#include "measure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Interpolated between the sorted values. */
+static double quantile(const double *values, int count, double q)
+{
+    double at = q * (count - 1);
+    int i = (int)at;
+    return i + 1 < count ? values[i] + (at - i) * (values[i + 1] - values[i]) : values[count - 1];
+}
+
+measure_spread measure_of(double *values, int count)
+{
+    if (count <= 0)
+        return (measure_spread){NAN, NAN, NAN, 0};
+    qsort(values, (size_t)count, sizeof *values, by_value);
+    return (measure_spread){quantile(values, count, 0.5), quantile(values, count, 0.1), quantile(values, count, 0.9),
+                            count};
+}
+
+measure_options measure_begin(int argc, char **argv, const char *header)
+{
+    measure_options o = {0};
+    const char *file = NULL;
+    for (int i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--quick") == 0) {
+            o.quick = true;
+        } else if (strcmp(argv[i], "--csv") == 0 && i + 1 < argc) {
+            file = argv[++i];
+        } else {
+            fprintf(stderr, "%s: %s: expected [--quick] [--csv FILE]\n", argv[0], argv[i]);
+            exit(2);
+        }
+    }
+    if (file && !(o.csv = fopen(file, "w"))) {
+        fprintf(stderr, "%s: %s: cannot be written\n", argv[0], file);
+        exit(1);
+    }
+    if (o.csv)
+        fprintf(o.csv, "%s\n", header);
+    return o;
+}
+
+int measure_end(measure_options *options)
+{
+    bool failed = options->csv && (ferror(options->csv) || fclose(options->csv));
+    options->csv = NULL;
+    if (failed)
+        fputs("measure: the table could not be written\n", stderr);
+    return failed ? 1 : 0;
+}
