@@ -1,0 +1,227 @@
+/* extreme_cameras.c - views from places and with frames that nobody would choose: drawn, or refused in words.
+ *
+ * Limits. Cracks: none. Numbers handed to OpenGL and put out by the vertex stage: all finite. Vertices within the
+ * frame: half a pixel off at most against long double, a tenth on ordinary views; what is left is the rounding of
+ * positions to floats relative to the eye (6e-8 of the distance) and of heights where levels pass into each other (6e-8
+ * of the height). Depths: half a pixel (extreme_heights.c). */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/shell/options.h"
+#include "tests/support/computed.h"
+#include "tests/support/drawn.h"
+#include "tests/support/extreme.h"
+#include "tests/support/watertight.h"
+
+enum { SIZE = 770, SPACING = 30, N = 63, WIDTH = 320, HEIGHT = 240 };
+#define DEGREE (M_PI / 180)
+
+/* A terrain's scene, and what is compared of it. */
+typedef struct stage {
+    tc_pyramid *pyramid;
+    tc_scene_options options;
+    scene scene;
+    drawn drawn;
+} stage;
+
+static void stage_create(stage *s, const tc_context *context, tc_pyramid *pyramid, int n)
+{
+    s->pyramid = pyramid;
+    s->options = watertight_options();
+    s->scene = scene_create(context, pyramid, n, &s->options);
+    s->drawn = drawn_create(context, &s->scene);
+}
+
+static void stage_destroy(stage *s)
+{
+    drawn_destroy(&s->drawn);
+    scene_destroy(&s->scene);
+    tc_pyramid_destroy(s->pyramid);
+}
+
+static void rows(const char *name, const drawn_figures *f, double vertex_limit)
+{
+    extreme_at_most(name, "cracks, pixels", (double)f->cracks, 0, "%lld pixels of terrain in %d views",
+                    (long long)f->terrain, f->views);
+    extreme_at_most(name, "vertices off, pixels", f->vertex_px, vertex_limit, "of %lld", (long long)f->vertices);
+    extreme_at_most(name, "depth off the surface, pixels", f->depth_px, 0.5, "of %lld pixels", (long long)f->depths);
+    extreme_at_most(name, "numbers not finite", (double)f->not_finite, 0, "of %lld", (long long)f->numbers);
+}
+
+static double ground(const stage *s, double x, double y)
+{
+    double z = 0;
+    tc_pyramid_height(s->pyramid, x, y, &z);
+    return z + tc_pyramid_info(s->pyramid)->z_base;
+}
+
+/* Metres above the ground as drawn, somewhere over the terrain and beside its samples. */
+static void heights(stage *s, const char *name, double above, double fov)
+{
+    test_random r = {21};
+    drawn_figures f = {0};
+    double extent = (SIZE - 1) * SPACING;
+    for (int v = 0; v < 5; v++) {
+        tc_camera c = {.x = test_random_range(&r, 0.1, 0.9) * extent,
+                       .y = test_random_range(&r, 0.1, 0.9) * extent,
+                       .heading = test_random_range(&r, 0, 2 * M_PI),
+                       .pitch = above > 1e5 ? -M_PI / 2 : test_random_range(&r, -1.2, 0.1),
+                       .fov = fov,
+                       .width = WIDTH,
+                       .height = HEIGHT};
+        if (v == 1) /* a millionth of a sample beside one */
+            c.x = 300 * SPACING - 1e-6 * SPACING, c.y = 411 * SPACING - 1e-6 * SPACING;
+        if (v == 2)
+            c.x = 300 * SPACING, c.y = 412 * SPACING;
+        c.z = ground(s, c.x, c.y) + above;
+        drawn_look(&s->drawn, &c, &s->options, &f);
+    }
+    rows(name, &f, 0.1);
+}
+
+/* Below the ground: what is seen there are backs, or nothing. Nothing is asked of the picture but that it is made of
+ * numbers and shows its vertices where they are. */
+static void below(stage *s)
+{
+    drawn_figures f = {0};
+    for (int v = 0; v < 4; v++) {
+        tc_camera c = {
+            .x = 9000, .y = 8000, .heading = v, .pitch = 0.4 * v, .fov = 1, .width = WIDTH, .height = HEIGHT};
+        c.z = ground(s, c.x, c.y) - pow(10, 2 * v - 2);
+        scene_draw(&s->scene, &c, true);
+        drawn_vertices(&s->drawn, &c, &s->options.frame, &f);
+    }
+    extreme_at_most("below the ground", "vertices off, pixels", f.vertex_px, 0.1, "of %lld", (long long)f.vertices);
+    extreme_at_most("below the ground", "numbers not finite", (double)f.not_finite, 0, "of %lld", (long long)f.numbers);
+}
+
+/* Outside the terrain, looking back at its middle. */
+static void outside(stage *s, const char *name, double away)
+{
+    drawn_figures f = {0};
+    double middle = 0.5 * (SIZE - 1) * SPACING;
+    for (int v = 0; v < 4; v++) {
+        double heading = 1.6 * v + 0.3, up = v & 1 ? 0.2 * away : 3000;
+        tc_camera c = {.x = middle - away * sin(heading),
+                       .y = middle - away * cos(heading),
+                       .z = up,
+                       .heading = heading,
+                       .pitch = -atan2(up, away),
+                       .fov = v < 2 ? 60 * DEGREE : fmax(1 * DEGREE, 3e4 / away),
+                       .width = WIDTH,
+                       .height = HEIGHT};
+        drawn_look(&s->drawn, &c, &s->options, &f);
+    }
+    rows(name, &f, 0.1);
+}
+
+/* One view of the usual place, with the direction, field and frame given. */
+static void one(stage *s, const char *name, double pitch, double fov, int width, int height, double vertex_limit)
+{
+    drawn_figures f = {0};
+    tc_camera c = {
+        .x = 11000, .y = 12000, .heading = 0.7, .pitch = pitch, .fov = fov, .width = width, .height = height};
+    c.z = ground(s, c.x, c.y) + 300;
+    drawn_look(&s->drawn, &c, &s->options, &f);
+    rows(name, &f, vertex_limit);
+}
+
+static void directions_and_fields(stage *s)
+{
+    one(s, "straight down", -M_PI / 2, 1.2, WIDTH, HEIGHT, 0.1);
+    one(s, "straight up", M_PI / 2, 1.2, WIDTH, HEIGHT, 0.1);
+    one(s, "field of 1 degree", -0.3, 1 * DEGREE, WIDTH, HEIGHT, 0.1);
+    one(s, "field of 170 degrees", -0.3, 170 * DEGREE, WIDTH, HEIGHT, 0.1);
+    one(s, "field of 170 degrees, straight down", -M_PI / 2, 170 * DEGREE, WIDTH, HEIGHT, 0.1);
+    one(s, "frame of 1x1 pixel", -0.6, 1.2, 1, 1, 0.1);
+    one(s, "frame of 1x16384 pixels", -0.6, 1e-3, 1, 16384, 0.1);
+    one(s, "frame of 16384x1 pixels", -0.6, 1.2, 16384, 1, 0.5);
+}
+
+/* As large a window as such a frame calls for; the view is full of terrain. */
+static void large_frame(const tc_context *context)
+{
+    const tc_camera c = {.fov = 75 * DEGREE, .width = 7680, .height = 4320};
+    stage s;
+    stage_create(&s, context, terrain_pyramid(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 7), tc_clipmap_n_for(&c));
+    one(&s, "frame of 7680x4320 pixels", -0.9, c.fov, c.width, c.height, 0.5);
+    stage_destroy(&s);
+}
+
+/* 10,000 km from the map's origin on a terrain with a sample to the millimetre. */
+static void far_and_fine(const tc_context *context)
+{
+    const double spacing = 1e-3, at = 1e7;
+    tc_pyramid *p = computed_pyramid((int64_t)(1.2 * at / spacing), (int64_t)(1.2 * at / spacing), spacing, 1000);
+    stage s;
+    stage_create(&s, context, p, N);
+    drawn_figures f = {0};
+    for (int v = 0; v < 6; v++) {
+        tc_camera c = {.x = at + 0.0123 * v,
+                       .y = at - 0.0317 * v,
+                       .heading = v,
+                       .pitch = -0.2 * v,
+                       .fov = 1,
+                       .width = WIDTH,
+                       .height = HEIGHT};
+        c.z = ground(&s, c.x, c.y) + 1e-3 * pow(10, v);
+        drawn_look(&s.drawn, &c, &s.options, &f);
+    }
+    rows("coordinates of 10,000,000 m, samples of 0.001 m", &f, 0.1);
+    stage_destroy(&s);
+}
+
+/* What the command line does not take. */
+static void refused(const char *name, const char *option, const char *value)
+{
+    char *argv[] = {(char *)"planar-viewer", (char *)option, (char *)value, (char *)"terrain.tif", NULL};
+    tc_options options;
+    tc_error error = {.text = ""};
+    const tc_options_program program = {.name = argv[0], .navigation = &tc_flat_navigation};
+    extreme_refused(name, tc_options_parse(&program, 4, argv, &options, &error), TC_ERR_USAGE, error.text);
+}
+
+static void refusals(void)
+{
+    refused("field below 1 degree", "--fov", "0.999");
+    refused("field above 170 degrees", "--fov", "170.001");
+    refused("field that is no number", "--fov", "nan");
+    refused("frame without pixels", "--size", "0x240");
+    refused("frame of negative size", "--size", "-320x240");
+    refused("frame wider than 16384 pixels", "--size", "16385x240");
+    refused("frame of 2^32 pixels and one more", "--size", "4294967297x1");
+    refused("eye farther than 1e12 m", "--view", "1.1e12,0,0,0,0");
+    refused("eye at infinity", "--view", "1e400,0,0,0,0");
+    refused("eye at no place", "--view", "nan,0,0,0,0");
+    refused("pitch beyond straight up", "--view", "0,0,100,0,90.1");
+}
+
+int main(void)
+{
+    extreme_begin("cameras");
+    refusals();
+    tc_context *context = scene_context();
+    if (!context) {
+        extreme_skipped("all views", "no OpenGL context");
+        return extreme_end();
+    }
+    stage s;
+    stage_create(&s, context, terrain_pyramid(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 7), N);
+    heights(&s, "0.001 m above the ground", 1e-3, 1);
+    heights(&s, "1 m above the ground", 1, 1);
+    heights(&s, "100 m above the ground", 100, 1);
+    heights(&s, "1,000,000 m above the ground", 1e6, 2 * DEGREE);
+    heights(&s, "1,000,000,000 m above the ground", 1e9, 1 * DEGREE);
+    below(&s);
+    outside(&s, "100 km outside", 1e5);
+    outside(&s, "1,000 km outside", 1e6);
+    outside(&s, "1,000,000 km outside", 1e9);
+    directions_and_fields(&s);
+    stage_destroy(&s);
+    large_frame(context);
+    far_and_fine(context);
+    tc_context_destroy(context);
+    return extreme_end();
+}

@@ -1,0 +1,143 @@
+/* watertight.c - background that shows through a planar scene. */
+#include "watertight.h"
+
+#include <math.h>
+
+#include "common/core/clipmap/camera.h"
+
+tc_scene_options watertight_options(void)
+{
+    return (tc_scene_options){.unlit = true, .background_set = true, .background = {255, 0, 255}};
+}
+
+static tc_level finest_of(const tc_pyramid *p)
+{
+    return tc_pyramid_level(p, tc_pyramid_info(p)->levels);
+}
+
+bool watertight_over(const tc_pyramid *p, const tc_camera *c)
+{
+    tc_level finest = finest_of(p);
+    return c->x >= 0 && c->y >= 0 && c->x <= (double)(finest.width - 1) * finest.spacing_x &&
+           c->y <= (double)(finest.height - 1) * finest.spacing_y;
+}
+
+tc_camera watertight_view(test_random *r, const tc_pyramid *p, double highest, int width, int height)
+{
+    tc_level finest = finest_of(p);
+    const double w = (double)(finest.width - 1) * finest.spacing_x, h = (double)(finest.height - 1) * finest.spacing_y;
+    const double near_x = 10 * finest.spacing_x, near_y = 10 * finest.spacing_y;
+    tc_camera c = {.width = width, .height = height};
+    double where = test_random_unit(r);
+    if (where < 0.55) { /* anywhere over it */
+        c.x = test_random_range(r, 0, w), c.y = test_random_range(r, 0, h);
+    } else if (where < 0.75) { /* near a corner or an edge */
+        c.x = w * (double)test_random_int(r, 0, 1) + test_random_range(r, -near_x, near_x);
+        c.y = h * (double)test_random_int(r, 0, 2) / 2 + test_random_range(r, -near_y, near_y);
+    } else { /* outside */
+        c.x = test_random_range(r, -1, 2) * w, c.y = test_random_range(r, -1, 2) * h;
+    }
+    double ground;
+    tc_pyramid_height(p, c.x, c.y, &ground);
+    c.z = tc_pyramid_info(p)->z_base + ground + pow(10, test_random_range(r, 0, log10(highest)));
+    c.heading = test_random_range(r, 0, 2 * M_PI);
+    c.pitch = where < 0.1 ? -M_PI / 2 : test_random_range(r, -M_PI / 2, M_PI / 6);
+    c.fov = test_random_range(r, 20, 110) * M_PI / 180;
+    return c;
+}
+
+/* A frame that is looked at. */
+typedef struct picture {
+    const uint8_t *rgb;
+    int width, height;
+} picture;
+
+static bool magenta(const picture *f, int x, int y)
+{
+    const uint8_t *p = f->rgb + 3 * ((size_t)y * (size_t)f->width + (size_t)x);
+    return p[0] == 255 && p[1] == 0 && p[2] == 255;
+}
+
+static bool solid(const picture *f, int x, int y)
+{
+    if (x < 1 || y < 1 || x >= f->width - 1 || y >= f->height - 1)
+        return false;
+    for (int dy = -1; dy <= 1; dy++)
+        for (int dx = -1; dx <= 1; dx++)
+            if (magenta(f, x + dx, y + dy))
+                return false;
+    return true;
+}
+
+/* Whether terrain is drawn between the pixel and the frame's edge, or the vanishing point (vx, vy, vw: homogeneous,
+ * pixels) of the direction walked in. */
+static bool terrain_towards(const picture *f, int x, int y, double vx, double vy, double vw)
+{
+    double px = x + 0.5, py = y + 0.5;
+    double dx = vx - vw * px, dy = vy - vw * py, length = hypot(dx, dy), most = 2 * (f->width + f->height);
+    if (length < 1e-9)
+        return false;
+    if (vw > 0) /* the vanishing point lies ahead: not beyond it */
+        most = length / vw;
+    for (double s = 1; s < most; s++) {
+        int qx = (int)floor(px + s * dx / length), qy = (int)floor(py + s * dy / length);
+        if (qx < 0 || qy < 0 || qx >= f->width || qy >= f->height)
+            return false;
+        if (solid(f, qx, qy))
+            return true;
+    }
+    return false;
+}
+
+/* Whether the ray through the middle of pixel (x, y) goes through the drawn surface. */
+static bool ray_crosses(scene *s, const tc_camera *camera, const tc_frame_options *options, int x, int y)
+{
+    tc_basis b = tc_camera_basis(camera);
+    double tx, ty, d[3], length = 0, margin = 0.25 / tc_camera_pixel_scale(camera);
+    tc_camera_tangents(camera, &tx, &ty);
+    double u = ((x + 0.5) / camera->width * 2 - 1) * tx, v = (1 - (y + 0.5) / camera->height * 2) * ty;
+    for (int i = 0; i < 3; i++) {
+        d[i] = b.forward[i] + u * b.right[i] + v * b.up[i];
+        length += d[i] * d[i];
+    }
+    length = sqrt(length);
+    bool above = false, below = false;
+    tc_level finest = finest_of(s->pyramid);
+    double step = fmin(finest.spacing_x, finest.spacing_y);
+    double x_max = (double)finest.width * finest.spacing_x, y_max = (double)finest.height * finest.spacing_y;
+    double far = 4 * (x_max + y_max) + 4 * fabs(camera->z) + 2 * hypot(camera->x, camera->y);
+    for (double t = fmin(0.01, 3e-4 * step); t < far && !(above && below);
+         t += fmax(0.002 * t, fmin(0.1 * step, 0.1 * t))) {
+        double p[3] = {camera->x + t * d[0] / length, camera->y + t * d[1] / length, camera->z + t * d[2] / length}, z;
+        if (!s->surface->drawn_height(s->surface, camera, options, p[0], p[1], &z))
+            continue;
+        above = above || p[2] - z > margin * t;
+        below = below || z - p[2] > margin * t;
+    }
+    return above && below;
+}
+
+int watertight_cracks(scene *s, const uint8_t *rgb, const tc_camera *camera, const tc_frame_options *options,
+                      int64_t *terrain_ret)
+{
+    const picture f = {rgb, camera->width, camera->height};
+    bool outside = !watertight_over(s->pyramid, camera);
+    tc_basis b = tc_camera_basis(camera);
+    double tx, ty;
+    tc_camera_tangents(camera, &tx, &ty);
+    /* Where the direction straight up vanishes, in pixels from the top left. */
+    double w = b.forward[2], x = (b.right[2] / tx + w) * f.width / 2, y = (w - b.up[2] / ty) * f.height / 2;
+    int cracks = 0;
+    int64_t terrain = 0;
+    for (int j = 0; j < f.height; j++)
+        for (int i = 0; i < f.width; i++) {
+            if (!magenta(&f, i, j))
+                terrain++;
+            else if (terrain_towards(&f, i, j, x, y, w) && (!outside || terrain_towards(&f, i, j, -x, -y, -w)) &&
+                     ray_crosses(s, camera, options, i, j))
+                cracks++;
+        }
+    if (terrain_ret)
+        *terrain_ret = terrain;
+    return cracks;
+}
