@@ -18,6 +18,7 @@
 typedef struct square_surface {
     tc_surface head;
     square_geometry index;
+    bool wide;               /* places relative to the viewer do not fit 32 bits (square_wide.glsl) */
     int capacity;            /* draws of either kind */
     tc_draw *strips, *lists; /* strips has room for both */
     tc_instance *strip_data, *list_data;
@@ -99,10 +100,30 @@ static bool visible(const assembly *a, tc_rect cells)
     return tc_frustum_sees(&a->frustum, lo, hi);
 }
 
+/* Of square_wide.glsl: high * 65536 + low. */
+typedef struct wide_place {
+    int32_t high;
+    int32_t low; /* -32768 .. 32767 */
+} wide_place;
+
+static wide_place split(int64_t place)
+{
+    int64_t high = tc_floor_shift(place + 32768, 16);
+    return (wide_place){(int32_t)high, (int32_t)(place - high * 65536)};
+}
+
+/* What map_vertex() of square.glsl reads: the block's first vertex in finest samples from the viewer's, its place in
+ * the normal map, which is twice as large as the heights' window, and the level. */
 static tc_instance instance(const assembly *a, int64_t x, int64_t y)
 {
     int k = a->l->shift, torus = 2 * (tc_clipmap_n(a->clipmap) + 1);
     int64_t rx = (x << k) - a->viewer.snap_x, ry = (y << k) - a->viewer.snap_y;
+    if (a->s->wide) {
+        wide_place px = split(rx), py = split(ry);
+        uint32_t low = (uint32_t)(px.low & 0xffff) | (uint32_t)(py.low & 0xffff) << 16;
+        uint32_t at = (uint32_t)(x & (torus - 1)) | (uint32_t)(y & (torus - 1)) << 12 | (uint32_t)(a->level - 1) << 24;
+        return (tc_instance){{px.high, py.high, (int32_t)low, (int32_t)at}};
+    }
     int32_t texel = (int32_t)(x & (torus - 1)) | (int32_t)(y & (torus - 1)) << 16;
     return (tc_instance){{(int32_t)rx, (int32_t)ry, texel, a->level - 1}};
 }
@@ -203,12 +224,16 @@ static void set_uniforms(assembly *a, const tc_frame_options *options)
 {
     square_surface *s = a->s;
     const tc_clip_level *l = tc_clipmap_level(a->clipmap, 1);
+    int64_t edge_x = l->edge_x - a->viewer.snap_x, edge_y = l->edge_y - a->viewer.snap_y;
+    wide_place x = split(edge_x), y = split(edge_y);
     const float surface[] = {(float)a->spacing[0],
                              (float)a->spacing[1],
                              (float)a->viewer.rest_x,
                              (float)a->viewer.rest_y,
-                             int_bits(l->edge_x - a->viewer.snap_x),
-                             int_bits(l->edge_y - a->viewer.snap_y)};
+                             int_bits(s->wide ? x.high : edge_x),
+                             int_bits(s->wide ? y.high : edge_y),
+                             int_bits(x.low),
+                             int_bits(y.low)};
     memcpy(s->surface_uniforms, surface, sizeof surface);
     for (int level = 1; level <= tc_clipmap_levels(a->clipmap); level++) {
         square_morph m = tc_square_morph(a->clipmap, level, &a->viewer, options);
@@ -304,12 +329,14 @@ static void square_destroy(tc_surface *surface)
 
 tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error)
 {
-    static const char *const vertex_parts[] = {"square.glsl", NULL}, *const fragment_parts[] = {"square.frag", NULL};
+    static const char *const vertex_parts[] = {"square_wide.glsl", "square.glsl", NULL};
+    static const char *const fragment_parts[] = {"square.frag", NULL};
     const tc_clip_level *l = tc_clipmap_level(clipmap, 1);
+    const int64_t edge = tc_max64(l->edge_x, l->edge_y);
     square_surface *s = calloc(1, sizeof *s);
     tc_status status = TC_OK;
-    if (tc_max64(l->edge_x, l->edge_y) >= (int64_t)1 << 30)
-        status = tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^30 samples a side, found %lldx%lld",
+    if (edge >= (int64_t)1 << 40) /* the high part of a place is exact as a float */
+        status = tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^40 samples a side, found %lldx%lld",
                          (long long)l->edge_x + 1, (long long)l->edge_y + 1);
     else if (!s)
         status = tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
@@ -320,9 +347,10 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
     }
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    s->wide = edge >= (int64_t)1 << 30;
     s->head =
         (tc_surface){.name = "square",
-                     .vertex_parts = vertex_parts,
+                     .vertex_parts = s->wide ? vertex_parts : vertex_parts + 1,
                      .fragment_parts = fragment_parts,
                      .sky = "sky.frag",
                      .closers = true,

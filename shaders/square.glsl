@@ -6,7 +6,7 @@
 //
 // All that the fragment shader needs goes into one vector: on a software renderer each one more costs 4 % of a frame.
 layout(location = 0) in ivec2 in_vertex; // of the static geometry
-layout(location = 1) in ivec4 in_instance; // its block
+layout(location = 1) in ivec4 in_instance; // its block: instance() in square.c
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 #ifdef HOLES
 layout(binding = 3) uniform sampler2DArray voids_map;
@@ -22,17 +22,43 @@ INTERPOLATED out float v_height; // metres above z_base
 flat out int v_level;
 #endif
 
+int block_layer()
+{
+#ifdef WIDE
+    return in_instance.w >> 24;
+#else
+    return in_instance.w;
+#endif
+}
+
 // texel: in the level's height window; plane: metres east and north of the eye; cell: place in the level's window in
 // samples, for normals; alpha: 0 this level's height, 1 the coarser level's.
 void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
 {
-    vec4 start = layer[3 * in_instance.w], rate = layer[3 * in_instance.w + 1], rest = layer[3 * in_instance.w + 2];
+    int at = 3 * block_layer();
+    vec4 start = layer[at], rate = layer[at + 1], rest = layer[at + 2];
+    int shift = floatBitsToInt(rest.z);
+#ifdef WIDE
+    ivec2 origin = ivec2(in_instance.w, in_instance.w >> 12) & 0xfff;
+    ivec2 first_high = in_instance.xy, first_low = ivec2(in_instance.z << 16, in_instance.z) >> 16;
+    ivec2 high = first_high, low = first_low;
+    if (shift < 16)
+        low += in_vertex << shift;
+    else
+        high += in_vertex << (shift - 16);
+    carry(high, low);
+    cut_at_edge(high, low, floatBitsToInt(surface[1]));
+    plane = vec2(high) * (HIGH * surface[0].xy) + (vec2(low) * surface[0].xy - surface[0].zw);
+    cell = vec2(origin) + vec2(high - first_high) * (HIGH * rest.y) + vec2(low - first_low) * rest.y;
+    vec2 c = vec2(high) * (HIGH * rest.y) + vec2(low) * rest.y;
+#else
     ivec2 origin = ivec2(in_instance.z & 0xffff, in_instance.z >> 16);
-    ivec2 place = min(in_instance.xy + (in_vertex << floatBitsToInt(rest.z)), floatBitsToInt(surface[1].xy));
-    texel = origin + in_vertex;
+    ivec2 place = min(in_instance.xy + (in_vertex << shift), floatBitsToInt(surface[1].xy));
     plane = vec2(place) * surface[0].xy - surface[0].zw;
     cell = vec2(origin) + vec2(place - in_instance.xy) * rest.y;
     vec2 c = vec2(place) * rest.y;
+#endif
+    texel = origin + in_vertex;
     vec4 ramp = vec4(start.x - c.x, c.x - start.y, start.z - c.y, c.y - start.w) * rate;
     alpha = clamp(max(max(max(ramp.x, ramp.y), max(ramp.z, ramp.w)), rest.x), 0.0, 1.0);
 }
@@ -43,7 +69,7 @@ vec3 surface_vertex()
     vec2 plane, cell;
     float alpha;
     map_vertex(texel, plane, cell, alpha);
-    ivec3 at = ivec3(texel & WINDOW_MASK, in_instance.w);
+    ivec3 at = ivec3(texel & WINDOW_MASK, block_layer());
     vec2 z = texelFetch(heights_map, at, 0).rg;
     precise float height = (1.0 - alpha) * z.x + alpha * z.y;
     precise float above = (height - eye.x) - eye.y;
@@ -53,14 +79,14 @@ vec3 surface_vertex()
 #if defined(LIT) || defined(LEVEL_COLOURS)
     const float size = float(WINDOW_MASK + 1);
 #ifdef MULTISAMPLED
-    vec2 place = mod(cell - window[in_instance.w].xy, 2.0 * size);
+    vec2 place = mod(cell - window[block_layer()].xy, 2.0 * size);
 #else
     vec2 place = (2.0 * cell + 0.5) * (0.5 / size);
 #endif
 #ifdef MULTISAMPLED
-    v_level = in_instance.w;
+    v_level = block_layer();
 #endif
-    v_terrain = vec4(height, place, 2.0 * float(in_instance.w) + 0.5 + alpha);
+    v_terrain = vec4(height, place, 2.0 * float(block_layer()) + 0.5 + alpha);
 #else
     v_height = height;
 #endif

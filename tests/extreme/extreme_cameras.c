@@ -45,8 +45,11 @@ static void rows(const char *name, const drawn_figures *f, double vertex_limit)
 {
     extreme_at_most(name, "cracks, pixels", (double)f->cracks, 0, "%lld pixels of terrain in %d views",
                     (long long)f->terrain, f->views);
-    extreme_at_most(name, "vertices off, pixels", f->vertex_px, vertex_limit, "of %lld", (long long)f->vertices);
-    extreme_at_most(name, "depth off the surface, pixels", f->depth_px, 0.5, "of %lld pixels", (long long)f->depths);
+    if (f->vertices)
+        extreme_at_most(name, "vertices off, pixels", f->vertex_px, vertex_limit, "of %lld", (long long)f->vertices);
+    if (f->depths)
+        extreme_at_most(name, "depth off the surface, pixels", f->depth_px, 0.5, "of %lld pixels",
+                        (long long)f->depths);
     extreme_at_most(name, "numbers not finite", (double)f->not_finite, 0, "of %lld", (long long)f->numbers);
 }
 
@@ -71,10 +74,10 @@ static void heights(stage *s, const char *name, double above, double fov)
                        .fov = fov,
                        .width = WIDTH,
                        .height = HEIGHT};
-        if (v == 1) /* a millionth of a sample beside one */
-            c.x = 300 * SPACING - 1e-6 * SPACING, c.y = 411 * SPACING - 1e-6 * SPACING;
+        if (v == 1) /* beside a sample, as far as the eye is above it, which it looks down at */
+            c.x = 300 * SPACING - fmin(0.1 * above, 9), c.y = 411 * SPACING + fmin(0.1 * above, 9), c.pitch = -M_PI / 2;
         if (v == 2)
-            c.x = 300 * SPACING, c.y = 412 * SPACING;
+            c.x = 300 * SPACING, c.y = 412 * SPACING, c.pitch = -1.5;
         c.z = ground(s, c.x, c.y) + above;
         drawn_look(&s->drawn, &c, &s->options, &f);
     }

@@ -129,10 +129,17 @@ typedef struct block {
 static block block_of(const tc_clipmap *clipmap, const square_viewer *viewer, const tc_draw *draw,
                       const tc_instance *instance, int side)
 {
-    block b = {.level = instance->v[3] + 1, .w = 1};
+    const tc_clip_level *all = tc_clipmap_level(clipmap, 1);
+    bool wide = tc_max64(all->edge_x, all->edge_y) >= (int64_t)1 << 30; /* square_wide.glsl */
+    block b = {.level = (wide ? instance->v[3] >> 24 : instance->v[3]) + 1, .w = 1};
     int shift = tc_clipmap_level(clipmap, b.level)->shift;
-    b.x = (instance->v[0] + viewer->snap_x) >> shift;
-    b.y = (instance->v[1] + viewer->snap_y) >> shift;
+    int64_t x = instance->v[0], y = instance->v[1];
+    if (wide) {
+        x = x * 65536 + (int16_t)(instance->v[2] & 0xffff);
+        y = y * 65536 + (int16_t)(instance->v[2] >> 16 & 0xffff);
+    }
+    b.x = (x + viewer->snap_x) >> shift;
+    b.y = (y + viewer->snap_y) >> shift;
     uint32_t first = 0;
     while (first < draw->first_index)
         first += tc_square_strip_count(b.w++, side);
