@@ -27,7 +27,9 @@ typedef struct square_morph {
     double start[4], rate[4], least;
 } square_morph;
 
-/* Where the viewer is: the sample of the pyramid's finest level south-west of it, and the offset from it. */
+/* Where the viewer is: the sample of the pyramid's finest level next to it, and the offset from it. Of another one the
+ * offset could be a whole cell less a millimetre, which as a float loses a part of that millimetre; a vertex so
+ * near would be seen some pixels off. */
 typedef struct square_viewer {
     int64_t snap_x, snap_y; /* finest samples, within the terrain */
     double rest_x, rest_y;  /* metres, eye minus snapped sample */

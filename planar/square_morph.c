@@ -22,8 +22,8 @@ square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camer
     const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
     tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
     square_viewer v;
-    v.snap_x = (int64_t)fmin(fmax(floor(camera->x / finest.spacing_x), 0), (double)(finest.width - 1));
-    v.snap_y = (int64_t)fmin(fmax(floor(camera->y / finest.spacing_y), 0), (double)(finest.height - 1));
+    v.snap_x = (int64_t)fmin(fmax(floor(camera->x / finest.spacing_x + 0.5), 0), (double)(finest.width - 1));
+    v.snap_y = (int64_t)fmin(fmax(floor(camera->y / finest.spacing_y + 0.5), 0), (double)(finest.height - 1));
     v.rest_x = camera->x - (double)v.snap_x * finest.spacing_x;
     v.rest_y = camera->y - (double)v.snap_y * finest.spacing_y;
     double ground = 0;
