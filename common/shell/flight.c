@@ -187,7 +187,7 @@ void tc_flight_step(tc_flight *flight, const tc_flight_input *input, const tc_gr
 
 const tc_navigation tc_flat_navigation = {
     .form = "X,Y,Z,HEADING,PITCH",
-    .bounds = "X,Y,Z,HEADING,PITCH in metres and degrees, |PITCH| up to 90",
+    .bounds = "X,Y,Z,HEADING,PITCH in metres up to 1e12 and degrees, |PITCH| up to 90",
     .help = "eye in metres from the south-west sample, degrees clockwise from north, degrees up (default: all of the "
             "terrain)",
     .unit = 1,
