@@ -80,7 +80,9 @@ static int64_t run(const tour *t, uint64_t seed)
     for (int move = 0; move < t->moves; move++) {
         wanderer_move(&w, p);
         tc_square_wanted(c, &w.camera, wanted);
-        samples += tc_clipmap_update(c, wanted, t->budget, !t->packed);
+        int64_t filled = tc_clipmap_update(c, wanted, t->budget, !t->packed);
+        assert_true(t->budget < 0 || filled <= t->budget);
+        samples += filled;
         check(regions_broken(c), move);
         check(heights_broken(c), move);
         int level = (int)test_random_int(&r, 1, tc_clipmap_levels(c));

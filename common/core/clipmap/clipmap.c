@@ -217,12 +217,13 @@ static int64_t affordable(int64_t missing, int64_t length, int64_t budget)
     return budget < 0 ? missing : tc_min64(missing, budget / length);
 }
 
-/* The first rectangle of an empty region: as much as the budget allows around the middle of its target. */
+/* The first rectangle of an empty region: as much as the budget allows, which may be nothing, around the middle of its
+ * target. */
 static tc_rect seed(tc_rect target, int64_t budget)
 {
     if (budget < 0 || tc_rect_area(target) <= budget)
         return target;
-    int64_t side = 1;
+    int64_t side = 0;
     while ((side + 1) * (side + 1) <= budget)
         side++;
     int64_t x = (target.x0 + target.x1 - side) / 2, y = (target.y0 + target.y1 - side) / 2;
@@ -250,7 +251,7 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget, bo
     int64_t spent = 0;
     if (tc_rect_empty(*clip) && !tc_rect_empty(target)) {
         tc_rect first = seed(target, budget);
-        if (!wait && !is_ready(c, level, first))
+        if (tc_rect_empty(first) || (!wait && !is_ready(c, level, first)))
             return 0;
         tc_clipmap_fill(c, level, first);
         *clip = first;
