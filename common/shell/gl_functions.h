@@ -105,6 +105,14 @@
     X(PFNGLBEGINTRANSFORMFEEDBACKPROC, BeginTransformFeedback) \
     X(PFNGLENDTRANSFORMFEEDBACKPROC, EndTransformFeedback)
 
+/* Timer queries */
+#define TC_GL_QUERIES(X) \
+    X(PFNGLCREATEQUERIESPROC, CreateQueries) \
+    X(PFNGLDELETEQUERIESPROC, DeleteQueries) \
+    X(PFNGLBEGINQUERYPROC, BeginQuery) \
+    X(PFNGLENDQUERYPROC, EndQuery) \
+    X(PFNGLGETQUERYOBJECTUI64VPROC, GetQueryObjectui64v)
+
 #define TC_GL_FUNCTIONS(X) \
     TC_GL_STATE_CLEARING_READING(X) \
     TC_GL_BUFFERS(X) \
@@ -112,7 +120,8 @@
     TC_GL_TEXTURES_SAMPLERS(X) \
     TC_GL_FRAMEBUFFERS(X) \
     TC_GL_PROGRAMS_UNIFORMS(X) \
-    TC_GL_DRAWING(X)
+    TC_GL_DRAWING(X) \
+    TC_GL_QUERIES(X)
 /* clang-format on */
 
 #endif

@@ -7,93 +7,22 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "common/core/clipmap/camera.h"
 #include "common/shell/clock.h"
-#include "common/shell/program.h"
 #include "planar/square_internal.h"
 #include "tests/support/measure.h"
+#include "tests/support/plain_mesh.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
 enum { WIDTH = 640, HEIGHT = 480, PAIRS = 21 };
 
-/* A mesh of ready-made positions, drawn with a position-only shader. */
-typedef struct plain_mesh {
-    GLuint program, vao, vertices, indices, draws, framebuffer, renderbuffers[2];
-    int strip_draws, list_draws;
-    GLint matrix;
-} plain_mesh;
-
-static void plain_create(const tc_gl *gl, plain_mesh *m, const float (*positions)[3], size_t count,
-                         const uint16_t *indices, int index_count, const tc_draw *draws, int strips, int lists)
-{
-    static const char *vs = "#version 450 core\nlayout(location = 0) in vec3 p; uniform mat4 m;\n"
-                            "void main() { gl_Position = m * vec4(p, 1.0); }\n";
-    static const char *fs = "#version 450 core\nout vec4 c; void main() { c = vec4(0.5, 0.6, 0.4, 1.0); }\n";
-    GLuint v = gl->CreateShader(GL_VERTEX_SHADER), f = gl->CreateShader(GL_FRAGMENT_SHADER);
-    gl->ShaderSource(v, 1, &vs, NULL), gl->CompileShader(v);
-    gl->ShaderSource(f, 1, &fs, NULL), gl->CompileShader(f);
-    m->program = gl->CreateProgram();
-    gl->AttachShader(m->program, v), gl->AttachShader(m->program, f), gl->LinkProgram(m->program);
-    gl->DeleteShader(v), gl->DeleteShader(f);
-    m->matrix = gl->GetUniformLocation(m->program, "m");
-    m->strip_draws = strips, m->list_draws = lists;
-    gl->CreateBuffers(1, &m->vertices);
-    gl->NamedBufferStorage(m->vertices, (GLsizeiptr)(count * sizeof *positions), positions, 0);
-    gl->CreateBuffers(1, &m->indices);
-    gl->NamedBufferStorage(m->indices, (GLsizeiptr)((size_t)index_count * sizeof *indices), indices, 0);
-    gl->CreateBuffers(1, &m->draws);
-    gl->NamedBufferStorage(m->draws, (GLsizeiptr)((size_t)(strips + lists) * sizeof *draws), draws, 0);
-    gl->CreateVertexArrays(1, &m->vao);
-    gl->VertexArrayElementBuffer(m->vao, m->indices);
-    gl->VertexArrayVertexBuffer(m->vao, 0, m->vertices, 0, sizeof *positions);
-    gl->EnableVertexArrayAttrib(m->vao, 0);
-    gl->VertexArrayAttribFormat(m->vao, 0, 3, GL_FLOAT, GL_FALSE, 0);
-    gl->VertexArrayAttribBinding(m->vao, 0, 0);
-    gl->CreateRenderbuffers(2, m->renderbuffers);
-    gl->NamedRenderbufferStorage(m->renderbuffers[0], GL_RGBA8, WIDTH, HEIGHT);
-    gl->NamedRenderbufferStorage(m->renderbuffers[1], GL_DEPTH_COMPONENT32F, WIDTH, HEIGHT);
-    gl->CreateFramebuffers(1, &m->framebuffer);
-    gl->NamedFramebufferRenderbuffer(m->framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, m->renderbuffers[0]);
-    gl->NamedFramebufferRenderbuffer(m->framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, m->renderbuffers[1]);
-}
-
-static double plain_frame(const tc_gl *gl, const plain_mesh *m, const float *matrix, bool one_sided)
+static double plain_frame(const tc_gl *gl, const plain_mesh *m, const tc_camera *camera, bool one_sided)
 {
     double start = tc_clock_ms();
-    gl->BindFramebuffer(GL_FRAMEBUFFER, m->framebuffer);
-    gl->Viewport(0, 0, WIDTH, HEIGHT);
-    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    gl->ClearNamedFramebufferfv(m->framebuffer, GL_DEPTH, 0, (float[]){0});
-    gl->ClearNamedFramebufferfv(m->framebuffer, GL_COLOR, 0, (float[]){0, 0, 0, 1});
-    gl->Enable(GL_DEPTH_TEST);
-    gl->DepthFunc(GL_GREATER);
-    gl->BindVertexArray(m->vao);
-    gl->UseProgram(m->program);
-    gl->ProgramUniformMatrix4fv(m->program, m->matrix, 1, GL_FALSE, matrix);
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, m->draws);
-    gl->Enable(GL_PRIMITIVE_RESTART_FIXED_INDEX); /* TC_RESTART */
-    gl->FrontFace(GL_CW);
-    if (one_sided)
-        gl->Enable(GL_CULL_FACE);
-    gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, m->strip_draws, 0);
-    gl->Disable(GL_CULL_FACE);
-    if (m->list_draws)
-        gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
-                                      (const void *)((size_t)m->strip_draws * sizeof(tc_draw)), m->list_draws, 0);
+    plain_draw(gl, m, camera, 1e-4, one_sided);
     gl->Finish();
     return tc_clock_ms() - start;
-}
-
-static void plain_destroy(const tc_gl *gl, plain_mesh *m)
-{
-    gl->DeleteProgram(m->program);
-    gl->DeleteVertexArrays(1, &m->vao);
-    gl->DeleteBuffers(3, (GLuint[]){m->vertices, m->indices, m->draws});
-    gl->DeleteFramebuffers(1, &m->framebuffer);
-    gl->DeleteRenderbuffers(2, m->renderbuffers);
 }
 
 /* The positions that the scene's vertex shader computes for this camera, relative to the eye, for every draw. */
@@ -135,42 +64,10 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
             used++;
         }
     }
-    plain_create(gl, m, (const float(*)[3])positions, used, g->indices, g->index_count, draws, frame.strip_draws,
-                 frame.list_draws);
+    plain_create(gl, WIDTH, HEIGHT, m, (const float(*)[3])positions, used, g->indices, g->index_count, draws,
+                 frame.strip_draws, frame.list_draws);
     free(positions);
     free(draws);
-}
-
-/* All samples of the finest level as one mesh in tiles of 128 x 128 cells. */
-static void plain_brute_force(const tc_gl *gl, const tc_pyramid *p, const tc_camera *camera, plain_mesh *m)
-{
-    enum { B = 128 };
-    tc_geometry g = {0};
-    square_geometry index;
-    tc_error error;
-    if (tc_square_geometry(B, &g, &index, &error))
-        exit(99);
-    int finest = tc_pyramid_info(p)->levels;
-    tc_level l = tc_pyramid_level(p, finest);
-    int64_t tiles = (l.width - 1) / B, count = tiles * tiles;
-    float(*positions)[3] = malloc((size_t)(count * g.vertex_count) * sizeof *positions), z[(B + 1) * (B + 1)];
-    tc_draw *draws = malloc((size_t)count * sizeof *draws);
-    for (int64_t t = 0; t < count; t++) {
-        int64_t x = t % tiles * B, y = t / tiles * B;
-        if (tc_pyramid_read(p, finest, (tc_rect){x, y, x + B + 1, y + B + 1}, z, NULL, B + 1))
-            exit(99);
-        for (int k = 0; k < g.vertex_count; k++) {
-            float *q = positions[t * g.vertex_count + k];
-            q[0] = (float)((double)(x + k % (B + 1)) * l.spacing_x - camera->x);
-            q[1] = (float)((double)(y + k / (B + 1)) * l.spacing_y - camera->y);
-            q[2] = (float)((double)z[k] - camera->z);
-        }
-        draws[t] =
-            (tc_draw){tc_square_strip_count(B, B), 1, index.strip_first[B - 1], (int32_t)(t * g.vertex_count), 0};
-    }
-    plain_create(gl, m, (const float(*)[3])positions, (size_t)(count * g.vertex_count), g.indices, g.index_count, draws,
-                 (int)count, 0);
-    free(positions), free(draws), free(g.vertices), free(g.indices), free(index.strip_first);
 }
 
 static double scene_frame(scene *s, const tc_camera *camera)
@@ -184,13 +81,11 @@ static double scene_frame(scene *s, const tc_camera *camera)
 static double ratio(const tc_gl *gl, scene *s, const plain_mesh *m, const tc_camera *camera, bool one_sided, int pairs,
                     double *frame_ms, double *plain_ms)
 {
-    float matrix[16];
     double ratios[PAIRS], a[PAIRS], b[PAIRS];
-    tc_camera_matrix(camera, 1e-4, matrix);
-    scene_draw(s, camera, true), plain_frame(gl, m, matrix, one_sided);
+    scene_draw(s, camera, true), plain_frame(gl, m, camera, one_sided);
     for (int i = 0; i < pairs; i++) {
         a[i] = scene_frame(s, camera);
-        b[i] = plain_frame(gl, m, matrix, one_sided);
+        b[i] = plain_frame(gl, m, camera, one_sided);
         ratios[i] = a[i] / b[i];
     }
     *frame_ms = measure_of(a, pairs).median, *plain_ms = measure_of(b, pairs).median;
@@ -298,9 +193,11 @@ int main(void)
         plain_destroy(gl, &same);
         if (lit) {
             plain_mesh brute;
-            plain_brute_force(gl, p, &camera, &brute);
+            if (!plain_brute_flat(gl, p, &camera, &brute))
+                return 1;
             r = ratio(gl, &s, &brute, &camera, false, 5, &ms, &plain_ms);
-            printf("frame: brute force, 33,554,432 triangles: %.0f ms, %.1f times the lit frame\n", plain_ms, 1 / r);
+            printf("frame: brute force, %lld triangles: %.0f ms, %.1f times the lit frame\n",
+                   (long long)brute.triangles, plain_ms, 1 / r);
             plain_destroy(gl, &brute);
         }
         scene_destroy(&s);

@@ -28,6 +28,17 @@ measure_spread measure_of(double *values, int count)
                             count};
 }
 
+static FILE *begin_table(const char *path, const char *header)
+{
+    FILE *f = fopen(path, "w");
+    if (!f) {
+        fprintf(stderr, "measure: %s: cannot be written\n", path);
+        exit(1);
+    }
+    fprintf(f, "%s\n", header);
+    return f;
+}
+
 measure_options measure_begin(int argc, char **argv, const char *header)
 {
     measure_options o = {0};
@@ -42,13 +53,20 @@ measure_options measure_begin(int argc, char **argv, const char *header)
             exit(2);
         }
     }
-    if (file && !(o.csv = fopen(file, "w"))) {
-        fprintf(stderr, "%s: %s: cannot be written\n", argv[0], file);
-        exit(1);
-    }
-    if (o.csv)
-        fprintf(o.csv, "%s\n", header);
+    o.path = file;
+    if (file)
+        o.csv = begin_table(file, header);
     return o;
+}
+
+FILE *measure_beside(const measure_options *options, const char *name, const char *header)
+{
+    if (!options->csv)
+        return NULL;
+    char path[4096];
+    const char *slash = strrchr(options->path, '/');
+    snprintf(path, sizeof path, "%.*s%s", slash ? (int)(slash - options->path + 1) : 0, options->path, name);
+    return begin_table(path, header);
 }
 
 int measure_end(measure_options *options)

@@ -17,12 +17,16 @@ measure_spread measure_of(double *values, int count);
 /* bench_NAME [--quick] [--csv FILE]: fewer and smaller measurements; a table for the report. */
 typedef struct measure_options {
     bool quick;
-    FILE *csv; /* with its header written; NULL: not asked for */
+    FILE *csv;        /* with its header written; NULL: not asked for */
+    const char *path; /* of it */
 } measure_options;
 
 /* Reads the command line; header: the CSV's first line, without its end. Other arguments, or a file that cannot be
  * written, end the program with a line on stderr and exit code 2 or 1. */
 measure_options measure_begin(int argc, char **argv, const char *header);
+
+/* One more table in the folder of the first; NULL where that was not asked for. Closed as a FILE. */
+FILE *measure_beside(const measure_options *options, const char *name, const char *header);
 
 /* Closes the file. The program's exit code: 1, with a line on stderr, where a row could not be written. */
 int measure_end(measure_options *options);

@@ -16,6 +16,9 @@ typedef struct scene {
  * had. */
 tc_context *scene_context(void);
 
+/* The same for measurements: on a GPU where there is one. */
+tc_context *scene_context_fastest(void);
+
 /* Ends the program with the error on failure. n: 0 for the default. */
 scene scene_create(const tc_context *context, const tc_pyramid *pyramid, int n, const tc_scene_options *options);
 void scene_destroy(scene *s);

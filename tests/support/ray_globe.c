@@ -1,0 +1,206 @@
+/* ray_globe.c - rays against a planet's finest levels, between the shells of tiles. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "common/core/base/rect.h"
+#include "common/core/clipmap/view_error.h"
+#include "ray_cast.h"
+
+#define DEGREE (M_PI / 180)
+enum { TILE = 8 }; /* samples of chart 0 */
+
+/* Tiles of longitude and latitude: the highest ground in a tile and in all tiles around it, so that it holds as far as
+ * a tile is wide. Where meridians are close together, of all tiles of three rows. */
+struct ray_globe {
+    const tc_atlas *atlas;
+    double z_base, radius; /* that heights are above */
+    double z_max;          /* of all of them */
+    double x0, y0, side;   /* of the tiles, radians */
+    int64_t columns, rows;
+    float *most;
+};
+
+static const double SHORT = 0.17; /* cosine of the latitude from which on rows are taken as a whole */
+
+/* Highest ground of a cap over a rectangle of longitude and latitude. */
+static float cap_highest(const tc_atlas *a, int chart, double x0, double y0, double x1, double y1)
+{
+    const tc_chart *c = &a->chart[chart];
+    double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
+    enum { STEPS = 32 };
+    for (int i = 0; i <= STEPS; i++)
+        for (int side = 0; side < 2; side++) {
+            double latitude = fmin(side ? y1 : y0, M_PI / 2), lambda = x0 + (x1 - x0) * i / STEPS;
+            double r = 2 * tan((M_PI / 2 - (chart == 1 ? latitude : -fmax(latitude, -M_PI / 2))) / 2);
+            const double p[2] = {(r * cos(lambda) - c->x0) / c->dx, (r * sin(lambda) - c->y0) / c->dy};
+            for (int k = 0; k < 2; k++)
+                lo[k] = fmin(lo[k], p[k]), hi[k] = fmax(hi[k], p[k]);
+        }
+    /* Arcs between the points bulge by less than this. */
+    double slack = 2 + 0.01 * fmax(hi[0] - lo[0], hi[1] - lo[1]);
+    float z_min, z_max;
+    tc_pyramid_bounds(c->pyramid, tc_pyramid_info(c->pyramid)->levels,
+                      (tc_rect){(int64_t)floor(lo[0] - slack), (int64_t)floor(lo[1] - slack),
+                                (int64_t)ceil(hi[0] + slack) + 1, (int64_t)ceil(hi[1] + slack) + 1},
+                      &z_min, &z_max);
+    return z_max;
+}
+
+/* Highest ground of one tile alone. */
+static float tile_highest(const ray_globe *g, int64_t i, int64_t j)
+{
+    const tc_chart *c = &g->atlas->chart[0];
+    tc_rect r = {i * TILE - 1, j * TILE - 1, (i + 1) * TILE + 2, (j + 1) * TILE + 2};
+    float lo, hi;
+    tc_pyramid_bounds(c->pyramid, tc_pyramid_info(c->pyramid)->levels, r, &lo, &hi);
+    double x0 = g->x0 + (double)i * g->side, y0 = g->y0 + (double)j * g->side, y1 = y0 + g->side;
+    if (g->atlas->charts > 1 && y1 > TC_CAP_BLEND_START * DEGREE)
+        hi = fmaxf(hi, cap_highest(g->atlas, 1, x0, y0, x0 + g->side, y1));
+    if (g->atlas->charts > 1 && y0 < -TC_CAP_BLEND_START * DEGREE)
+        hi = fmaxf(hi, cap_highest(g->atlas, 2, x0, y0, x0 + g->side, y1));
+    return hi;
+}
+
+static bool whole_row(const ray_globe *g, int64_t j)
+{
+    double south = g->y0 + (double)(j - 1) * g->side, north = g->y0 + (double)(j + 2) * g->side;
+    return cos(fmin(fmax(fabs(south), fabs(north)), M_PI / 2)) < SHORT;
+}
+
+static float around(const ray_globe *g, const float *own, int64_t i, int64_t j)
+{
+    float most = -INFINITY;
+    for (int64_t v = tc_max64(j - 1, 0); v <= tc_min64(j + 1, g->rows - 1); v++)
+        for (int64_t u = i - 1; u <= i + 1; u++)
+            most = fmaxf(most, own[v * g->columns + (u + g->columns) % g->columns]);
+    return most;
+}
+
+ray_globe *ray_globe_create(const tc_atlas *atlas)
+{
+    const tc_chart *c = &atlas->chart[0];
+    tc_level l = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
+    ray_globe *g = calloc(1, sizeof *g);
+    if (g)
+        *g = (ray_globe){.atlas = atlas,
+                         .z_base = tc_pyramid_info(c->pyramid)->z_base,
+                         .x0 = c->x0,
+                         .y0 = c->y0,
+                         .side = TILE * c->dx,
+                         .columns = (l.width + TILE - 1) / TILE,
+                         .rows = (l.height + TILE - 1) / TILE,
+                         .z_max = -INFINITY};
+    float *own = g ? malloc((size_t)(g->columns * g->rows) * sizeof *own) : NULL;
+    if (!own || !(g->most = malloc((size_t)(g->columns * g->rows) * sizeof *g->most))) {
+        fputs("ray cast: not enough memory\n", stderr);
+        exit(99);
+    }
+    g->radius = atlas->radius + g->z_base;
+    for (int64_t k = 0; k < g->columns * g->rows; k++)
+        own[k] = tile_highest(g, k % g->columns, k / g->columns), g->z_max = fmax(g->z_max, own[k]);
+    for (int64_t j = 0; j < g->rows; j++) {
+        float row = -INFINITY;
+        for (int64_t i = 0; i < g->columns; i++)
+            row = fmaxf(row, g->most[j * g->columns + i] = around(g, own, i, j));
+        for (int64_t i = 0; i < g->columns && whole_row(g, j); i++)
+            g->most[j * g->columns + i] = row;
+    }
+    free(own);
+    return g;
+}
+
+void ray_globe_destroy(ray_globe *g)
+{
+    free(g->most);
+    free(g);
+}
+
+/* ---- Rays -------------------------------------------------------------------------------------------------------- */
+
+typedef struct ray {
+    const ray_globe *g;
+    const tc_camera *camera;
+    const double *d;
+    double up; /* of the eye from the planet's middle, metres */
+} ray;
+
+/* A point of the ray: where it is, and how high above the sphere of heights 0. */
+typedef struct point {
+    double s, place[3];
+} point;
+
+static point at(const ray *r, double s)
+{
+    point p = {.s = s};
+    const double e[3] = {s * r->d[0], s * r->d[1], s * r->d[2]};
+    tc_view_globe_place(r->camera, r->g->radius, e, p.place);
+    return p;
+}
+
+static double above(const ray *r, const point *p)
+{
+    double z;
+    if (tc_atlas_height(r->g->atlas, p->place[0], p->place[1], &z))
+        exit(1);
+    return p->place[2] - z;
+}
+
+/* Change of the height with s. */
+static double slope(const ray *r, double s)
+{
+    double x = s * r->d[0], y = s * r->d[1], z = r->up + s * r->d[2];
+    return (s + r->up * r->d[2]) / sqrt(x * x + y * y + z * z);
+}
+
+static double shell(const ray_globe *g, const point *p, double *reach_ret)
+{
+    double x = p->place[0] - g->x0;
+    int64_t i = tc_clamp64((int64_t)floor((x - 2 * M_PI * floor(x / (2 * M_PI))) / g->side), 0, g->columns - 1);
+    int64_t j = tc_clamp64((int64_t)floor((p->place[1] - g->y0) / g->side), 0, g->rows - 1);
+    double narrow = whole_row(g, j) ? 1 : cos(fmin(fabs(p->place[1]) + g->side, M_PI / 2));
+    *reach_ret = 0.99 * g->side * narrow * (g->radius + fmin(p->place[2], 0));
+    return g->most[j * g->columns + i];
+}
+
+static double bisect(const ray *r, double clear, double below)
+{
+    for (int i = 0; i < 100 && below - clear > 1e-12 * below; i++) {
+        point p = at(r, 0.5 * (clear + below));
+        if (above(r, &p) < 0)
+            below = p.s;
+        else
+            clear = p.s;
+    }
+    return 0.5 * (clear + below);
+}
+
+bool ray_globe_hit(const ray_globe *g, const tc_camera *camera, const double d[3], double *distance_ret)
+{
+    /* tc_view_globe_place() counts from the camera's height above a sphere: here that of heights 0. */
+    tc_camera eye = *camera;
+    eye.z -= g->z_base;
+    ray r = {g, &eye, d, g->radius + eye.z};
+    double s = 0, top = g->radius + g->z_max, cell = g->side / TILE * g->radius;
+    if (r.up > top) { /* to where it enters the highest shell */
+        double b = r.up * d[2], c = (r.up - top) * (r.up + top), q = b * b - c;
+        if (b >= 0 || q < 0)
+            return false;
+        s = c / (-b + sqrt(q));
+    }
+    double from = s;
+    for (point p = at(&r, s); p.place[2] <= g->z_max * (1 + 1e-9) + 1e-6 || slope(&r, p.s) < 0;) {
+        double reach, most = shell(g, &p, &reach), fall = -slope(&r, p.s);
+        double step = fmin(cell / 8, fmax(0.02 * fmax(p.s - from, p.s * 0.02), 1e-3)), free = 0;
+        if (p.place[2] > most)
+            free = fall > 0 ? fmin(reach, (p.place[2] - most) / fall) : reach; /* heights along a ray are convex */
+        point next = at(&r, p.s + fmax(step, free));
+        double unused;
+        if (next.place[2] <= shell(g, &next, &unused) && above(&r, &next) < 0) {
+            *distance_ret = bisect(&r, p.s, next.s);
+            return true;
+        }
+        p = next;
+    }
+    return false;
+}
