@@ -19,9 +19,10 @@ lacks() { # REGEX WHAT
     ! grep -Eq -- "$1" "$page" || fail "$2: the page holds $(grep -Eo -- "$1" "$page" | head -n 1)"
 }
 makes_page() {
-    does '' sh "$report/page.sh" folder
+    mkdir -p scratch
+    does '' env TMPDIR="$work/scratch" sh "$report/page.sh" folder
     cases=$((cases + 1))
-    [ -z "$(ls -A "${TMPDIR:-/tmp}" | grep '^terraclip-report-')" ] || fail "the page's maker left files behind"
+    rmdir scratch || fail "the page's maker left files behind"
 }
 # The page needs nothing but itself, every element is closed, and no name stands for two.
 is_whole() { # WHAT
@@ -72,6 +73,7 @@ END
 printf 'level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n1,ch06,1e-5,3\n2,exact,1e-8,1e-4\n2,ch06,1e-6,5\n' >folder/precision.csv
 {
     echo dataset,codec,mode,bits_per_sample,rms_m,max_error_m,encode_msps,decode_msps,roi255_ms
+    echo 'other,terraclip,rms 1,1,1,5,10,100,1.5'
     for row in 'terraclip,rms 1 (tiles),1,1' 'terraclip,rms 2 (tiles),0.5,2' 'jpeg2000,rate 1,1.5,0.7' 'jpeg2000,rate 2,0.4,3'; do
         printf '"%s",%s,5,10,100,1.5\n' "$hostile" "$row"
     done
@@ -98,9 +100,10 @@ holds '1 failed</b><span>1 passed, 1 refused' 'the count of cases'
 holds '<pre>\$ viewer &lt;file&gt;' '--explain'
 holds '13.3 times' 'the median against brute force' # 400 / 30
 holds '0.250 px</b><span>worst 99.9 % at n = 255' 'the worst error'
+lacks 'No plot' 'plots'
 holds 'not at hand' 'figures of papers that nobody found'
 cases=$((cases + 2))
-[ "$(grep -c '<svg' "$page")" = 9 ] || fail "$(grep -c '<svg' "$page") plots instead of 9" # 3 scenes twice, 2, 1
+[ "$(grep -c '<svg' "$page")" = 10 ] || fail "$(grep -c '<svg' "$page") plots instead of 10" # 3 scenes twice, 2, 2
 # At equal rms jpeg2000 has, between 1.5 bits at 0.7 and 0.4 at 3, 1.0843 bits at 1 m: ours are 7.8 % fewer.
 grep -q -- '-7.80</td>' "$page" || fail 'bits at equal error'
 # The front holds all but the square 511, which 255 beats in both.

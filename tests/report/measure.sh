@@ -9,8 +9,8 @@
 set -u
 build=$1 mode=$2 out=$3 here=${0%/*}
 failed=0 number=0
-quick= limit=1500 # seconds that one program may take
-[ "$mode" = quick ] && quick=--quick limit=150
+quick= limit=1500 # seconds after which a program counts as hanging
+[ "$mode" = quick ] && quick=--quick limit=600
 all=170 # seconds of a quick report: what is left of them the extreme cases may take
 start=$(date +%s)
 total=$(($(set -- "$build"/tests/extreme_*; [ -e "$1" ] && echo $# || echo 0) + 11))

@@ -61,9 +61,9 @@ section() { # ID TITLE
     printf '<h2 id="%s">%s</h2>\n' "$1" "$2"
 }
 
-# A plot, inline. Names within it get the figure's own, since there are many on the page.
+# A plot, inline. Names within it get the figure's own before them, since there are many on the page.
 figure() { # ID TITLE CAPTION WIDTH HEIGHT PLOT [NAME=VALUE...]; values are gnuplot's
-    id=$1 title=$2 caption=$3 svg=$work/$1.svg plot=$6
+    name=$1 title=$2 caption=$3 svg=$work/$1.svg plot=$6
     settings="out = '$svg'; width = $4; height = $5"
     shift 6
     for setting; do settings="$settings; $setting"; done
@@ -71,7 +71,7 @@ figure() { # ID TITLE CAPTION WIDTH HEIGHT PLOT [NAME=VALUE...]; values are gnup
     if gnuplot -e "$settings" "$here/style.gp" "$here/$plot" >"$work/plot.log" 2>&1 && [ -s "$svg" ]; then
         sed -e '1,/^<svg/{/^<svg/!d;}' -e '/^<desc>/d' -e "s|<title>Gnuplot</title>|<title>$title</title>|" \
             -e 's|<title>gnuplot_plot_[0-9]*</title>||' \
-            -e "s| id=\([\"']\)| id=\1${id}_|g" -e "s|href=\([\"']\)#|href=\1#${id}_|g" -e "s|url(#|url(#${id}_|g" "$svg"
+            -e "s| id=\([\"']\)| id=\1${name}_|g" -e "s|href=\([\"']\)#|href=\1#${name}_|g" -e "s|url(#|url(#${name}_|g" "$svg"
     else
         printf '<p class="fault">No plot: %s</p>\n' "$(grep -v '^[[:space:]]*$' "$work/plot.log" | tail -n 1 | escaped)"
     fi
