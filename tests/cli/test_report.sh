@@ -49,11 +49,11 @@ Kind,"quick"
 Processor,"$hostile"
 END
 cat >folder/runs.csv <<END
-name,state,code,seconds,command,reason
-error_time,done,0,12,"bench_error_time --csv <file>",""
-update,failed,3,1,"bench_update","exit code 3; its last line: $hostile"
-scaling,skipped,0,1,"bench_scaling","no rows; its last line: no context"
-fidelity,missing,,0,"bench_fidelity","there is no program bench_fidelity"
+name,state,code,seconds,cpu_seconds,command,reason
+error_time,done,0,12,9.5,"bench_error_time --csv <file>",""
+update,failed,3,1,1,"bench_update","exit code 3; its last line: $hostile"
+scaling,skipped,0,1,1,"bench_scaling","no rows; its last line: no context"
+fidelity,missing,,0,0,"bench_fidelity","there is no program bench_fidelity"
 END
 {
     echo scene,scheme,n,triangles,frame_ms,brute_ms,err_rms_px,err_p999_px,err_max_px
@@ -70,17 +70,21 @@ END
     echo default-planet-10km,rings,512,40000,50,1600,0.01,0.03,0.05
     echo default-planet-10km,rings-ch06,512,40000,51,1600,0.02,0.07,0.1
 } >folder/error_time.csv
-printf 'level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n1,ch06,1e-5,3\n2,exact,1e-8,1e-4\n2,ch06,1e-6,5\n' >folder/precision.csv
+printf 'level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n1,ch06,1e-5,3\n2,exact,1e-8,1e-4\n2,ch06,1e-6,5\n' \
+    >folder/precision.csv
 {
     echo dataset,codec,mode,bits_per_sample,rms_m,max_error_m,encode_msps,decode_msps,roi255_ms
     echo 'other,terraclip,rms 1,1,1,5,10,100,1.5'
-    for row in 'terraclip,rms 1 (tiles),1,1' 'terraclip,rms 2 (tiles),0.5,2' 'jpeg2000,rate 1,1.5,0.7' 'jpeg2000,rate 2,0.4,3'; do
+    for row in 'terraclip,rms 1 (tiles),1,1' 'terraclip,rms 2 (tiles),0.5,2' 'jpeg2000,rate 1,1.5,0.7' \
+        'jpeg2000,rate 2,0.4,3'; do
         printf '"%s",%s,5,10,100,1.5\n' "$hostile" "$row"
     done
 } >folder/rate_distortion.csv
-printf 'family,case,figure,value,limit,verdict,note\n"heights","needle, tall","cracks","0","0","passed","a ""quoted"" note"\n' >folder/extreme/heights.csv
-printf 'family,case,figure,value,limit,verdict,note\n"sizes","1x1","cracks","7","0","FAILED","%s"\n"sizes","huge","refused","out of memory","out of memory","refused","x"\n' \
-    '<b>bold</b>' >folder/extreme/sizes.csv
+columns=family,case,figure,value,limit,verdict,note
+printf '%s\n' "$columns" '"heights","needle, tall","cracks","0","0","passed","a ""quoted"" note"' \
+    >folder/extreme/heights.csv
+printf '%s\n' "$columns" '"sizes","1x1","cracks","7","0","FAILED","<b>bold</b>"' \
+    '"sizes","huge","refused","out of memory","out of memory","refused","x"' >folder/extreme/sizes.csv
 printf 'A scene\n$ viewer <file>\nleft out: <nothing>\n' >folder/explain/1.txt
 
 makes_page
@@ -139,8 +143,8 @@ program tests/bench_precision 'echo "$*" >arguments.txt
 printf "level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n" >"$3"; echo done'
 program tests/bench_update 'echo step,us >"$3"; echo "cannot <open> it" >&2; exit 3'
 program tests/bench_space 'echo terrain >"$3"; echo "skipped: no context"'
-program tests/extreme_heights 'printf "family,case,figure,value,limit,verdict,note\n\"heights\",\"a\",\"b\",\"1\",\"0\",\"FAILED\",\"c\"\n" \
-    >"$TERRACLIP_EXTREME/heights.csv"; exit 1'
+program tests/extreme_heights "printf '%s\\n' $columns heights,a,b,1,0,FAILED,c \\
+    >\"\$TERRACLIP_EXTREME/heights.csv\"; exit 1"
 page=made/report/index.html
 run sh "$report/report.sh" made quick
 [ $rc = 1 ] || fail "a report with failures ends with $rc instead of 1"

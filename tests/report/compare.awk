@@ -26,8 +26,14 @@ FNR == 1 {
     } else if ("copy_ratio" in at) {
         step = f[1]; ms = f[at["us"]] / 1000; where = "processor time: " step
         note(step, ms, where)
-        if (step ~ /^decompression.*coarser/) { note("decompression", ms, where); note("decompression (on the CPU)", ms, where) }
-        if (step ~ /^normal map.*from/) { note("normal map", ms, where); note("normal map on the GPU", ms, where) }
+        if (step ~ /^decompression.*coarser/) {
+            note("decompression", ms, where)
+            note("decompression (on the CPU)", ms, where)
+        }
+        if (step ~ /^normal map.*from/) {
+            note("normal map", ms, where)
+            note("normal map on the GPU", ms, where)
+        }
         if (step ~ /^upload/) note("upload", ms, where)
         if (step == "U") note("U on the GPU", ms, where)
     } else if ("err_p999_px" in at) {
@@ -64,7 +70,8 @@ function paper_row(name, of_table, row, value, unit, where,    key, remark) {
         remark = "no hexagons in this version"
     if (!is_number(value))
         value = "not at hand"
-    lines[++count] = quoted(row) "," quoted(value) "," quoted(unit) "," (key in ours ? ours[key] : "") "," quoted(remark) "," quoted(where)
+    lines[++count] = quoted(row) "," quoted(value) "," quoted(unit) "," (key in ours ? ours[key] : "") "," \
+        quoted(remark) "," quoted(where)
 }
 
 END {

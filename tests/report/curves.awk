@@ -1,7 +1,7 @@
-# curves.awk - curves out of a table: awk -v group=COLUMN -v series=COLUMN[+COLUMN^] -v x=COLUMN -v y=COLUMN -v out=PREFIX
-# [-v only=COLUMN=REGEX]; COLUMN^ is its first word. For each value of `group` ("" for one plot of all) PREFIX.N has its curves as curves.gp wants
-# them, sorted by x; PREFIX.list says N|number of curves|value. Rows without both numbers, or not above 0 with -v
-# positive=1, are left out.
+# curves.awk - curves out of a table: awk -v group=COLUMN -v series=COLUMN[+COLUMN^] -v x=COLUMN -v y=COLUMN
+# -v out=PREFIX [-v only=COLUMN=REGEX] [-v positive=1]; COLUMN^ is its first word. For each value of `group` ("": one
+# plot of all) PREFIX.N has its curves as curves.gp wants them, sorted by x; PREFIX.list says N|number of curves|value.
+# Rows without both numbers, or, positive, not above 0, are left out.
 FNR == 1 {
     csv_header($0, at)
     parts = split(series, part, "+")

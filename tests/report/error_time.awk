@@ -89,17 +89,28 @@ function front(p, cost, file,    r, count, i, k, order) {
 
 END {
     table = out "/table.csv"
-    print "scene,scheme,morph,n,triangles,frame_ms,frame_low_ms,frame_high_ms,brute_ms,brute_times,err_rms_px,err_p999_px,err_max_px,best" >table
+    print "scene,scheme,morph,n,triangles,frame_ms,frame_low_ms,frame_high_ms,brute_ms,brute_times,err_rms_px," \
+        "err_p999_px,err_max_px,best" >table
     for (r = 1; r <= rows; r++) {
         file = out "/" in_panel[r] ".rows"
-        print series[r], n[r], ms[r], ms_low[r] == "" ? ms[r] : ms_low[r], ms_high[r] == "" ? ms[r] : ms_high[r], tris[r], drawn(in_panel[r], p999[r]) >file
+        print series[r], n[r], ms[r], ms_low[r] == "" ? ms[r] : ms_low[r], ms_high[r] == "" ? ms[r] : ms_high[r], \
+            tris[r], drawn(in_panel[r], p999[r]) >file
         quotient = is_number(brute[r]) && ms[r] > 0 ? sprintf("%.2f", brute[r] / ms[r]) : ""
-        print base[r] "," scheme[r] "," (scheme[r] == "square" ? morph[r] : "") "," (scheme[r] == "brute" ? "" : n[r]) "," tris[r] "," ms[r] "," ms_low[r] "," ms_high[r] "," brute[r] "," quotient "," rms[r] "," p999[r] "," max[r] "," (best(r, ms) ? "yes" : "") >table
+        of_scene = base[r]
+        gsub(/"/, "\"\"", of_scene)
+        print "\"" of_scene "\"," scheme[r] "," (scheme[r] == "square" ? morph[r] : "") "," \
+            (scheme[r] == "brute" ? "" : n[r]) "," tris[r] "," ms[r] "," ms_low[r] "," ms_high[r] "," brute[r] "," \
+            quotient "," rms[r] "," p999[r] "," max[r] "," (best(r, ms) ? "yes" : "") >table
     }
     for (p = 1; p <= panels; p++) {
         front(p, ms, out "/" p ".ms")
         front(p, tris, out "/" p ".tris")
         t = terrain[p]
-        print p "|" t "|" title[p] "|" ms0[t] / 1.4 ":" ms1[t] * 1.4 "|" tr0[t] / 1.4 ":" tr1[t] * 1.4 "|" drawn(p, 0) / 1.3 ":" (px1[t] + 0 > drawn(p, 0) ? px1[t] : drawn(p, 0)) * 2 >(out "/panels")
+        gsub(/\|/, "/", t)
+        gsub(/\|/, "/", title[p])
+        t0 = terrain[p]
+        edge = drawn(p, 0)
+        print p "|" t "|" title[p] "|" ms0[t0] / 1.4 ":" ms1[t0] * 1.4 "|" tr0[t0] / 1.4 ":" tr1[t0] * 1.4 "|" \
+            edge / 1.3 ":" (px1[t0] + 0 > edge ? px1[t0] : edge) * 2 >(out "/panels")
     }
 }

@@ -10,11 +10,20 @@ set format y "%g"
 set format x (column == 3 ? "%g" : "%.0s%c")
 unset key
 of(name) = strcol(1) eq name ? $7 : NaN
-plot front using 1:2 with lines linewidth 1.5 dashtype 2 linecolor rgb "#222222" title "front", \
-     rows using column:(of("brute")) with points pointtype 5 pointsize 0.8 linecolor rgb grey title "brute", \
-     rows using column:(of("square-no-morph")) with points pointtype 6 pointsize 0.8 linewidth 1.5 linecolor rgb pale title "square, morph off", \
-     rows using column:(of("square")) with points pointtype 7 pointsize 0.7 linecolor rgb blue title "square", \
-     rows using column:(of("square")):(sprintf("%d", $2)) with labels offset 0.3,0.7 font ",9" textcolor rgb blue title "n of squares", \
-     rows using column:(of("rings-ch06")) with points pointtype 10 pointsize 0.9 linewidth 1.5 linecolor rgb orange title "rings-ch06", \
-     rows using column:(of("rings")) with points pointtype 9 pointsize 0.8 linecolor rgb green title "rings", \
-     rows using column:(of("rings")):(sprintf("%d", $2)) with labels offset 0.3,-0.8 font ",9" textcolor rgb green title "steps around"
+set style line 1 linecolor rgb grey pointtype 5 pointsize 0.8
+set style line 2 linecolor rgb pale pointtype 6 pointsize 0.8 linewidth 1.5
+set style line 3 linecolor rgb blue pointtype 7 pointsize 0.7
+set style line 4 linecolor rgb orange pointtype 10 pointsize 0.9 linewidth 1.5
+set style line 5 linecolor rgb green pointtype 9 pointsize 0.8
+set style line 6 linecolor rgb "#222222" linewidth 1.5 dashtype 2
+number(name) = strcol(1) eq name ? sprintf("%d", $2) : ""
+plot front using 1:2 with lines linestyle 6 title "front", \
+     rows using column:(of("brute")) with points linestyle 1 title "brute", \
+     rows using column:(of("square-no-morph")) with points linestyle 2 title "square, morph off", \
+     rows using column:(of("square")) with points linestyle 3 title "square", \
+     rows using column:(of("square")):(number("square")) with labels offset 0.3,0.7 font ",9" textcolor rgb blue \
+         title "n of squares", \
+     rows using column:(of("rings-ch06")) with points linestyle 4 title "rings-ch06", \
+     rows using column:(of("rings")) with points linestyle 5 title "rings", \
+     rows using column:(of("rings")):(number("rings")) with labels offset 0.3,-0.8 font ",9" textcolor rgb green \
+         title "steps around"

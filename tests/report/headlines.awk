@@ -2,7 +2,8 @@
 
 # verdict: met, missed, plain (no goal), none (no figures).
 function tile(verdict, value, label, text) {
-    print "<div class=\"tile " verdict "\"><span class=\"label\">" html(label) "</span><b>" html(value) "</b><span>" html(text) \
+    print "<div class=\"tile " verdict "\"><span class=\"label\">" html(label) "</span><b>" html(value) "</b><span>" \
+        html(text) \
         (verdict == "none" || verdict == "plain" ? "" : " <span class=\"verdict\">" verdict "</span>") "</span></div>"
 }
 
@@ -26,10 +27,12 @@ function median(list, count,    i, j, v) {
 FNR == 1 {
     split("", at)
     csv_header($0, at)
-    kind = "err_p999_px" in at ? "error" : "err_over_radius" in at ? "precision" : "copy_ratio" in at ? "update" : \
-           "verdict" in at ? "extreme" : "bits_per_sample" in at && ("codec" in at) ? "rate" : "p999_px" in at ? "levels" : \
-           "saved_ms" in at ? "left" : "view_over_raw" in at ? "space" : "drawn" in at ? "triangles" : \
-           "ssim" in at ? "fidelity" : "other"
+    kind = "other"
+    count = split("err_p999_px error err_over_radius precision copy_ratio update verdict extreme codec rate " \
+                  "p999_px levels saved_ms left view_over_raw space drawn triangles ssim fidelity", kinds, " ")
+    for (i = 1; i < count; i += 2)
+        if (kinds[i] in at)
+            kind = kinds[i + 1]
     seen[kind] = 1
     next
 }
@@ -86,14 +89,21 @@ function levels_row() {
 }
 
 function left_row(ms, bytes) {
-    if (is_number(ms) && ms + 0 > left_ms + 0) { left_ms = ms; left_ms_of = f[at["feature"]] ", " f[at["scene"]] }
-    if (is_number(bytes) && bytes + 0 > left_bytes + 0) { left_bytes = bytes; left_bytes_of = f[at["feature"]] ", " f[at["scene"]] }
+    if (is_number(ms) && ms + 0 > left_ms + 0) {
+        left_ms = ms
+        left_ms_of = f[at["feature"]] ", " f[at["scene"]]
+    }
+    if (is_number(bytes) && bytes + 0 > left_bytes + 0) {
+        left_bytes = bytes
+        left_bytes_of = f[at["feature"]] ", " f[at["scene"]]
+    }
 }
 
 function space_row() {
     if (f[at["raw_bytes"]] + 0 > space_raw + 0) {
         space_raw = f[at["raw_bytes"]]
-        space_text = f[at["terrain"]] ": " byte_size(f[at["packed_bytes"]]) " packed, a view takes " byte_size(f[at["view_bytes"]])
+        space_text = f[at["terrain"]] ": " byte_size(f[at["packed_bytes"]]) " packed, a view takes " \
+            byte_size(f[at["view_bytes"]])
         space_part = f[at["packed_bytes"]] / space_raw
     }
 }
@@ -113,8 +123,8 @@ function error_tile(which, label, n,    real) {
     if (!((which, real) in worst))
         return absent(label, "row of error_time.csv for it")
     tile(judged(worst[which, real] < 1), digits(worst[which, real], 3) " px", label,
-         "worst 99.9 % at " n " over " scenes[which, real] " scenes of " (real ? "real data" : "the default only") ": " \
-         worst_of[which, real] "; goal: below 1 px")
+         "worst 99.9 % at " n " over " scenes[which, real] " scenes of " (real ? "real data" : "the default only") \
+         ": " worst_of[which, real] "; goal: below 1 px")
 }
 
 function brute_tile(which, label,    i, list, count, low) {
@@ -125,7 +135,8 @@ function brute_tile(which, label,    i, list, count, low) {
         list[i] = brute[which, i]
     i = median(list, count)
     tile(judged(list[1] > 1), digits(i, 3) " times", label,
-         "as fast, median of " count " scenes, " digits(list[1], 2) " to " digits(list[count], 3) "; goal: above 1 in each")
+         "as fast, median of " count " scenes, " digits(list[1], 2) " to " digits(list[count], 3) \
+         "; goal: above 1 in each")
 }
 
 function rate_tile(codec, label, goal,    d, i, name, bits, theirs, list, count, above) {
@@ -157,7 +168,8 @@ function speed_tile(codec, label,    key, d, i, k, name, near, list, count) {
                 continue
             near = 0
             for (k = 1; k <= speeds[name, codec]; k++)
-                if (speed_rms[name, codec, k] > 0 && (!near || distance(name, codec, k, i) < distance(name, codec, near, i)))
+                if (speed_rms[name, codec, k] > 0 &&
+                    (!near || distance(name, codec, k, i) < distance(name, codec, near, i)))
                     near = k
             if (near && distance(name, codec, near, i) < log(1.25))
                 list[++count] = speed_of[name, "terraclip", i] / speed_of[name, codec, near]
@@ -190,7 +202,8 @@ END {
         absent("Levels within LH04's bar", "lod_error.csv")
     if ("exact" in precision)
         tile(judged(precision["exact"] < 0.01), digits(precision["exact"], 2) " px", "Precision of the rings",
-             "worst vertex of all levels; the paper's transform " digits(precision["ch06"], 3) " px; goal: below 0.01 px")
+             "worst vertex of all levels; the paper's transform " digits(precision["ch06"], 3) \
+             " px; goal: below 0.01 px")
     else
         absent("Precision of the rings", "precision.csv")
     whole = "whole update; from the file to the textures"

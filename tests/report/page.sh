@@ -9,12 +9,12 @@ trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
 export LC_ALL=C
 
-table() { # FILE [NAME=VALUE...]: table.awk's settings
+table() { # FILE [NAME=VALUE...]: table.awk's settings, which may go over several lines
     file=$1
     shift
     for setting; do
         shift
-        set -- "$@" -v "$setting"
+        set -- "$@" -v "$(printf '%s' "$setting" | tr -s ' \n' ' ')"
     done
     awk "$@" -f "$here/csv.awk" -f "$here/table.awk" "$file"
 }
@@ -32,7 +32,8 @@ run_field() { # NAME FIELD
 ran() { # NAME
     state=$(run_field "$1" state) reason=$(run_field "$1" reason)
     printf '<p class="command">Again: <code>%s</code>' "$(run_field "$1" command | escaped)"
-    [ -z "$state" ] || printf ' &middot; took %s s' "$(run_field "$1" seconds | escaped)"
+    [ -z "$state" ] || printf ' &middot; took %s s, %s s of processor' \
+        "$(run_field "$1" seconds | escaped)" "$(run_field "$1" cpu_seconds | escaped)"
     echo '</p>'
     case $state in
     'done') ;;
@@ -71,7 +72,8 @@ figure() { # ID TITLE CAPTION WIDTH HEIGHT PLOT [NAME=VALUE...]; values are gnup
     if gnuplot -e "$settings" "$here/style.gp" "$here/$plot" >"$work/plot.log" 2>&1 && [ -s "$svg" ]; then
         sed -e '1,/^<svg/{/^<svg/!d;}' -e '/^<desc>/d' -e "s|<title>Gnuplot</title>|<title>$title</title>|" \
             -e 's|<title>gnuplot_plot_[0-9]*</title>||' \
-            -e "s| id=\([\"']\)| id=\1${name}_|g" -e "s|href=\([\"']\)#|href=\1#${name}_|g" -e "s|url(#|url(#${name}_|g" "$svg"
+            -e "s| id=\([\"']\)| id=\1${name}_|g" -e "s|href=\([\"']\)#|href=\1#${name}_|g" \
+            -e "s|url(#|url(#${name}_|g" "$svg"
     else
         printf '<p class="fault">No plot: %s</p>\n' "$(grep -v '^[[:space:]]*$' "$work/plot.log" | tail -n 1 | escaped)"
     fi

@@ -1,5 +1,5 @@
-# scenes.awk - a table whose first column is a scene (NAME-30m, NAME-30m-no-morph) with columns terrain and height before
-# it, and loss = 1 - ssim behind it where it has that.
+# scenes.awk - a table whose first column is a scene (NAME-30m, NAME-30m-no-morph) with columns terrain and height
+# before it, and loss = 1 - ssim behind it where it has that.
 FNR == 1 {
     csv_header($0, at)
     print "terrain,height," $0 ",loss"
@@ -17,5 +17,7 @@ FNR == 1 {
         terrain = substr(terrain, 1, RSTART - 1)
         sub(/[km]/, " &", height)
     }
-    print "\"" terrain "\",\"" height more "\"," $0 "," (("ssim" in at) && is_number(f[at["ssim"]]) ? 1 - f[at["ssim"]] : "")
+    gsub(/"/, "\"\"", terrain)
+    loss = ("ssim" in at) && is_number(f[at["ssim"]]) ? 1 - f[at["ssim"]] : ""
+    print "\"" terrain "\",\"" height more "\"," $0 "," loss
 }

@@ -11,7 +11,8 @@ papers() { # PAPER TABLE
     awk -v paper="$1" -v table="$2" -v papers="$here/papers.csv" -f "$here/csv.awk" -f "$here/compare.awk" \
         $(for f in update error_time frames triangles space rate_distortion precision; do
             [ ! -f "$out/$f.csv" ] || echo "$out/$f.csv"; done) "$here/papers.csv" >"$work/papers.csv"
-    table "$work/papers.csv" 'columns=row=Paper;value=Paper has:given;unit=Unit;ours=We have:4;remark=Where ours is from;where=Where the paper'"'"'s figure was found'
+    table "$work/papers.csv" 'columns=row=Paper;value=Paper has:given;unit=Unit;ours=We have:4;
+        remark=Where ours is from;where=Where the paper'"'"'s figure was found'
 }
 
 head_of_page() {
@@ -66,16 +67,19 @@ part_contents() {
 
 # ---- Error against run time ------------------------------------------------------------------------------------------
 
-legend='<p class="legend"><i style="color:#0b6fb8">&#9679; square, number: n</i> <i style="color:#7db8e0">&#9675; square, morph off</i>
+legend='<p class="legend"><i style="color:#0b6fb8">&#9679; square, number: n</i>
+<i style="color:#7db8e0">&#9675; square, morph off</i>
 <i style="color:#1a8a4a">&#9650; rings, number: steps around</i> <i style="color:#d06418">&#9651; rings-ch06</i>
-<i style="color:#666">&#9632; brute: mesh of all samples</i> <i>&#9476; front: nothing is both faster and nearer</i></p>'
+<i style="color:#666">&#9632; brute: mesh of all samples</i>
+<i>&#9476; front: nothing is both faster and nearer</i></p>'
 
 panels() { # COLUMN KIND XLABEL WHICH-LIMITS
     before=
     while IFS='|' read -r number terrain title ms tris pixels; do
         limits=$ms
         [ "$2" = ms ] || limits=$tris
-        [ "$terrain" = "$before" ] || printf '%s<h3>%s</h3><div class="panels">\n' "${before:+</div>}" "$(printf '%s\n' "$terrain" | escaped)"
+        [ "$terrain" = "$before" ] || printf '%s<h3>%s</h3><div class="panels">\n' "${before:+</div>}" \
+            "$(printf '%s\n' "$terrain" | escaped)"
         before=$terrain
         figure "error$number$2" 'Error against cost' '' 430 300 error_time.gp "rows = '$work/$number.rows'" \
             "front = '$work/$number.$2'" "column = $1" "xlabel_ = '$3'" "x0 = ${limits%:*}" "x1 = ${limits#*:}" \
@@ -92,11 +96,14 @@ part_error() {
     awk -v out="$work" -v least=1e-5 -f "$here/csv.awk" -f "$here/error_time.awk" "$@"
     echo "$legend"
     panels 3 ms 'milliseconds a frame'
-    echo '<p class="grey">Errors below those of all schemes are drawn at the lower edge: brute force has next to none. Times are medians of repeated views whose windows are held.</p>'
+    echo '<p class="grey">Errors below those of all schemes are drawn at the lower edge. Times are
+ medians of repeated views whose windows are held.</p>'
     echo '<details><summary>The same against triangles</summary>'
     panels 6 tris 'triangles drawn'
     echo '</details><h3>The fronts</h3><p>Rows that no other row of their scene beats in both time and error.</p>'
-    columns='columns=scene=Scene;scheme=Scheme;morph=Morph;n=n;triangles=Triangles:int;frame_ms=Frame, ms:4;frame_low_ms=10 %:4;frame_high_ms=90 %:4;brute_times=Brute force takes, times:3;err_rms_px=rms, px:3;err_p999_px=99.9 %, px:3;err_max_px=Largest, px:3'
+    columns='columns=scene=Scene;scheme=Scheme;morph=Morph;n=n;triangles=Triangles:int;frame_ms=Frame, ms:4;
+        frame_low_ms=10 %:4;frame_high_ms=90 %:4;brute_times=Brute force takes, times:3;err_rms_px=rms, px:3;
+        err_p999_px=99.9 %, px:3;err_max_px=Largest, px:3'
     table "$work/table.csv" "$columns" group=1 only=best=yes 'limits=err_p999_px<1'
     echo '<details><summary>All rows</summary>'
     table "$work/table.csv" "$columns;best=Front" group=1 'limits=err_p999_px<1'
@@ -108,7 +115,7 @@ part_error() {
     fi
 }
 
-# Plots of one table, one a value of its column GROUP.
+# Plots of one table, one a value of its column GROUP, which is the title or, where XLABEL is "=", that.
 curves() { # ID FILE GROUP SERIES X Y XLABEL YLABEL [NAME=VALUE of curves.awk...] -- [NAME=VALUE of curves.gp...]
     id=$1 file=$2 group=$3 series=$4 x=$5 y=$6 xlabel=$7 ylabel=$8
     shift 8
@@ -123,8 +130,10 @@ curves() { # ID FILE GROUP SERIES X Y XLABEL YLABEL [NAME=VALUE of curves.awk...
     fi
     echo '<div class="panels wide">'
     while IFS='|' read -r number count value; do
+        title=$value label=$xlabel
+        [ "$xlabel" != = ] || title= label=$value
         figure "$id$number" 'Curves' '' 560 460 curves.gp "data = '$work/$id.$number'" "blocks = $count" \
-            "xlabel_ = $(gp "$xlabel")" "ylabel_ = $(gp "$ylabel")" "title_ = $(gp "$value")" "$@"
+            "xlabel_ = $(gp "$label")" "ylabel_ = $(gp "$ylabel")" "title_ = $(gp "$title")" "$@"
     done <"$work/$id.list"
     echo '</div>'
 }
@@ -132,11 +141,13 @@ curves() { # ID FILE GROUP SERIES X Y XLABEL YLABEL [NAME=VALUE of curves.awk...
 part_fidelity() {
     section fidelity 'Fidelity: pictures against cast ones'
     measured fidelity fidelity.csv || return
-    echo '<p>Pictures of a scheme, unlit, against pictures cast ray by ray from the finest level: structural similarity of
-luminance (1: equal) and root mean square difference in levels of 8 bits. Lower is better in the plots.</p>'
+    echo '<p>Pictures of a scheme, unlit, against pictures cast ray by ray from the finest level: structural
+similarity of luminance (1: equal) and root mean square difference in levels of 8 bits.
+Lower is better in the plots.</p>'
     awk -f "$here/csv.awk" -f "$here/scenes.awk" "$out/fidelity.csv" >"$work/fidelity.csv"
     curves fidelity "$work/fidelity.csv" terrain height+scheme n loss 'n' '1 - SSIM' positive=1 -- xlog=1 ylog=1
-    table "$work/fidelity.csv" 'columns=terrain=Terrain;height=From;scheme=Scheme;n=n;ssim=SSIM:5;rmse=RMSE, levels:3;pixels=Pixels:int' group=2
+    table "$work/fidelity.csv" 'columns=terrain=Terrain;height=From;scheme=Scheme;n=n;ssim=SSIM:5;
+        rmse=RMSE, levels:3;pixels=Pixels:int' group=2
 }
 
 # ---- LH04 ------------------------------------------------------------------------------------------------------------
@@ -146,7 +157,8 @@ part_update() {
     measured update update.csv || return
     echo '<p>A full level of 255 x 255 samples: processor time of each step, median of many, and how many times as long
 as copying the bytes that it writes.</p>'
-    table "$out/update.csv" 'columns=step=Step;us=Median, µs:4;us_low=10 %, µs:4;us_high=90 %, µs:4;copy_ratio=times copying:3;paper_ms=LH04, ms:given'
+    table "$out/update.csv" 'columns=step=Step;us=Median, µs:4;us_low=10 %, µs:4;us_high=90 %, µs:4;
+        copy_ratio=times copying:3;paper_ms=LH04, ms:given'
     papers LH04 'table 1'
     echo '<p>The papers’ times are those of processors and graphics cards of 2004 and 2005. Our decompression includes
 U, and decodes whole tiles; synthesis is not in this version.</p>'
@@ -155,10 +167,12 @@ U, and decodes whole tiles; synthesis is not in this version.</p>'
 part_levels() {
     section levels 'LH04 table 2: error of the levels'
     measured lod_error lod_error.csv || return
-    echo '<p>Each level’s mesh against the finest samples; pixels for n = 255, W = 640, 90 degrees at LH04’s distance
-0.4 n g. The finest level has no error. Marked: rms from 0.2 px, 99.9 % from 1 px.</p>'
-    curves levels "$out/lod_error.csv" '' terrain spacing_m p999_px 'spacing of the level, m' '99.9 % within, px' positive=1 -- xlog=1 ylog=1
-    table "$out/lod_error.csv" 'columns=terrain=Terrain;level=Level;spacing_m=Spacing, m:3;rms_m=rms, m:3;p999_m=99.9 %, m:3;max_m=Largest, m:3;rms_px=rms, px:3;p999_px=99.9 %, px:3;max_px=Largest, px:3' \
+    echo '<p>Each level’s mesh against the finest samples; pixels for n = 255, W = 640, 90 degrees at LH04’s
+distance 0.4 n g. The finest level has no error. Marked: rms from 0.2 px, 99.9 % from 1 px.</p>'
+    curves levels "$out/lod_error.csv" '' terrain spacing_m p999_px 'spacing of the level, m' '99.9 % within, px' \
+        positive=1 -- xlog=1 ylog=1
+    table "$out/lod_error.csv" 'columns=terrain=Terrain;level=Level;spacing_m=Spacing, m:3;rms_m=rms, m:3;
+        p999_m=99.9 %, m:3;max_m=Largest, m:3;rms_px=rms, px:3;p999_px=99.9 %, px:3;max_px=Largest, px:3' \
         group=1 'limits=rms_px<0.2;p999_px<1'
     papers LH04 'table 2'
 }
@@ -168,8 +182,14 @@ part_space() {
     measured space space.csv || return
     echo '<p>What it takes to show a view with n = 255 from a packed file, which a fresh process opens. "View" is the
 packed file, clipmap, vertex textures and geometry; textures live in main memory on a software renderer.</p>'
-    table "$out/space.csv" 'columns=terrain=Terrain;width=Samples x:int;height=Samples y:int;raw_bytes=Raw (16 bits):bytes;packed_bytes=Packed:bytes;bits_per_sample=Bits a sample:3;rms_m=rms, m:3;max_error_m=Largest, m:3;view_bytes=View:bytes;view_over_raw=View / raw:3'
-    table "$out/space.csv" 'columns=terrain=Terrain;levels=L;clipmap_height_bytes=Clipmap heights:bytes;clipmap_normal_bytes=Clipmap normals:bytes;texture_height_bytes=Height textures:bytes;texture_normal_bytes=Normal textures:bytes;geometry_bytes=Geometry:bytes;pyramid_bytes=Caches:bytes;resident_start_bytes=Resident at start:bytes;resident_context_bytes=with a context:bytes;resident_view_bytes=with the view:bytes'
+    table "$out/space.csv" 'columns=terrain=Terrain;width=Samples x:int;height=Samples y:int;
+        raw_bytes=Raw (16 bits):bytes;packed_bytes=Packed:bytes;bits_per_sample=Bits a sample:3;rms_m=rms, m:3;
+        max_error_m=Largest, m:3;view_bytes=View:bytes;view_over_raw=View / raw:3'
+    table "$out/space.csv" 'columns=terrain=Terrain;levels=L;clipmap_height_bytes=Clipmap heights:bytes;
+        clipmap_normal_bytes=Clipmap normals:bytes;texture_height_bytes=Height textures:bytes;
+        texture_normal_bytes=Normal textures:bytes;geometry_bytes=Geometry:bytes;pyramid_bytes=Caches:bytes;
+        resident_start_bytes=Resident at start:bytes;resident_context_bytes=with a context:bytes;
+        resident_view_bytes=with the view:bytes'
     papers LH04 'table 3'
     echo '<p>The clipmap’s share does not grow with the terrain: for small terrains it is most of the view, for the
 papers’ it vanishes beside the data.</p>'
@@ -190,22 +210,26 @@ graphics card of their year. What compares is the number of triangles, not the t
 part_ch06() {
     section ch06 'CH06: triangles of three views, precision'
     if measured triangles triangles.csv; then
-        table "$out/triangles.csv" 'columns=scene=View;scheme=Scheme;all=All levels:int;to_pixel=down to a pixel:int;to_horizon=and to the horizon:int;drawn=Drawn:int;paper=CH06:int'
+        table "$out/triangles.csv" 'columns=scene=View;scheme=Scheme;all=All levels:int;
+            to_pixel=down to a pixel:int;to_horizon=and to the horizon:int;drawn=Drawn:int;paper=CH06:int'
         papers CH06 'section 5.2'
-        echo '<p>CH06 has no culling by direction and 16 levels, to about a metre; ours go on to centimetres, so that all
-levels together are more and what is drawn is what counts.</p>'
+        echo '<p>CH06 has no culling by direction and 16 levels, to about a metre; ours go on to centimetres, so that
+all levels together are more and what is drawn is what counts.</p>'
     fi
     echo '<h3>Precision by level (CH06 figure 12)</h3>'
     measured precision precision.csv || return
     awk -v column=err_px -f "$here/csv.awk" -f "$here/precision.awk" "$out/precision.csv" >"$work/precision.px"
-    awk -v column=err_over_radius -f "$here/csv.awk" -f "$here/precision.awk" "$out/precision.csv" >"$work/precision.radius"
+    awk -v column=err_over_radius -f "$here/csv.awk" -f "$here/precision.awk" "$out/precision.csv" \
+        >"$work/precision.radius"
     echo '<div class="panels wide">'
-    figure precisionpx 'Precision, pixels' 'Vertices as the driver computes them against long double; worst of all places and altitudes, frame 1280 wide.' \
+    figure precisionpx 'Precision, pixels' \
+        'Vertices as the driver computes them against long double; worst of all places, frame 1280 wide.' \
         560 380 precision.gp "data = '$work/precision.px'" "ylabel_ = 'worst error on the screen, px'" 'goal = 0.01'
     figure precisionradius 'Precision, share of the radius' 'The same as a share of the planet’s radius.' \
         560 380 precision.gp "data = '$work/precision.radius'" "ylabel_ = 'worst error / radius'" 'goal = 0'
     echo '</div><details><summary>The figures</summary>'
-    table "$out/precision.csv" 'columns=level=Level;variant=Transform;err_over_radius=Error / radius;err_px=Error, px:3'
+    table "$out/precision.csv" 'columns=level=Level;variant=Transform;err_over_radius=Error / radius;
+        err_px=Error, px:3'
     echo '</details>'
     papers CH06 'figure 12'
 }
@@ -221,19 +245,31 @@ part_bn08() {
 part_compression() {
     section compression 'Compression: bits against error'
     measured rate_distortion rate_distortion.csv || return
-    curves rate "$out/rate_distortion.csv" dataset codec+mode^ bits_per_sample rms_m 'bits a sample, whole files' 'rms, m' positive=1 -- xlog=1 ylog=1
-    awk -f "$here/csv.awk" -f "$here/rates.awk" -f "$here/equal_rms.awk" "$out/rate_distortion.csv" >"$work/equal_rms.csv"
-    echo '<h3>Bytes at equal error</h3><p>Ours against the other codec’s at the rms of ours, interpolated between its two
-nearest points in logarithms; rows where it has none on both sides are left out.</p>'
-    table "$work/equal_rms.csv" 'columns=dataset=Terrain;rms_m=rms, m:3;bits=Ours, bits:4;codec=Against;theirs=Its bits:4;saved=Our bytes, %:3' group=1
+    curves rate "$out/rate_distortion.csv" dataset codec+mode^ bits_per_sample rms_m \
+        'bits a sample, whole files' 'rms, m' \
+        positive=1 -- xlog=1 ylog=1
+    awk -f "$here/csv.awk" -f "$here/rates.awk" -f "$here/equal_rms.awk" "$out/rate_distortion.csv" \
+        >"$work/equal_rms.csv"
+    echo '<h3>Bytes at equal error</h3><p>Ours against the other codec’s at the rms of ours, interpolated between its
+two nearest points in logarithms; rows where it has none on both sides are left out.</p>'
+    table "$work/equal_rms.csv" 'columns=dataset=Terrain;rms_m=rms, m:3;bits=Ours, bits:4;codec=Against;
+        theirs=Its bits:4;saved=Our bytes, %:3' group=1
     echo '<h3>Speed and regions</h3>'
-    table "$out/rate_distortion.csv" 'columns=dataset=Terrain;codec=Codec;mode=Mode;bits_per_sample=Bits:4;rms_m=rms, m:3;max_error_m=Largest, m:3;encode_msps=Encoding, million samples/s:3;decode_msps=Decoding, million samples/s:3;roi255_ms=255 x 255 cold, ms:3' group=2
+    table "$out/rate_distortion.csv" 'columns=dataset=Terrain;codec=Codec;mode=Mode;bits_per_sample=Bits:4;
+        rms_m=rms, m:3;max_error_m=Largest, m:3;encode_msps=Encoding, million samples/s:3;
+        decode_msps=Decoding, million samples/s:3;roi255_ms=255 x 255 cold, ms:3' group=2
 }
 
 part_scaling() {
     section scaling 'Scaling'
     measured scaling scaling.csv || return
-    table "$out/scaling.csv" group=1
+    echo '<p>Frames of 640 x 480, unlit, n = 255 unless said otherwise, over one terrain repeated in mirror images: a
+held view, or one that moves; updates are windows and uploads, of the first view where the view is held.</p>'
+    awk -f "$here/csv.awk" -f "$here/scaling.awk" "$out/scaling.csv" >"$work/scaling.csv"
+    curves scaling "$work/scaling.csv" what cost value ms = milliseconds positive=1 -- xlog=1 ylog=1
+    table "$out/scaling.csv" 'columns=what=What;value=Value:given;frame_ms=Frame, ms:4;frame_low_ms=10 %:4;
+        frame_high_ms=90 %:4;update_ms=Update, ms:4;triangles=Triangles:int;samples=Samples updated:int;
+        bytes_uploaded=Uploaded:bytes' group=1
 }
 
 part_extreme() {
@@ -251,15 +287,19 @@ part_extreme() {
     fi
     awk -f "$here/csv.awk" -f "$here/extreme.awk" "$@" >"$work/extreme.csv"
     echo '<p>Failures first; rows of a family are as old as it says.</p><ul>'
-    for f; do printf '<li>%s: %s</li>\n' "$(basename "$f" .csv | escaped)" "$(date -u -r "$f" '+%Y-%m-%d %H:%M UTC')"; done
+    for f; do
+        printf '<li>%s: %s</li>\n' "$(basename "$f" .csv | escaped)" "$(date -u -r "$f" '+%Y-%m-%d %H:%M UTC')"
+    done
     echo '</ul>'
-    table "$work/extreme.csv" 'columns=family=Family;case=Case;figure=Figure;value=Value;limit=Limit;verdict=Verdict;note=Note'
+    table "$work/extreme.csv" 'columns=family=Family;case=Case;figure=Figure;value=Value;limit=Limit;
+        verdict=Verdict;note=Note'
 }
 
 part_left_out() {
     section left_out 'What scenes did not pay for'
     if measured left_out left_out.csv; then
-        table "$out/left_out.csv" 'columns=scene=Scene;feature=Left out;saved_ms=Saved, ms a frame:3;saved_bytes=Saved, bytes:bytes' group=1
+        table "$out/left_out.csv" 'columns=scene=Scene;feature=Left out;saved_ms=Saved, ms a frame:3;
+            saved_bytes=Saved, bytes:bytes' group=1
     fi
     echo '<h3>What the viewers say (--explain)</h3>'
     ran explain
@@ -276,7 +316,8 @@ part_runs() {
     echo '<p>Every program that this report ran, how long it took and what became of it.</p>'
     if has_rows "$out/runs.csv"; then
         sed '1s/state/verdict/' "$out/runs.csv" >"$work/runs.csv"
-        table "$work/runs.csv" 'columns=name=Name;verdict=State;seconds=Seconds:int;command=Command;reason=Reason'
+        table "$work/runs.csv" 'columns=name=Name;verdict=State;seconds=Seconds:int;cpu_seconds=of processor:4;
+            command=Command;reason=Reason'
     else
         echo '<p class="fault">Nothing was run.</p>'
     fi

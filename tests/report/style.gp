@@ -1,5 +1,6 @@
 # style.gp - what all plots have in common. Given on gnuplot's command line: out, width, height.
-set terminal svg size width, height dynamic font "DejaVu Sans,Helvetica,Arial,sans-serif,12" background "#ffffff" noenhanced
+set terminal svg size width, height dynamic noenhanced background "#ffffff" \
+    font "DejaVu Sans,Helvetica,Arial,sans-serif,12"
 set output out
 set border 3 linecolor rgb "#8a939c"
 set grid linecolor rgb "#dfe3e8" linewidth 1

@@ -3,7 +3,7 @@
 # columns: NAME=LABEL[:FORMAT] separated by ";" (shown() has the formats); "": all columns as they are called.
 # only: NAME=REGEX, rows to take. group: how many leading columns are not said again where they are those of the row
 # above. limits: NAME<BOUND separated by ";": cells at or above their bound are marked. Rows are marked by what a
-# column called `verdict` says. Columns that the file does not have are named below the table, never left out in silence.
+# column called `verdict` says. Columns that the file does not have are named below the table, never dropped in silence.
 
 function plan(    list, count, i, part, label) {
     shown_columns = 0
@@ -14,7 +14,7 @@ function plan(    list, count, i, part, label) {
             add_column(i, label, "4")
         }
     }
-    count = split(columns, list, ";")
+    count = split(columns, list, /; */)
     for (i = 1; i <= count; i++) {
         split(list[i], part, "=")
         label = substr(list[i], length(part[1]) + 2)
@@ -28,7 +28,7 @@ function plan(    list, count, i, part, label) {
         else
             absent = absent (absent == "" ? "" : ", ") part[1]
     }
-    count = split(limits, list, ";")
+    count = split(limits, list, /; */)
     for (i = 1; i <= count; i++) {
         split(list[i], part, "<")
         if (part[1] in at)
@@ -61,7 +61,8 @@ function put_row(    i, c, text, same, class, line) {
             class = class " over"
         same = same && rows > 0 && i <= group && text == last[i]
         last[i] = text
-        line = line "<td" (class == "" ? "" : " class=\"" class "\"") ">" (same ? "" : shown(text, format_of[i])) "</td>"
+        line = line "<td" (class == "" ? "" : " class=\"" class "\"") ">" \
+            (same ? "" : shown(text, format_of[i])) "</td>"
     }
     body[++rows] = line "</tr>"
     for (i = 1; i <= shown_columns; i++)
