@@ -2,7 +2,7 @@
  * exact map transform and with CH06's: precision.csv.
  *
  * The planet is as large as the Earth and rough; places and altitudes are those of test_rings_precision.c, or, quick,
- * every tenth place. A level is the ring's number, the disc inside the finest one counting as one more. Pixels are of a
+ * every twentieth place. A level is the ring's number, the disc inside the finest one counting as one more. Pixels are of a
  * frame 1280 wide. */
 #include <math.h>
 #include <stdio.h>
@@ -39,7 +39,7 @@ int main(int argc, char **argv)
     for (int scheme = TC_RINGS_EXACT; scheme <= TC_RINGS_CH06; scheme++) {
         const char *name = scheme == TC_RINGS_CH06 ? "ch06" : "exact";
         rings_error level[RINGS_MAX_LEVELS] = {{0}};
-        measure(context, &atlas, (tc_rings_scheme)scheme, WIDTH, o.quick ? 10 : 1, level);
+        measure(context, &atlas, (tc_rings_scheme)scheme, WIDTH, o.quick ? 20 : 1, level);
         for (int i = 0; i < RINGS_MAX_LEVELS; i++)
             if (level[i].vertices) {
                 printf("%5d %8s %16.3e %12.3e\n", i, name, level[i].over_radius, level[i].pixels);
