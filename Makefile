@@ -187,7 +187,6 @@ bench: all $(BENCH)
 
 # Measures, and makes a page of it: build/report/index.html. Under 3 minutes; report-full under 40.
 report report-full: all $(BENCH) $(EXTREME)
-	@sh .ci/packages gnuplot-nox
 	@sh tests/report/report.sh $(O) $(if $(filter report,$@),quick,full)
 
 # ---- Fuzzing -----------------------------------------------------------------------------------------------------

@@ -1,43 +1,58 @@
-/* bench_lod_error.c - LH04's table 2 for our terrains: the columns of lod_error.csv.
+/* bench_lod_error.c - LH04's table 2 for our terrains: lod_error.csv.
  *
- * n = 255, W = 640, 90 degrees. Marks levels whose rms reaches 0.2 pixels or whose 99.9th percentile reaches 1 pixel.
- */
+ * n = 255, W = 640, 90 degrees; all flat terrains that there are, or, quick, those of at most 4 million samples and the
+ * default one. The table on the terminal marks levels whose rms reaches 0.2 pixels or whose 99.9th percentile 1. */
 #include <math.h>
 #include <stdio.h>
 
 #include "common/core/clipmap/clipmap.h"
 #include "common/core/clipmap/lod_error.h"
-#include "tests/support/datasets.h"
+#include "tests/support/flat_data.h"
+#include "tests/support/measure.h"
 
-static void measure(const dataset *d)
+enum { WINDOW = 255, FRAME = 640, QUICK = 4000000 };
+
+static bool measure(const measure_options *o, const dataset *d)
 {
     tc_grid grid;
     tc_pyramid *p;
     tc_clipmap *c;
-    if (!dataset_load(d, &grid))
-        return;
-    if (tc_pyramid_build(&grid, 0, &p, NULL) || tc_clipmap_create(p, &(tc_clipmap_options){.n = 255}, &c, NULL))
-        return;
-    for (int l = 1; l <= tc_clipmap_levels(c); l++) {
+    tc_error error;
+    if (!flat_data_load(d, o->quick ? QUICK : 0, &grid))
+        return true;
+    if (tc_pyramid_build(&grid, 0, &p, &error) ||
+        tc_clipmap_create(p, &(tc_clipmap_options){.n = WINDOW}, &c, &error)) {
+        fprintf(stderr, "%s: %s\n", d->name, error.text);
+        return false;
+    }
+    bool measured = true;
+    for (int l = 1; l < tc_clipmap_levels(c) && measured; l++) { /* the finest has no error */
         tc_lod_error e;
-        if (tc_lod_error_measure(p, tc_clipmap_pyramid_level(c, l), 255, 640, M_PI / 2, 0, &e))
+        measured = tc_lod_error_measure(p, tc_clipmap_pyramid_level(c, l), WINDOW, FRAME, M_PI / 2, 0, &e) == TC_OK;
+        if (!measured)
             break;
         bool within = e.rms_px < 0.2 && e.p999_px < 1;
-        printf("%s,%d,%g,%.3f,%.3f,%.2f,%.4f,%.3f,%.2f%s\n", d->name, l, e.spacing_m, e.rms_m, e.p999_m, e.max_m,
-               e.rms_px, e.p999_px, e.max_px, within ? "" : "   <- above the bar");
+        printf("%-40s %5d %9g %9.3f %9.3f %9.2f %9.4f %9.3f %8.2f%s\n", d->name, l, e.spacing_m, e.rms_m, e.p999_m,
+               e.max_m, e.rms_px, e.p999_px, e.max_px, within ? "" : "   <- above the bar");
+        fflush(stdout);
+        if (o->csv)
+            fprintf(o->csv, "%s,%d,%g,%.3f,%.3f,%.2f,%.4f,%.3f,%.2f\n", d->name, l, e.spacing_m, e.rms_m, e.p999_m,
+                    e.max_m, e.rms_px, e.p999_px, e.max_px);
     }
     tc_clipmap_destroy(c);
     tc_pyramid_destroy(p);
+    return measured;
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const dataset sets[] = {{"default", 0, 0},
-                            {"moon_gld100_256ppd_ne_4097.png", 118.45, 0},
-                            {"srtm3_tatra_poland_4801.tif", 0, 0},
-                            {"ps_height_1k.png", 160, 0.1}};
-    printf("terrain,level,spacing_m,rms_m,p999_m,max_m,rms_px,p999_px,max_px\n");
-    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++)
-        measure(&sets[i]);
-    return 0;
+    measure_options o = measure_begin(argc, argv, "terrain,level,spacing_m,rms_m,p999_m,max_m,rms_px,p999_px,max_px");
+    printf("%-40s %5s %9s %9s %9s %9s %9s %9s %8s\n", "terrain", "level", "spacing m", "rms m", "99.9 % m", "max m",
+           "rms px", "99.9 % px", "max px");
+    dataset sets[DATASETS_MAX];
+    int count = dataset_list(sets, DATASETS_MAX);
+    bool measured = true;
+    for (int i = 0; i < count; i++)
+        measured &= measure(&o, &sets[i]);
+    return measure_end(&o) || !measured;
 }

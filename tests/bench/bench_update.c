@@ -1,0 +1,251 @@
+/* bench_update.c - LH04's table 1: what each step of an update of a full level costs. update.csv.
+ *
+ * A level of 255 x 255 samples of the default terrain, at random places; medians of processor time, and for scale the
+ * copying of as many bytes as the step writes, in turns with it. Steps stand in our code as they stand in a frame: z_c
+ * and normals are made while a window is filled, so they are the difference between two fillings that differ in nothing
+ * else; decompression reads a packed terrain, and U is part of it. Synthesis is not in this version. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/core/clipmap/clipmap_internal.h"
+#include "common/core/pyramid/filter.h"
+#include "common/shell/level_textures.h"
+#include "planar/square.h"
+#include "tests/support/made_files.h"
+#include "tests/support/measure.h"
+#include "tests/support/scene.h"
+#include "tests/support/terrain_files.h"
+#include "tests/support/terrains.h"
+
+enum { SIDE = 255, SIZE = 2049, MOST = 501, LEVEL_SAMPLES = SIDE * SIDE, NORMAL_SIDE = 2 * SIDE + 1 };
+
+/* Times of one step, in microseconds, and of copying what it writes. */
+typedef struct step {
+    const char *name;
+    double paper_ms; /* NAN: not in the paper's table */
+    size_t bytes;    /* that it writes */
+    int count;
+    double us[MOST], copy_us[MOST];
+} step;
+
+/* What all steps work on. */
+typedef struct bench {
+    int runs;
+    test_random random;
+    const tc_pyramid *memory;
+    const char *path;
+    unsigned char *from, *to; /* to copy */
+} bench;
+
+/* Processor time of all threads: how busy the machine is does not count. */
+static double now_us(void)
+{
+    return 1e6 * terrain_cpu();
+}
+
+static void note(bench *b, step *s, double us)
+{
+    double start = now_us();
+    memcpy(b->to, b->from, s->bytes);
+    __asm__ volatile("" : : "r"(b->to) : "memory");
+    s->copy_us[s->count] = now_us() - start;
+    s->us[s->count++] = us;
+}
+
+/* A window of a pyramid's level with an even origin, wholly inside. */
+static tc_rect place(bench *b, tc_level level)
+{
+    int64_t x = 2 * test_random_int(&b->random, 1, (level.width - SIDE) / 2 - 2);
+    int64_t y = 2 * test_random_int(&b->random, 1, (level.height - SIDE) / 2 - 2);
+    return (tc_rect){x, y, x + SIDE, y + SIDE};
+}
+
+static tc_clipmap *clipmap_of(const tc_pyramid *pyramid, bool normals)
+{
+    tc_clipmap *c;
+    tc_error error;
+    terrain_must(tc_clipmap_create(pyramid, &(tc_clipmap_options){.n = SIDE, .normals = normals}, &c, &error), &error);
+    return c;
+}
+
+static double fill_us(tc_clipmap *c, int level, tc_rect rect)
+{
+    tc_rect changes[TC_MAX_CHANGES];
+    double start = now_us();
+    tc_clipmap_fill(c, level, rect);
+    double us = now_us() - start;
+    tc_clipmap_take_changes(c, level, changes);
+    return us;
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------ */
+
+/* A pyramid of one window's worth of the same heights: its clipmap has no coarser level, and so no z_c. */
+static tc_pyramid *window_alone(const tc_pyramid *pyramid)
+{
+    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    tc_grid g = {.width = SIDE, .height = SIDE, .spacing_x = finest.spacing_x, .spacing_y = finest.spacing_y};
+    g.z = malloc(LEVEL_SAMPLES * sizeof *g.z);
+    if (!g.z)
+        exit(99);
+    tc_rect rect = {512, 512, 512 + SIDE, 512 + SIDE};
+    terrain_must(tc_pyramid_read(pyramid, tc_pyramid_info(pyramid)->levels, rect, g.z, NULL, SIDE),
+                 &(tc_error){.text = "reading from memory failed"});
+    g.z_min = tc_pyramid_info(pyramid)->z_min, g.z_max = tc_pyramid_info(pyramid)->z_max;
+    tc_pyramid *alone;
+    tc_error error;
+    terrain_must(tc_pyramid_build(&g, 0, &alone, &error), &error);
+    return alone;
+}
+
+/* A window of the finest level and one of the next coarser one, with z_c and normals and without. */
+static void fillings(bench *b, step *z_c, step *finest_normals, step *inner_normals)
+{
+    tc_pyramid *window = window_alone(b->memory);
+    tc_clipmap *alone = clipmap_of(window, false), *bare = clipmap_of(b->memory, false),
+               *lit = clipmap_of(b->memory, true);
+    int m = tc_clipmap_levels(bare), finest = tc_pyramid_info(b->memory)->levels;
+    for (int i = 0; i < b->runs; i++) {
+        tc_rect r = place(b, tc_pyramid_level(b->memory, finest));
+        double without = fill_us(alone, 1, (tc_rect){0, 0, SIDE, SIDE}), with = fill_us(bare, m, r);
+        note(b, z_c, with - without);
+        note(b, finest_normals, fill_us(lit, m, r) - with);
+        r = place(b, tc_pyramid_level(b->memory, finest - 1));
+        with = fill_us(bare, m - 1, r);
+        note(b, inner_normals, fill_us(lit, m - 1, r) - with);
+    }
+    tc_clipmap_destroy(alone);
+    tc_clipmap_destroy(bare);
+    tc_clipmap_destroy(lit);
+    tc_pyramid_destroy(window);
+}
+
+static void upsampling(bench *b, step *s)
+{
+    enum { HALF = (SIDE + 1) / 2, STRIDE = HALF + 3 };
+    static float coarse[STRIDE * STRIDE], fine[4 * HALF * HALF], rows[2 * HALF * STRIDE];
+    for (int i = 0; i < b->runs; i++) {
+        coarse[i % (STRIDE * STRIDE)] = (float)i;
+        double start = now_us();
+        tc_upsample(coarse + STRIDE + 1, STRIDE, HALF, HALF, fine, rows);
+        __asm__ volatile("" : : "r"(fine) : "memory");
+        note(b, s, now_us() - start);
+    }
+}
+
+/* The finest level of a packed terrain: in a file just opened, and where the coarser level was read there before. */
+static void decompression(bench *b, step *cold, step *held)
+{
+    static float z[LEVEL_SAMPLES], coarse[SIDE * SIDE];
+    const tc_error failed = {.text = "reading a packed terrain failed"};
+    for (int i = 0; i < b->runs; i++) {
+        for (int warm = 0; warm < 2; warm++) {
+            tc_pyramid *p = terrain_open(b->path);
+            int finest = tc_pyramid_info(p)->levels;
+            tc_rect r = place(b, tc_pyramid_level(p, finest));
+            int64_t half = SIDE / 2 + 8; /* with what the filters reach for */
+            tc_rect c = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x0 / 2 - 2 + half, r.y0 / 2 - 2 + half};
+            c.x0 = c.x0 < 0 ? 0 : c.x0, c.y0 = c.y0 < 0 ? 0 : c.y0;
+            if (warm)
+                terrain_must(tc_pyramid_read(p, finest - 1, c, coarse, NULL, SIDE), &failed);
+            double start = now_us();
+            terrain_must(tc_pyramid_read(p, finest, r, z, NULL, SIDE), &failed);
+            note(b, warm ? held : cold, now_us() - start);
+            tc_pyramid_destroy(p);
+        }
+    }
+}
+
+/* Heights and normals of a level into their textures; and a whole update: a level of a packed terrain, whose coarser
+ * level is held, from the file to the texture. */
+static void uploads(bench *b, const tc_context *context, step *upload, step *whole)
+{
+    const tc_gl *gl = tc_context_gl(context);
+    for (int i = 0; i < b->runs; i++) {
+        tc_pyramid *p = terrain_open(b->path);
+        tc_clipmap *c = clipmap_of(p, true);
+        tc_surface *surface;
+        tc_level_textures textures;
+        tc_error error;
+        terrain_must(tc_square_create(c, &surface, &error), &error);
+        terrain_must(tc_level_textures_create(gl, surface, &textures, &error), &error);
+        int m = tc_clipmap_levels(c);
+        tc_rect r = place(b, tc_pyramid_level(p, tc_pyramid_info(p)->levels));
+        tc_rect coarser = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x1 / 2 + 3, r.y1 / 2 + 3};
+        tc_clipmap_fill(c, m - 1, coarser);
+        tc_level_textures_upload(gl, &textures, surface);
+        gl->Finish();
+        double start = now_us();
+        tc_clipmap_fill(c, m, r);
+        double filled = now_us();
+        tc_level_textures_upload(gl, &textures, surface);
+        gl->Finish();
+        double end = now_us();
+        note(b, upload, end - filled);
+        note(b, whole, end - start);
+        tc_level_textures_destroy(gl, &textures);
+        surface->destroy(surface);
+        tc_pyramid_destroy(p);
+    }
+}
+
+/* ---- Table ------------------------------------------------------------------------------------------------------ */
+
+static void print(const measure_options *o, step *s)
+{
+    if (s->count == 0)
+        return;
+    measure_spread t = measure_of(s->us, s->count), copy = measure_of(s->copy_us, s->count);
+    char paper[32] = "";
+    if (!isnan(s->paper_ms))
+        snprintf(paper, sizeof paper, "%g", s->paper_ms);
+    printf("%-52s %9.1f %9.1f %9.1f %10.2f %8s\n", s->name, t.median, t.low, t.high, t.median / copy.median, paper);
+    if (o->csv)
+        fprintf(o->csv, "%s,%.2f,%.2f,%.2f,%.3f,%s\n", s->name, t.median, t.low, t.high, t.median / copy.median, paper);
+}
+
+int main(int argc, char **argv)
+{
+    enum { Z_C, UP, HELD, COLD, INNER, FINEST, UPLOAD, WHOLE, STEPS };
+    const size_t heights = LEVEL_SAMPLES * sizeof(float), normals = NORMAL_SIDE * NORMAL_SIDE * 4;
+    static step steps[STEPS] = {[Z_C] = {.name = "z_c", .paper_ms = 2},
+                                [UP] = {.name = "U", .paper_ms = 3},
+                                [HELD] = {.name = "decompression and U; coarser level at hand", .paper_ms = 8},
+                                [COLD] = {.name = "decompression and U; all levels from the file", .paper_ms = NAN},
+                                [INNER] = {.name = "normal map; from the next finer level", .paper_ms = 11},
+                                [FINEST] = {.name = "normal map; of the finest level", .paper_ms = NAN},
+                                [UPLOAD] = {.name = "upload of heights and normals", .paper_ms = 2},
+                                [WHOLE] = {.name = "whole update; from the file to the textures", .paper_ms = 26}};
+    for (int i = 0; i < STEPS; i++)
+        steps[i].bytes = i == INNER || i == FINEST ? normals : i >= UPLOAD ? 2 * heights + normals : heights;
+    measure_options o = measure_begin(argc, argv, "step,us,us_low,us_high,copy_ratio,paper_ms");
+    bench b = {.runs = o.quick ? 51 : MOST, .random = {1}, .path = made_path("update.tclip")};
+    b.from = calloc(1, 2 * heights + normals), b.to = calloc(1, 2 * heights + normals);
+    if (!b.from || !b.to)
+        return 99;
+    tc_context *context = scene_context();
+    tc_grid grid = terrain_grid(TERRAIN_DEFAULT, o.quick ? 1025 : SIZE, o.quick ? 1025 : SIZE, 30, 4);
+    const terrain_file about = {{"default", 0, 0}, TC_SAMPLE_FLOAT32, 0};
+    terrain_pack(&grid, &about, &(tc_pack_options){.mode = TC_PACK_RMS, .error = 1.8}, b.path);
+    tc_pyramid *memory;
+    tc_error error;
+    terrain_must(tc_pyramid_build(&grid, 0, &memory, &error), &error);
+    b.memory = memory;
+    fillings(&b, &steps[Z_C], &steps[FINEST], &steps[INNER]);
+    upsampling(&b, &steps[UP]);
+    decompression(&b, &steps[COLD], &steps[HELD]);
+    if (context)
+        uploads(&b, context, &steps[UPLOAD], &steps[WHOLE]);
+    printf("%-52s %9s %9s %9s %10s %8s\n", "a level of 255 x 255: microseconds of a processor", "median", "10 %",
+           "90 %", "x copying", "LH04 ms");
+    for (int i = 0; i < STEPS; i++)
+        print(&o, &steps[i]);
+    tc_pyramid_destroy(memory);
+    tc_context_destroy(context);
+    free(b.from), free(b.to);
+    made_folder_remove();
+    return measure_end(&o) || !context;
+}

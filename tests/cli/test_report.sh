@@ -1,0 +1,164 @@
+#!/bin/sh
+# The report: its page is made of small tables made here, and its measuring half runs programs made here, one of which
+# fails, one hangs up without rows and most are missing. Nothing is measured.
+. "${0%/*}/lib.sh"
+limit=60
+report=$root/tests/report
+if ! command -v gnuplot >/dev/null 2>&1; then
+    skip "the report: gnuplot is not installed"
+    finish
+fi
+
+page=folder/index.html
+holds() { # REGEX WHAT
+    cases=$((cases + 1))
+    grep -Eq -- "$1" "$page" || fail "$2: the page does not hold '$1'"
+}
+lacks() { # REGEX WHAT
+    cases=$((cases + 1))
+    ! grep -Eq -- "$1" "$page" || fail "$2: the page holds $(grep -Eo -- "$1" "$page" | head -n 1)"
+}
+makes_page() {
+    mkdir -p scratch
+    does '' env TMPDIR="$work/scratch" sh "$report/page.sh" folder
+    cases=$((cases + 1))
+    rmdir scratch || fail "the page's maker left files behind"
+}
+# The page needs nothing but itself, every element is closed, and no name stands for two.
+is_whole() { # WHAT
+    holds '^<!DOCTYPE html>' "$1"
+    holds '</main></body></html>' "$1"
+    lacks '<script|<link|<img|<iframe|@import|url\([^#]' "$1"
+    lacks '(src|href|srcset)=.?(https?:|//|data:|[a-z]+\.)' "$1"
+    cases=$((cases + 2))
+    for element in table tr td figure svg div p details pre ul; do
+        opened=$(grep -o "<$element[ >]" "$page" | wc -l) closed=$(grep -o "</$element>" "$page" | wc -l)
+        [ "$opened" = "$closed" ] || fail "$1: $opened <$element>, $closed ends of it"
+    done
+    twice=$(grep -o " id=[\"'][^\"']*[\"']" "$page" | tr "'" '"' | sort | uniq -d | head -n 1)
+    [ -z "$twice" ] || fail "$1: more than one element has$twice"
+}
+
+# ---- The page, of tables made here -----------------------------------------------------------------------------------
+
+hostile='<script>alert(1)</script> & '"'"'x'"'"' `id` $(touch hacked) \n %s'
+mkdir -p folder/extreme folder/explain
+cat >folder/machine.csv <<END
+key,value
+Kind,"quick"
+Processor,"$hostile"
+END
+cat >folder/runs.csv <<END
+name,state,code,seconds,cpu_seconds,command,reason
+error_time,done,0,12,9.5,"bench_error_time --csv <file>",""
+update,failed,3,1,1,"bench_update","exit code 3; its last line: $hostile"
+scaling,skipped,0,1,1,"bench_scaling","no rows; its last line: no context"
+fidelity,missing,,0,0,"bench_fidelity","there is no program bench_fidelity"
+END
+{
+    echo scene,scheme,n,triangles,frame_ms,brute_ms,err_rms_px,err_p999_px,err_max_px
+    for terrain in default "$hostile"; do
+        quoted="\"$terrain"
+        cat <<END
+$quoted-30m",brute,0,1000000,400,400,0,0,0
+$quoted-30m",square,127,5000,10,400,0.1,0.5,0.9
+$quoted-30m",square,255,20000,30,400,0.05,0.25,0.7
+$quoted-30m",square,511,80000,90,400,0.05,0.3,0.7
+$quoted-30m-no-morph",square,255,20000,25,400,0.04,0.2,0.6
+END
+    done
+    echo default-planet-10km,rings,512,40000,50,1600,0.01,0.03,0.05
+    echo default-planet-10km,rings-ch06,512,40000,51,1600,0.02,0.07,0.1
+} >folder/error_time.csv
+printf 'level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n1,ch06,1e-5,3\n2,exact,1e-8,1e-4\n2,ch06,1e-6,5\n' \
+    >folder/precision.csv
+{
+    echo dataset,codec,mode,bits_per_sample,rms_m,max_error_m,encode_msps,decode_msps,roi255_ms
+    echo 'other,terraclip,rms 1,1,1,5,10,100,1.5'
+    for row in 'terraclip,rms 1 (tiles),1,1' 'terraclip,rms 2 (tiles),0.5,2' 'jpeg2000,rate 1,1.5,0.7' \
+        'jpeg2000,rate 2,0.4,3'; do
+        printf '"%s",%s,5,10,100,1.5\n' "$hostile" "$row"
+    done
+} >folder/rate_distortion.csv
+columns=family,case,figure,value,limit,verdict,note
+printf '%s\n' "$columns" '"heights","needle, tall","cracks","0","0","passed","a ""quoted"" note"' \
+    >folder/extreme/heights.csv
+printf '%s\n' "$columns" '"sizes","1x1","cracks","7","0","FAILED","<b>bold</b>"' \
+    '"sizes","huge","refused","out of memory","out of memory","refused","x"' >folder/extreme/sizes.csv
+printf 'A scene\n$ viewer <file>\nleft out: <nothing>\n' >folder/explain/1.txt
+
+makes_page
+is_whole 'the page'
+lacks '<script>|<b>bold' 'hostile text'
+holds '&lt;script&gt;alert\(1\)&lt;/script&gt; &amp; &#39;x&#39; `id` \$\(touch hacked\)' 'hostile text'
+cases=$((cases + 1))
+[ ! -e hacked ] || fail 'hostile text was run'
+holds 'needle, tall</td>.*a &quot;quoted&quot; note' 'quoted fields'
+holds '<p class="fault">failed: exit code 3' 'a failed measurement'
+holds '<p class="fault">missing: there is no program bench_fidelity' 'a missing program'
+holds 'skipped: no rows; its last line: no context' 'a skipped measurement'
+holds 'Not measured' 'a measurement that nobody knows of'
+holds 'Not everything was measured: update failed, fidelity missing' 'the summary'
+holds '<tr class="bad"><td>sizes</td>' 'a failed case'
+holds '1 failed</b><span>1 passed, 1 refused' 'the count of cases'
+holds '<pre>\$ viewer &lt;file&gt;' '--explain'
+holds '13.3 times' 'the median against brute force' # 400 / 30
+holds '0.250 px</b><span>worst 99.9 % at n = 255' 'the worst error'
+lacks 'No plot' 'plots'
+holds 'not at hand' 'figures of papers that nobody found'
+cases=$((cases + 2))
+[ "$(grep -c '<svg' "$page")" = 10 ] || fail "$(grep -c '<svg' "$page") plots instead of 10" # 3 scenes twice, 2, 2
+# At equal rms jpeg2000 has, between 1.5 bits at 0.7 and 0.4 at 3, 1.0843 bits at 1 m: ours are 7.8 % fewer.
+grep -q -- '-7.80</td>' "$page" || fail 'bits at equal error'
+# The front holds all but the square 511, which 255 beats in both.
+front=$(sed -n '/The fronts/,/All rows/p' "$page")
+cases=$((cases + 2))
+printf '%s' "$front" | grep -q '>127<' || fail 'a row of the front is missing'
+! printf '%s' "$front" | grep -q '>511<' || fail 'a row that another beats in both is in the front'
+
+# What a table lacks is said, and plots without data do not stop the page.
+printf 'level,variant\n1,exact\n' >folder/precision.csv
+printf 'dataset,codec\nx,y\n' >folder/rate_distortion.csv
+printf 'scene\n' >folder/left_out.csv
+rm -r folder/extreme folder/explain
+makes_page
+is_whole 'a page of broken tables'
+holds 'The file has no column err_over_radius, err_px' 'a missing column'
+holds 'No plot' 'a plot without data'
+holds 'Not run: <code>make test-extreme' 'no extreme cases'
+rm folder/*.csv
+makes_page
+is_whole 'a page of nothing'
+holds 'Nothing was run' 'a page of nothing'
+
+# ---- The measuring half, with programs made here ---------------------------------------------------------------------
+
+mkdir -p made/tests made/extreme
+program() { # NAME TEXT
+    printf '#!/bin/sh\n%s\n' "$2" >"made/$1"
+    chmod +x "made/$1"
+}
+for name in terraclip planar-viewer planet-viewer; do program $name 'echo "$0 $*"'; done
+program tests/bench_precision 'echo "$*" >arguments.txt
+printf "level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n" >"$3"; echo done'
+program tests/bench_update 'echo step,us >"$3"; echo "cannot <open> it" >&2; exit 3'
+program tests/bench_space 'echo terrain >"$3"; echo "skipped: no context"'
+program tests/extreme_heights "printf '%s\\n' $columns heights,a,b,1,0,FAILED,c \\
+    >\"\$TERRACLIP_EXTREME/heights.csv\"; exit 1"
+page=made/report/index.html
+run sh "$report/report.sh" made quick
+[ $rc = 1 ] || fail "a report with failures ends with $rc instead of 1"
+for line in 'precision,done,0,' 'update,failed,3,.*its last line: cannot <open> it' 'space,skipped,0,.*no context' \
+    'error_time,missing,' 'explain,done,' 'extreme_heights,failed,1,'; do
+    cases=$((cases + 1))
+    grep -Eq "^$line" made/report/runs.csv || fail "runs.csv does not hold $line: $(cat made/report/runs.csv)"
+done
+cases=$((cases + 2))
+[ "$(cat arguments.txt)" = '--quick --csv made/report/precision.csv' ] || fail "arguments: $(cat arguments.txt)"
+[ -s made/extreme/heights.csv ] || fail 'rows of extreme cases are not kept'
+is_whole 'a measured page'
+holds 'exit code 3; its last line: cannot &lt;open&gt; it' 'a failed program'
+holds '<td>FAILED</td>' 'a failed case'
+run sh "$report/report.sh" made slowly
+[ $rc = 2 ] || fail "an unknown kind of report ends with $rc instead of 2"
+finish

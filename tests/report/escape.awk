@@ -1,0 +1,2 @@
+# escape.awk - text as HTML.
+{ print html($0) }
