@@ -272,9 +272,7 @@ static region_times read_regions(const both *b)
     static int32_t v[SIDE * SIDE];
     test_random random = {7};
     for (int n = 0; n < PLACES; n++) {
-        int64_t x = test_random_int(&random, 0, b->grid.width - SIDE),
-                y = test_random_int(&random, 0, b->grid.height - SIDE);
-        tc_rect rect = {x, y, x + SIDE, y + SIDE};
+        tc_rect rect = terrain_place(&random, b->grid.width, b->grid.height, SIDE);
         double start = terrain_cpu();
         tc_pyramid *pyramid = terrain_open(b->ours);
         int finest = tc_pyramid_info(pyramid)->levels;
@@ -286,8 +284,8 @@ static region_times read_regions(const both *b)
 
         pyramid = terrain_open(b->ours);
         tc_level coarser = tc_pyramid_level(pyramid, finest - 1);
-        tc_rect half = {tc_max64(x / 2 - 8, 0), tc_max64(y / 2 - 8, 0), tc_min64((x + SIDE) / 2 + 8, coarser.width),
-                        tc_min64((y + SIDE) / 2 + 8, coarser.height)};
+        tc_rect half = {tc_max64(rect.x0 / 2 - 8, 0), tc_max64(rect.y0 / 2 - 8, 0),
+                        tc_min64(rect.x1 / 2 + 8, coarser.width), tc_min64(rect.y1 / 2 + 8, coarser.height)};
         static float around[SIDE * SIDE];
         must_read(pyramid, finest - 1, half, around);
         start = terrain_cpu();
