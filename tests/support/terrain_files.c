@@ -136,7 +136,8 @@ bool terrain_file_crop(const dataset *set, int64_t size, terrain_file *about_ret
         return false;
     double base;
     terrain_file about = about_file(set, &base);
-    tc_grid crop = terrain_crop(&whole, tc_max64(whole.width - size, 0) / 2, tc_max64(whole.height - size, 0) / 2, size);
+    tc_grid crop =
+        terrain_crop(&whole, tc_max64(whole.width - size, 0) / 2, tc_max64(whole.height - size, 0) / 2, size);
     tc_grid_free(&whole);
     for (int64_t i = 0; about.unit > 0 && i < crop.width * crop.height; i++)
         crop.z[i] = (float)(rint((crop.z[i] - base) / about.unit) * about.unit);

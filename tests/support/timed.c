@@ -7,7 +7,8 @@ bool timed_repeat(timed_limits limits, bool (*work)(void *context, int n), void 
 {
     double ms[TIMED_MOST], begin = terrain_wall();
     int count = 0;
-    while (count < TIMED_MOST && (count < limits.least || (count < limits.most && terrain_wall() - begin < limits.seconds))) {
+    while (count < TIMED_MOST &&
+           (count < limits.least || (count < limits.most && terrain_wall() - begin < limits.seconds))) {
         double start = terrain_cpu();
         if (!work(context, count))
             return false;
