@@ -52,10 +52,17 @@ typedef struct coded {
     char why[CODER_WHY]; /* of a failure, one line; "" where none is known */
 } coded;
 
+/* How much of it a measurement of many has time for. */
+typedef enum coder_effort {
+    CODER_ALWAYS,
+    CODER_SLOW /* at every other rms */,
+    CODER_IN_FULL /* not quickly */
+} coder_effort;
+
 struct coder {
     const char *name, *layout, *extension;
-    unsigned aims;      /* 1 << aim */
-    bool quick;         /* also measured with --quick */
+    unsigned aims; /* 1 << aim */
+    coder_effort effort;
     const void *format; /* the coder's own */
     bool (*offered)(const coder *c, char why[CODER_WHY]);
     bool (*prepare)(coded *c);                                     /* what is not timed; may be NULL */

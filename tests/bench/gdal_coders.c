@@ -26,7 +26,7 @@ typedef struct format {
     bound_way bound;
     holding holds;
     const char *options[6]; /* of creation; P: predictor of integers or floats; %: the bound in units of what is coded;
-                               Q: per cent for the rate; R: reversible or not; H: height */
+                               Q: per cent for the rate; R: reversible or not; N: number of resolutions; H: height */
 } format;
 
 #define TILED "TILED=YES", "BLOCKXSIZE=256", "BLOCKYSIZE=256"
@@ -53,12 +53,12 @@ typedef struct format {
     }
 static const format deflate6 = PREDICTED("DEFLATE", "ZLEVEL=6"), deflate9 = PREDICTED("DEFLATE", "ZLEVEL=9"),
                     lzw = PREDICTED("LZW", NULL), lzma = PREDICTED("LZMA", NULL),
-                    zstd9 = PREDICTED("ZSTD", "ZSTD_LEVEL=9"), zstd22 = PREDICTED("ZSTD", "ZSTD_LEVEL=22");
+                    zstd9 = PREDICTED("ZSTD", "ZSTD_LEVEL=9"), zstd19 = PREDICTED("ZSTD", "ZSTD_LEVEL=19");
 static const format lerc = LERC("LERC", TILED), lerc_deflate = LERC("LERC_DEFLATE", TILED),
                     lerc_zstd = LERC("LERC_ZSTD", TILED), lerc_zstd_whole = LERC("LERC_ZSTD", "BLOCKYSIZE=H"),
                     mrf_lerc = {"MRF", "LERC", BY_OPTION, FLOATS, {"BLOCKSIZE=256", "OPTIONS=LERC_PREC=%"}};
 static const format jxl = PLAIN("GTiff", "JXL", UNSIGNED16, TILED, "JXL_LOSSLESS=YES", "JXL_EFFORT=7"),
-                    jp2 = PLAIN("JP2OpenJPEG", NULL, INTEGERS, "QUALITY=Q", "REVERSIBLE=R"),
+                    jp2 = PLAIN("JP2OpenJPEG", NULL, INTEGERS, "QUALITY=Q", "REVERSIBLE=R", "RESOLUTIONS=N"),
                     png = PLAIN("PNG", NULL, UNSIGNED16, "ZLEVEL=9"),
                     mrf_zstd = PLAIN("MRF", "ZSTD", FLOATS, "BLOCKSIZE=256"),
                     mrf_png = PLAIN("MRF", "PNG", UNSIGNED16, "BLOCKSIZE=256"),
@@ -94,7 +94,8 @@ static bool offered(const coder *c, char why[CODER_WHY])
     const format *f = c->format;
     gdal_coders_set_up();
     GDALDriverH driver = GDALGetDriverByName(f->driver);
-    if (!driver || !GDALGetMetadataItem(driver, GDAL_DCAP_CREATECOPY, NULL)) {
+    if (!driver || (!GDALGetMetadataItem(driver, GDAL_DCAP_CREATECOPY, NULL) &&
+                    !GDALGetMetadataItem(driver, GDAL_DCAP_CREATE, NULL))) {
         snprintf(why, CODER_WHY, "GDAL has no driver %s that writes", f->driver);
         return false;
     }
@@ -226,10 +227,11 @@ static const char *option(const coded *c, const char *text)
     size_t key = strlen(text) - 1; /* of what comes before the last letter */
     double rate = 100 * c->goal.value / c->input->image.precision, bound = c->goal.value;
     bool floats = c->type == CODED_FLOAT32, lossless = c->goal.aim != CODER_RATE;
-    switch (text[key] == '%' || (text[key - 1] == '=' && strchr("PQRH", text[key])) ? text[key] : 0) {
+    switch (text[key] == '%' || (text[key - 1] == '=' && strchr("PQRNH", text[key])) ? text[key] : 0) {
     case 'P': snprintf(whole, sizeof whole, "%.*s%d", (int)key, text, floats ? 3 : 2); break;
     case 'Q': snprintf(whole, sizeof whole, "%.*s%.6g", (int)key, text, lossless ? 100 : fmin(rate, 99)); break;
     case 'R': snprintf(whole, sizeof whole, "%.*s%s", (int)key, text, lossless ? "YES" : "NO"); break;
+    case 'N': snprintf(whole, sizeof whole, "%.*s%d", (int)key, text, j2k_resolutions(&c->input->image)); break;
     case 'H': snprintf(whole, sizeof whole, "%.*s%d", (int)key, text, (int)g->height); break;
     case '%': snprintf(whole, sizeof whole, "%.*s%.17g", (int)key, text, bound / (floats ? 1 : c->unit)); break;
     default: return text;
@@ -316,31 +318,31 @@ static void release(coded *c)
     free(s);
 }
 
-#define CODER(NAME, LAYOUT, EXTENSION, AIMS, QUICK, FORMAT)                                                            \
+#define CODER(NAME, LAYOUT, EXTENSION, AIMS, EFFORT, FORMAT)                                                           \
     {                                                                                                                  \
-        .name = NAME, .layout = LAYOUT, .extension = EXTENSION, .aims = AIMS, .quick = QUICK, .format = &FORMAT,       \
+        .name = NAME, .layout = LAYOUT, .extension = EXTENSION, .aims = AIMS, .effort = EFFORT, .format = &FORMAT,     \
         .offered = offered, .prepare = prepare, .encode = encode, .read = read_back, .release = release                \
     }
 enum { EXACT = 1 << CODER_LOSSLESS, BOTH = EXACT | 1 << CODER_BOUND };
 const coder gdal_coders[] = {
-    CODER("jpeg2000-gdal", "tiles 1024", "jp2", EXACT | 1 << CODER_RATE, true, jp2),
-    CODER("lerc", "tiles 256", "tif", BOTH, true, lerc),
-    CODER("lerc-deflate", "tiles 256", "tif", BOTH, false, lerc_deflate),
-    CODER("lerc-zstd", "tiles 256", "tif", BOTH, true, lerc_zstd),
-    CODER("lerc-zstd-whole", "one block", "tif", BOTH, false, lerc_zstd_whole),
-    CODER("deflate6", "tiles 256", "tif", EXACT, true, deflate6),
-    CODER("deflate9", "tiles 256", "tif", BOTH, true, deflate9),
-    CODER("lzw", "tiles 256", "tif", EXACT, true, lzw),
-    CODER("zstd9", "tiles 256", "tif", BOTH, true, zstd9),
-    CODER("zstd22", "tiles 256", "tif", EXACT, false, zstd22),
-    CODER("lzma", "tiles 256", "tif", BOTH, false, lzma),
-    CODER("jxl", "tiles 256", "tif", BOTH, true, jxl),
-    CODER("png16", "rows", "png", BOTH, true, png),
-    CODER("mrf-lerc", "tiles 256", "mrf", BOTH, false, mrf_lerc),
-    CODER("mrf-zstd", "tiles 256", "mrf", EXACT, false, mrf_zstd),
-    CODER("mrf-png", "tiles 256", "mrf", EXACT, false, mrf_png),
-    CODER("zarr-blosc", "tiles 256", "zarr", EXACT, false, zarr),
-    CODER("netcdf4", "chunks by the driver", "nc", EXACT, false, netcdf),
-    CODER("rmf-dem", "tiles by the driver", "rsw", EXACT, false, rmf_dem),
+    CODER("jpeg2000-gdal", "tiles 1024", "jp2", EXACT | 1 << CODER_RATE, CODER_ALWAYS, jp2),
+    CODER("lerc", "tiles 256", "tif", BOTH, CODER_ALWAYS, lerc),
+    CODER("lerc-deflate", "tiles 256", "tif", BOTH, CODER_IN_FULL, lerc_deflate),
+    CODER("lerc-zstd", "tiles 256", "tif", BOTH, CODER_ALWAYS, lerc_zstd),
+    CODER("lerc-zstd-whole", "one block", "tif", BOTH, CODER_IN_FULL, lerc_zstd_whole),
+    CODER("deflate6", "tiles 256", "tif", EXACT, CODER_ALWAYS, deflate6),
+    CODER("deflate9", "tiles 256", "tif", BOTH, CODER_ALWAYS, deflate9),
+    CODER("lzw", "tiles 256", "tif", EXACT, CODER_ALWAYS, lzw),
+    CODER("zstd9", "tiles 256", "tif", BOTH, CODER_ALWAYS, zstd9),
+    CODER("zstd19", "tiles 256", "tif", EXACT, CODER_IN_FULL, zstd19),
+    CODER("lzma", "tiles 256", "tif", EXACT, CODER_IN_FULL, lzma),
+    CODER("jxl", "tiles 256", "tif", BOTH, CODER_ALWAYS, jxl),
+    CODER("png16", "rows", "png", EXACT, CODER_ALWAYS, png),
+    CODER("mrf-lerc", "tiles 256", "mrf", BOTH, CODER_IN_FULL, mrf_lerc),
+    CODER("mrf-zstd", "tiles 256", "mrf", EXACT, CODER_IN_FULL, mrf_zstd),
+    CODER("mrf-png", "tiles 256", "mrf", EXACT, CODER_IN_FULL, mrf_png),
+    CODER("zarr-blosc", "tiles 256", "zarr", EXACT, CODER_IN_FULL, zarr),
+    CODER("netcdf4", "chunks by the driver", "nc", EXACT, CODER_IN_FULL, netcdf),
+    CODER("rmf-dem", "tiles by the driver", "rsw", EXACT, CODER_IN_FULL, rmf_dem),
 };
 const int gdal_coders_count = sizeof gdal_coders / sizeof *gdal_coders;

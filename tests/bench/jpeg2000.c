@@ -50,8 +50,7 @@ void j2k_image_free(j2k_image *image)
     *image = (j2k_image){0};
 }
 
-/* As many as the smaller side has halvings for. */
-static int resolutions(const j2k_image *image)
+int j2k_resolutions(const j2k_image *image)
 {
     int n = 1;
     while (n < RESOLUTIONS && (image->width >> n) > 0 && (image->height >> n) > 0)
@@ -63,7 +62,7 @@ int64_t j2k_encode(const j2k_image *image, double bits, int threads, const char 
 {
     opj_cparameters_t p;
     opj_set_default_encoder_parameters(&p);
-    p.irreversible = 1, p.numresolution = resolutions(image), p.cp_disto_alloc = 1, p.tcp_numlayers = 1;
+    p.irreversible = 1, p.numresolution = j2k_resolutions(image), p.cp_disto_alloc = 1, p.tcp_numlayers = 1;
     p.tcp_rates[0] = (float)(image->precision / bits);
     opj_image_cmptparm_t component = {.dx = 1,
                                       .dy = 1,

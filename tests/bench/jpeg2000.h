@@ -21,6 +21,9 @@ enum { J2K_SCALE = 16 };
 j2k_image j2k_image_of(const tc_grid *grid);
 void j2k_image_free(j2k_image *image);
 
+/* How many make sense: 8, or fewer where the smaller side has not as many halvings. */
+int j2k_resolutions(const j2k_image *image);
+
 /* Writes path at `bits` a sample at most, which does not depend on the threads; bytes of the file, 0 on failure, with a
  * line on stderr. */
 int64_t j2k_encode(const j2k_image *image, double bits, int threads, const char *path);

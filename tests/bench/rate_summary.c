@@ -9,21 +9,29 @@
 #include "tests/support/datasets.h"
 #include "tests/support/measure.h"
 
-enum { MOST_POINTS = 32 };
+enum { MOST_POINTS = 32, MOST_CODERS = 64 };
 
-/* What is compared; ratios, ours over the other's but for the region, whose time is the other's over ours, so that more
- * is better for us in all speeds. */
-typedef enum figure { EQUAL_RMS, EQUAL_BOUND, LOSSLESS, ENCODE, DECODE, ROI, FIGURES } figure;
+/* By what points are found that are fairly compared, and what is compared of them. Ratios: ours over the other's; of
+ * the region's time the other's over ours, so that more is better for us in all speeds. */
+typedef enum ground { EQUAL_RMS, EQUAL_BOUND, LOSSLESS, GROUNDS } ground;
+typedef enum figure { BITS, ENCODE, DECODE, ROI, FIGURES } figure;
 
 typedef struct ratios {
-    double value[FIGURES][MOST_POINTS];
-    int count[FIGURES];
+    double value[GROUNDS][FIGURES][MOST_POINTS];
+    int count[GROUNDS][FIGURES];
 } ratios;
 
-static void add(ratios *r, figure f, double value)
+static void add(ratios *r, ground g, figure f, double value)
 {
-    if (isfinite(value) && value > 0 && r->count[f] < MOST_POINTS)
-        r->value[f][r->count[f]++] = value;
+    if (isfinite(value) && value > 0 && r->count[g][f] < MOST_POINTS)
+        r->value[g][f][r->count[g][f]++] = value;
+}
+
+static void add_speeds(ratios *r, ground g, const rate_row *ours, const rate_row *other)
+{
+    add(r, g, ENCODE, ours->encode / other->encode);
+    add(r, g, DECODE, ours->decode / other->decode);
+    add(r, g, ROI, other->roi / ours->roi);
 }
 
 static bool is_ours(const rate_row *row)
@@ -31,114 +39,113 @@ static bool is_ours(const rate_row *row)
     return strcmp(row->coder->name, RATE_OURS) == 0;
 }
 
-/* Our row that another codec's is fairly held against: the same promise, or else, of those that promise an rms, the one
- * whose rms is nearest. */
-static const rate_row *partner(const rate_row *rows, int count, const rate_row *other)
+/* Our row that promises the same as another codec's; NULL: there is none. */
+static const rate_row *same_promise(const rate_row *rows, int count, const rate_row *other)
 {
-    bool promise = other->goal.aim == CODER_BOUND || other->goal.aim == CODER_LOSSLESS;
+    for (int i = 0; i < count; i++)
+        if (is_ours(&rows[i]) && rows[i].terrain == other->terrain && rows[i].goal.aim == other->goal.aim &&
+            rows[i].goal.value == other->goal.value)
+            return &rows[i];
+    return NULL;
+}
+
+/* Our row for an rms that is nearest to the other's, and not twice or half of it; NULL: there is none. */
+static const rate_row *nearest_rms(const rate_row *rows, int count, const rate_row *other)
+{
     const rate_row *best = NULL;
-    double nearest = INFINITY;
+    double nearest = log(2);
     for (int i = 0; i < count; i++) {
-        const rate_row *row = &rows[i];
-        if (!is_ours(row) || row->terrain != other->terrain)
-            continue;
-        if (promise && row->goal.aim == other->goal.aim && row->goal.value == other->goal.value)
-            return row;
-        double off = fabs(log(row->rms / other->rms));
-        if (!promise && row->goal.aim == CODER_RMS && off < nearest)
-            best = row, nearest = off;
+        double off = fabs(log(rows[i].rms / other->rms)); /* without an error it is infinite */
+        if (is_ours(&rows[i]) && rows[i].terrain == other->terrain && rows[i].goal.aim == CODER_RMS && off < nearest)
+            best = &rows[i], nearest = off;
     }
     return best;
 }
 
 static ratios compare(const rate_row *rows, int count, int terrain, const coder *with)
 {
-    ratios r = {.count = {0}};
+    ratios r = {.count = {{0}}};
     curve_point curve[MOST_POINTS];
     int points = 0;
     for (int i = 0; i < count; i++) {
-        const rate_row *row = &rows[i];
+        const rate_row *row = &rows[i], *ours;
         if (row->terrain != terrain || row->coder != with)
             continue;
         if (points < MOST_POINTS)
             curve[points++] = (curve_point){row->bits, row->rms};
-        const rate_row *ours = partner(rows, count, row);
-        if (!ours)
-            continue;
-        if (row->goal.aim == CODER_BOUND || row->goal.aim == CODER_LOSSLESS)
-            add(&r, row->goal.aim == CODER_BOUND ? EQUAL_BOUND : LOSSLESS, ours->bits / row->bits);
-        add(&r, ENCODE, ours->encode / row->encode);
-        add(&r, DECODE, ours->decode / row->decode);
-        add(&r, ROI, row->roi / ours->roi);
+        bool promise = row->goal.aim == CODER_BOUND || row->goal.aim == CODER_LOSSLESS;
+        ground g = row->goal.aim == CODER_BOUND ? EQUAL_BOUND : LOSSLESS;
+        if (promise && (ours = same_promise(rows, count, row))) {
+            add(&r, g, BITS, ours->bits / row->bits);
+            add_speeds(&r, g, ours, row);
+        }
+        if ((ours = nearest_rms(rows, count, row)))
+            add_speeds(&r, EQUAL_RMS, ours, row);
     }
     for (int i = 0; i < count; i++)
         if (rows[i].terrain == terrain && is_ours(&rows[i]) && rows[i].goal.aim == CODER_RMS)
-            add(&r, EQUAL_RMS, rows[i].bits / curve_bits(curve, points, rows[i].rms));
+            add(&r, EQUAL_RMS, BITS, rows[i].bits / curve_bits(curve, points, rows[i].rms));
     return r;
 }
 
+static const char *const ground_names[] = {"equal rms", "equal bound", "lossless"};
+
 static void print_ratio(figure f, double ratio)
 {
-    if (!isfinite(ratio))
-        printf(" %10s", "-");
-    else if (f <= LOSSLESS)
-        printf(" %+9.1f%%", 100 * (ratio - 1));
-    else
-        printf(" %9.2fx", ratio);
-}
-
-static void print_heads(const char *first)
-{
-    printf("%-38s %-16s %10s %10s %10s %10s %10s %10s\n", first, "codec", "equal rms", "equal max", "lossless",
-           "encode", "decode", "roi255");
+    char text[32] = "-";
+    if (isfinite(ratio))
+        snprintf(text, sizeof text, f == BITS ? "%+.1f%%" : "%.2fx", f == BITS ? 100 * (ratio - 1) : ratio);
+    printf(" %8s", text);
 }
 
 /* Medians over terrains, with the worst and the best for us in brackets. */
-static void print_overall(const coder *with, double (*medians)[DATASETS_MAX], const int *counts)
+static void print_overall(const char *name, ground g, double (*medians)[DATASETS_MAX], const int *counts)
 {
-    static const char *const heads[] = {
-        "bits at equal rms", "bits at equal max", "bits, lossless", "encode", "decode", "roi255"};
+    printf("%-16s %-12s %3d", name, ground_names[g], counts[ENCODE]);
     for (int f = 0; f < FIGURES; f++) {
-        if (counts[f] == 0)
-            continue;
         measure_spread s = measure_of(medians[f], counts[f]); /* sorts them */
-        double least = medians[f][0], most = medians[f][counts[f] - 1];
-        printf("%-16s %-18s", with->name, heads[f]);
+        double least = counts[f] ? medians[f][0] : NAN, most = counts[f] ? medians[f][counts[f] - 1] : NAN;
         print_ratio(f, s.median);
-        printf("   (");
-        print_ratio(f, f <= LOSSLESS ? most : least);
-        printf(" ..");
-        print_ratio(f, f <= LOSSLESS ? least : most);
-        printf(" ) over %d terrain%s\n", counts[f], counts[f] == 1 ? "" : "s");
+        printf(" (");
+        print_ratio(f, f == BITS ? most : least);
+        print_ratio(f, f == BITS ? least : most);
+        printf(")");
     }
+    printf("\n");
 }
 
 void rate_summary(const rate_row *rows, int count, const char *const *names, int terrains)
 {
-    static double medians[64][FIGURES][DATASETS_MAX];
-    static int counts[64][FIGURES];
+    static double medians[MOST_CODERS][GROUNDS][FIGURES][DATASETS_MAX];
+    static int counts[MOST_CODERS][GROUNDS][FIGURES];
     printf(
-        "\nOurs against each codec, median over its points of a terrain. Bits: per cent, ours against the other's, at\n"
-        "equal rms (the other's between its two nearest points), at an equal bound of the error, and lossless. "
-        "Speeds:\n"
-        "ours over the other's, of the points that promise the same or have the nearest rms; roi255: the other's time\n"
-        "over ours\n");
-    print_heads("terrain");
+        "\nOurs against each codec, median over its points of a terrain. Bits: ours against the other's, at equal rms\n"
+        "between its two nearest points, at an equal bound of the error, and lossless. Speeds: ours over the other's,\n"
+        "of the points that promise the same or, for an rms, have the nearest one; roi255: the other's time over "
+        "ours\n");
+    printf("%-38s %-16s %-12s %8s %8s %8s %8s\n", "terrain", "codec", "at", "bits", "encode", "decode", "roi255");
     for (int t = 0; t < terrains; t++)
-        for (int n = 0; n < coder_count() && n < 64; n++) {
+        for (int n = 0; n < coder_count() && n < MOST_CODERS; n++) {
             ratios r = compare(rows, count, t, coder_at(n));
-            if (strcmp(coder_at(n)->name, RATE_OURS) == 0 || r.count[DECODE] + r.count[LOSSLESS] == 0)
-                continue;
-            printf("%-38s %-16s", names[t], coder_at(n)->name);
-            for (int f = 0; f < FIGURES; f++) {
-                double median = measure_of(r.value[f], r.count[f]).median;
-                print_ratio(f, median);
-                if (r.count[f] && counts[n][f] < DATASETS_MAX)
-                    medians[n][f][counts[n][f]++] = median;
+            for (int g = 0; strcmp(coder_at(n)->name, RATE_OURS) != 0 && g < GROUNDS; g++) {
+                if (r.count[g][ENCODE] == 0)
+                    continue;
+                printf("%-38s %-16s %-12s", names[t], coder_at(n)->name, ground_names[g]);
+                for (int f = 0; f < FIGURES; f++) {
+                    int *have = &counts[n][g][f];
+                    double median = measure_of(r.value[g][f], r.count[g][f]).median;
+                    print_ratio(f, median);
+                    if (r.count[g][f] && *have < DATASETS_MAX)
+                        medians[n][g][f][(*have)++] = median;
+                }
+                printf("\n");
             }
-            printf("\n");
         }
-    printf("\nThe same over all terrains: the median, and in brackets the worst and the best terrain for us\n");
-    for (int n = 0; n < coder_count() && n < 64; n++)
-        print_overall(coder_at(n), medians[n], counts[n]);
+    printf("\nThe same over all terrains: their number, medians, and in brackets the worst and the best for us\n");
+    printf("%-16s %-12s %3s %8s %-20s %8s %-20s %8s %-20s %8s\n", "codec", "at", "", "bits", "", "encode", "", "decode",
+           "", "roi255");
+    for (int n = 0; n < coder_count() && n < MOST_CODERS; n++)
+        for (int g = 0; g < GROUNDS; g++)
+            if (counts[n][g][ENCODE])
+                print_overall(coder_at(n)->name, g, medians[n][g], counts[n][g]);
 }
