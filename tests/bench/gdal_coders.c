@@ -52,7 +52,7 @@ typedef struct format {
         }                                                                                                              \
     }
 static const format deflate6 = PREDICTED("DEFLATE", "ZLEVEL=6"), deflate9 = PREDICTED("DEFLATE", "ZLEVEL=9"),
-                    lzw = PREDICTED("LZW", NULL), lzma = PREDICTED("LZMA", NULL),
+                    lzw = PREDICTED("LZW", NULL), lzma = PLAIN("GTiff", "LZMA", FLOATS, TILED),
                     zstd9 = PREDICTED("ZSTD", "ZSTD_LEVEL=9"), zstd19 = PREDICTED("ZSTD", "ZSTD_LEVEL=19");
 static const format lerc = LERC("LERC", TILED), lerc_deflate = LERC("LERC_DEFLATE", TILED),
                     lerc_zstd = LERC("LERC_ZSTD", TILED), lerc_zstd_whole = LERC("LERC_ZSTD", "BLOCKYSIZE=H"),
@@ -335,7 +335,7 @@ const coder gdal_coders[] = {
     CODER("lzw", "tiles 256", "tif", EXACT, CODER_ALWAYS, lzw),
     CODER("zstd9", "tiles 256", "tif", BOTH, CODER_ALWAYS, zstd9),
     CODER("zstd19", "tiles 256", "tif", EXACT, CODER_IN_FULL, zstd19),
-    CODER("lzma", "tiles 256", "tif", EXACT, CODER_IN_FULL, lzma),
+    CODER("lzma", "tiles 256 no predictor", "tif", EXACT, CODER_IN_FULL, lzma),
     CODER("jxl", "tiles 256", "tif", BOTH, CODER_ALWAYS, jxl),
     CODER("png16", "rows", "png", EXACT, CODER_ALWAYS, png),
     CODER("mrf-lerc", "tiles 256", "mrf", BOTH, CODER_IN_FULL, mrf_lerc),
