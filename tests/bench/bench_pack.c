@@ -167,7 +167,7 @@ static double lerc_bits(const coder_input *input, double error)
     if (!coder_offered(lerc, why))
         return 0;
     coded c;
-    if (!coded_begin(&c, lerc, input, goal) || !coded_encode(&c) || coded_error(&c).max > error * 1.000001) {
+    if (!coded_begin(&c, lerc, input, goal) || !coded_encode(&c) || !coded_kept(&c, coded_error(&c))) {
         fprintf(stderr, "LERC: %s\n", *c.why ? c.why : "the bound is not kept");
         exit(99);
     }

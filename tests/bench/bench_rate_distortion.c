@@ -96,16 +96,6 @@ static const char *mode_name(const coded *c)
     return name;
 }
 
-/* Whether what was promised was kept, but for the rounding of floats. */
-static const char *verdict(const coded *c, terrain_error e)
-{
-    const tc_grid *g = &c->input->grid;
-    double rounding = ldexp(fmax(fabs((double)g->z_min), fabs((double)g->z_max)), -23);
-    if (c->goal.aim == CODER_LOSSLESS && e.max > 0)
-        return "NOT LOSSLESS";
-    return c->goal.aim == CODER_BOUND && e.max > c->goal.value + rounding ? "BOUND NOT KEPT" : "";
-}
-
 static void csv_number(FILE *csv, const char *format, double value)
 {
     fputc(',', csv);
@@ -113,11 +103,10 @@ static void csv_number(FILE *csv, const char *format, double value)
         fprintf(csv, format, value);
 }
 
-static void write_row(const table *t, const rate_row *row, const coded *c)
+static void write_row(const table *t, const rate_row *row, const coded *c, bool kept)
 {
-    printf("%-38s %-16s %-38s %8.4f %8.4f %9.4f %8.2f %8.2f %9.3f %s\n", t->names[row->terrain], row->coder->name,
-           mode_name(c), row->bits, row->rms, row->max, row->encode, row->decode, row->roi,
-           verdict(c, (terrain_error){row->rms, row->max}));
+    printf("%-38s %-16s %-38s %8.4f %8.4f %9.4f %8.2f %8.2f %9.3f%s\n", t->names[row->terrain], row->coder->name,
+           mode_name(c), row->bits, row->rms, row->max, row->encode, row->decode, row->roi, kept ? "" : " NOT KEPT");
     fflush(stdout);
     if (!t->csv)
         return;
@@ -165,8 +154,9 @@ static void add_row(table *t, const coder *with, const coder_input *input, coder
         printf("%-38s %-16s %-38s refused: %s\n", t->names[row.terrain], with->name, mode_name(&c),
                *c.why ? c.why : "it gives no reason");
     } else {
-        write_row(t, &row, &c);
-        t->broken += strcmp(with->name, RATE_OURS) == 0 && *verdict(&c, (terrain_error){row.rms, row.max});
+        bool kept = coded_kept(&c, (terrain_error){row.rms, row.max});
+        write_row(t, &row, &c, kept);
+        t->broken += !kept && strcmp(with->name, RATE_OURS) == 0;
         if (t->count < MOST_ROWS)
             t->rows[t->count++] = row;
     }

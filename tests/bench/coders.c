@@ -241,6 +241,17 @@ terrain_error coded_error(coded *c)
     return e;
 }
 
+bool coded_kept(const coded *c, terrain_error e)
+{
+    const tc_grid *g = &c->input->grid;
+    double rounding = ldexp(fmax(fabs((double)g->z_min), fabs((double)g->z_max)), -23);
+    switch (c->goal.aim) {
+    case CODER_LOSSLESS: return e.max == 0;
+    case CODER_BOUND: return e.max <= c->goal.value + rounding;
+    default: return true;
+    }
+}
+
 void coded_end(coded *c)
 {
     if (c->coder->release)

@@ -89,6 +89,8 @@ bool coded_begin(coded *c, const coder *with, const coder_input *input, coder_go
 bool coded_encode(coded *c);
 /* Reads all back, and holds it against the grid; an rms of NAN where that fails. */
 terrain_error coded_error(coded *c);
+/* Whether the goal was kept by what came back, but for the rounding of floats; true where it was not a promise. */
+bool coded_kept(const coded *c, terrain_error e);
 void coded_end(coded *c);
 
 #endif
