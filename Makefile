@@ -84,7 +84,8 @@ CPPFLAGS_plugin_gdal = $(shell pkg-config --cflags gdal)
 CPPFLAGS_plugin_gdal_write = $(CPPFLAGS_plugin_gdal)
 CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
 CPPFLAGS_jpeg2000 = $(shell pkg-config --cflags libopenjp2)
-CPPFLAGS_lerc = $(CPPFLAGS_plugin_gdal)
+CPPFLAGS_coders = $(CPPFLAGS_plugin_gdal)
+CPPFLAGS_gdal_coders = $(CPPFLAGS_plugin_gdal)
 
 # Shaders as strings: build/gen/shaders.c defines tc_shader_files[].
 $(O)/gen/shaders.c: shaders/embed.sh $(SHADERS)
@@ -157,8 +158,11 @@ LDFLAGS_test_damage := $(LDFLAGS_test_memory)
 LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
 
 # Codecs to compare with; nothing else is linked with them.
-$(O)/tests/bench_pack: $(call obj,tests/bench/jpeg2000 tests/bench/lerc)
+CODERS := $(call obj,tests/bench/jpeg2000 tests/bench/coders tests/bench/gdal_coders)
+$(O)/tests/bench_pack: $(CODERS)
+$(O)/tests/bench_rate_distortion: $(CODERS) $(OBJ)/tests/bench/rate_summary.o
 LIBS_bench_pack = $(shell pkg-config --libs gdal libopenjp2)
+LIBS_bench_rate_distortion = $(LIBS_bench_pack)
 
 # Makes elevation files for the command-line tests.
 $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o

@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/support/curves.h"
+
 enum { TRIES = 6, RESOLUTIONS = 8 };
 static const double near_enough = 0.01; /* rms on both sides, before interpolating */
 
@@ -48,11 +50,19 @@ void j2k_image_free(j2k_image *image)
     *image = (j2k_image){0};
 }
 
-int64_t j2k_encode(const j2k_image *image, double bits, const char *path)
+int j2k_resolutions(const j2k_image *image)
+{
+    int n = 1;
+    while (n < RESOLUTIONS && (image->width >> n) > 0 && (image->height >> n) > 0)
+        n++;
+    return n;
+}
+
+int64_t j2k_encode(const j2k_image *image, double bits, int threads, const char *path)
 {
     opj_cparameters_t p;
     opj_set_default_encoder_parameters(&p);
-    p.irreversible = 1, p.numresolution = RESOLUTIONS, p.cp_disto_alloc = 1, p.tcp_numlayers = 1;
+    p.irreversible = 1, p.numresolution = j2k_resolutions(image), p.cp_disto_alloc = 1, p.tcp_numlayers = 1;
     p.tcp_rates[0] = (float)(image->precision / bits);
     opj_image_cmptparm_t component = {.dx = 1,
                                       .dy = 1,
@@ -65,21 +75,19 @@ int64_t j2k_encode(const j2k_image *image, double bits, const char *path)
     memcpy(picture->comps[0].data, image->v, (size_t)(image->width * image->height) * sizeof *image->v);
     opj_codec_t *codec = opj_create_compress(OPJ_CODEC_J2K);
     opj_set_error_handler(codec, complain, NULL);
-    must(opj_setup_encoder(codec, &p, picture), "setting up");
-    opj_codec_set_threads(codec, (int)sysconf(_SC_NPROCESSORS_ONLN)); /* the bytes are the same */
-    opj_stream_t *stream = opj_stream_create_default_file_stream(path, OPJ_FALSE);
-    must(stream && opj_start_compress(codec, picture, stream) && opj_encode(codec, stream) &&
-             opj_end_compress(codec, stream),
-         "encoding");
+    opj_stream_t *stream = NULL;
+    bool done = opj_setup_encoder(codec, &p, picture) && (threads == 1 || opj_codec_set_threads(codec, threads)) &&
+                (stream = opj_stream_create_default_file_stream(path, OPJ_FALSE)) &&
+                opj_start_compress(codec, picture, stream) && opj_encode(codec, stream) &&
+                opj_end_compress(codec, stream);
     opj_stream_destroy(stream);
     opj_destroy_codec(codec);
     opj_image_destroy(picture);
     struct stat about;
-    must(stat(path, &about) == 0, "stat");
-    return about.st_size;
+    return done && stat(path, &about) == 0 ? about.st_size : 0;
 }
 
-void j2k_decode(const char *path, tc_rect rect, int32_t *v)
+bool j2k_decode(const char *path, tc_rect rect, int32_t *v)
 {
     opj_dparameters_t p;
     opj_set_default_decoder_parameters(&p);
@@ -87,30 +95,29 @@ void j2k_decode(const char *path, tc_rect rect, int32_t *v)
     opj_codec_t *codec = opj_create_decompress(OPJ_CODEC_J2K);
     opj_stream_t *stream = opj_stream_create_default_file_stream(path, OPJ_TRUE);
     opj_set_error_handler(codec, complain, NULL);
-    must(stream && opj_setup_decoder(codec, &p) && opj_read_header(stream, codec, &picture) &&
-             opj_set_decode_area(codec, picture, (int)rect.x0, (int)rect.y0, (int)rect.x1, (int)rect.y1) &&
-             opj_decode(codec, stream, picture) && opj_end_decompress(codec, stream),
-         "decoding");
-    must(picture->comps[0].w == rect.x1 - rect.x0 && picture->comps[0].h == rect.y1 - rect.y0, "cutting");
-    memcpy(v, picture->comps[0].data, (size_t)picture->comps[0].w * picture->comps[0].h * sizeof *v);
+    bool done = stream && opj_setup_decoder(codec, &p) && opj_read_header(stream, codec, &picture) &&
+                opj_set_decode_area(codec, picture, (int)rect.x0, (int)rect.y0, (int)rect.x1, (int)rect.y1) &&
+                opj_decode(codec, stream, picture) && opj_end_decompress(codec, stream) &&
+                picture->comps[0].w == rect.x1 - rect.x0 && picture->comps[0].h == rect.y1 - rect.y0;
+    if (done)
+        memcpy(v, picture->comps[0].data, (size_t)picture->comps[0].w * picture->comps[0].h * sizeof *v);
     opj_stream_destroy(stream);
     opj_destroy_codec(codec);
     opj_image_destroy(picture);
+    return done;
 }
 
 /* ---- The rate of an rms ----------------------------------------------------------------------------------------- */
 
-typedef struct point {
-    double bits, rms;
-} point;
-
-static point encode(const j2k_image *image, const tc_grid *grid, double bits, const char *path)
+static curve_point encode(const j2k_image *image, const tc_grid *grid, double bits, const char *path)
 {
     int64_t count = image->width * image->height, valid = 0;
-    point p = {8 * (double)j2k_encode(image, bits, path) / (double)count, 0};
+    int64_t bytes = j2k_encode(image, bits, (int)sysconf(_SC_NPROCESSORS_ONLN), path);
+    must(bytes > 0, "encoding");
+    curve_point p = {8 * (double)bytes / (double)count, 0};
     int32_t *v = malloc((size_t)count * sizeof *v);
     must(v != NULL, "memory");
-    j2k_decode(path, (tc_rect){0, 0, image->width, image->height}, v);
+    must(j2k_decode(path, (tc_rect){0, 0, image->width, image->height}, v), "decoding");
     for (int64_t i = 0; i < count; i++) {
         if (grid->voids && grid->voids[i])
             continue;
@@ -122,23 +129,17 @@ static point encode(const j2k_image *image, const tc_grid *grid, double bits, co
     return p;
 }
 
-/* Logarithms are nearly straight over a few per cent. */
-static double rate_between(point a, point b, double rms)
-{
-    return a.bits * pow(b.bits / a.bits, log(rms / a.rms) / log(b.rms / a.rms));
-}
-
 j2k_match j2k_at_rms(const j2k_image *image, const tc_grid *grid, double rms, double seed, const char *path)
 {
-    point best = encode(image, grid, seed, path), second = {0};
+    curve_point best = encode(image, grid, seed, path), second = {0};
     for (int n = 1;; n++) {
         double off = fabs(log(best.rms / rms));
         bool known = second.bits > 0 && second.rms != best.rms && second.bits != best.bits;
         if (n == TRIES || off < 0.0003 || (known && off < 0.003 && fabs(log(second.rms / rms)) < 5 * near_enough))
-            return (j2k_match){known ? rate_between(best, second, rms) : best.bits, best.rms, n};
+            return (j2k_match){known ? curve_between(best, second, rms) : best.bits, best.rms, n};
         double fall = 0.55 + 0.25 * best.bits; /* of the rms with the rate, in logarithms: a usual one */
-        double bits = known ? rate_between(best, second, rms) : best.bits * pow(best.rms / rms, 1 / fall);
-        point next = encode(image, grid, fmin(fmax(bits, 0.6 * best.bits), 1.7 * best.bits), path);
+        double bits = known ? curve_between(best, second, rms) : best.bits * pow(best.rms / rms, 1 / fall);
+        curve_point next = encode(image, grid, fmin(fmax(bits, 0.6 * best.bits), 1.7 * best.bits), path);
         if (fabs(log(next.rms / rms)) < off)
             second = best, best = next;
         else

@@ -21,12 +21,16 @@ enum { J2K_SCALE = 16 };
 j2k_image j2k_image_of(const tc_grid *grid);
 void j2k_image_free(j2k_image *image);
 
-/* Writes path at `bits` a sample at most; bytes of the file. Ends the program on failure. */
-int64_t j2k_encode(const j2k_image *image, double bits, const char *path);
+/* How many make sense: 8, or fewer where the smaller side has not as many halvings. */
+int j2k_resolutions(const j2k_image *image);
+
+/* Writes path at `bits` a sample at most, which does not depend on the threads; bytes of the file, 0 on failure, with a
+ * line on stderr. */
+int64_t j2k_encode(const j2k_image *image, double bits, int threads, const char *path);
 
 /* Decodes a rectangle (rows as in image) by one thread into v, stored densely; opening the file and reading its header
- * included. Ends the program on failure. */
-void j2k_decode(const char *path, tc_rect rect, int32_t *v);
+ * included. False on failure, with a line on stderr. */
+bool j2k_decode(const char *path, tc_rect rect, int32_t *v);
 
 /* The same rms as ours. */
 typedef struct j2k_match {
@@ -35,7 +39,8 @@ typedef struct j2k_match {
     int encodings;
 } j2k_match;
 
-/* Seeks the rate at which valid samples are off by rms; seed: bits a sample to start from. */
+/* Seeks the rate at which valid samples are off by rms; seed: bits a sample to start from. Ends the program on failure.
+ */
 j2k_match j2k_at_rms(const j2k_image *image, const tc_grid *grid, double rms, double seed, const char *path);
 
 #endif

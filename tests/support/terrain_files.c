@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "common/core/base/rect.h"
+#include "common/shell/source.h"
 
 enum { BLOCK = 1024 };
 
@@ -105,10 +106,57 @@ tc_grid terrain_crop(const tc_grid *grid, int64_t x0, int64_t y0, int64_t size)
     return g;
 }
 
+/* ---- Datasets as their files store them ------------------------------------------------------------------------- */
+
+/* What the dataset's file stores, and metres of the stored 0. */
+static terrain_file about_file(const dataset *set, double *base_ret)
+{
+    terrain_file about = {*set, TC_SAMPLE_FLOAT32, 0};
+    const char *folder = getenv("TERRACLIP_DATA");
+    char path[4096];
+    tc_source *source;
+    tc_error error;
+    *base_ret = 0;
+    if (strcmp(set->name, "default") == 0)
+        return about;
+    snprintf(path, sizeof path, "%s/%s", folder ? folder : "", set->name);
+    const tc_source_options options = {.spacing = set->spacing, .unit = set->unit};
+    terrain_must(tc_source_open(path, &options, &source, &error), &error);
+    const tc_source_info *info = tc_source_get_info(source);
+    if (info->integer)
+        about.type = info->type, about.unit = fabs(info->unit), *base_ret = info->offset - info->z_base;
+    tc_source_close(source);
+    return about;
+}
+
+bool terrain_file_crop(const dataset *set, int64_t size, terrain_file *about_ret, tc_grid *crop_ret)
+{
+    tc_grid whole;
+    if (!dataset_load(set, &whole))
+        return false;
+    double base;
+    terrain_file about = about_file(set, &base);
+    tc_grid crop =
+        terrain_crop(&whole, tc_max64(whole.width - size, 0) / 2, tc_max64(whole.height - size, 0) / 2, size);
+    tc_grid_free(&whole);
+    for (int64_t i = 0; about.unit > 0 && i < crop.width * crop.height; i++)
+        crop.z[i] = (float)(rint((crop.z[i] - base) / about.unit) * about.unit);
+    if (about.unit > 0)
+        crop.z_base = 0, crop.z_min = (float)(crop.z_min - base), crop.z_max = (float)(crop.z_max - base);
+    *about_ret = about, *crop_ret = crop;
+    return true;
+}
+
+tc_rect terrain_place(test_random *random, int64_t width, int64_t height, int64_t side)
+{
+    int64_t x = test_random_int(random, 0, width - side), y = test_random_int(random, 0, height - side);
+    return (tc_rect){x, y, x + side, y + side};
+}
+
 /* ---- Packing and reading back ----------------------------------------------------------------------------------- */
 
-terrain_packed terrain_pack(const tc_grid *grid, const terrain_file *about, const tc_pack_options *options,
-                            const char *path)
+tc_status terrain_try_pack(const tc_grid *grid, const terrain_file *about, const tc_pack_options *options,
+                           const char *path, terrain_packed *packed_ret, tc_error *error)
 {
     const tc_pack_terrain terrain = {.width = grid->width,
                                      .height = grid->height,
@@ -121,24 +169,34 @@ terrain_packed terrain_pack(const tc_grid *grid, const terrain_file *about, cons
     tc_pack_options o = *options;
     tc_packer *packer = NULL;
     tc_pack_result result;
-    tc_error error;
     if (o.mode == TC_PACK_LOSSLESS)
         o.lattice = about->unit;
     terrain_packed p = {.wall = -terrain_wall(), .cpu = -terrain_cpu()};
-    terrain_must(tc_packer_create(path, &terrain, &o, &packer, &error), &error);
-    for (int64_t y = 0; y < grid->height; y += 64) { /* in bands, as the packing command does */
+    tc_status status = tc_packer_create(path, &terrain, &o, &packer, error);
+    for (int64_t y = 0; status == TC_OK && y < grid->height; y += 64) { /* in bands, as the packing command does */
         tc_rect band = {0, y, grid->width, tc_min64(y + 64, grid->height)};
         const uint8_t *voids = grid->voids ? grid->voids + y * grid->width : NULL;
-        terrain_must(tc_packer_put(packer, band, grid->z + y * grid->width, voids, grid->width, &error), &error);
+        status = tc_packer_put(packer, band, grid->z + y * grid->width, voids, grid->width, error);
     }
-    terrain_must(tc_packer_finish(packer, &result, &error), &error);
+    if (status == TC_OK)
+        status = tc_packer_finish(packer, &result, error);
     tc_packer_destroy(packer);
     p.wall += terrain_wall(), p.cpu += terrain_cpu();
     struct stat stats;
-    if (stat(path, &stats) != 0)
+    if (status == TC_OK && stat(path, &stats) != 0)
         terrain_must(TC_ERR_IO, &(tc_error){.text = "no packed file"});
-    p.bytes = (double)stats.st_size;
-    return p;
+    if (status == TC_OK)
+        p.bytes = (double)stats.st_size, *packed_ret = p;
+    return status;
+}
+
+terrain_packed terrain_pack(const tc_grid *grid, const terrain_file *about, const tc_pack_options *options,
+                            const char *path)
+{
+    terrain_packed packed;
+    tc_error error;
+    terrain_must(terrain_try_pack(grid, about, options, path, &packed, &error), &error);
+    return packed;
 }
 
 tc_pyramid *terrain_open(const char *path)

@@ -3,6 +3,7 @@
 #define TERRAIN_FILES_H
 
 #include "datasets.h"
+#include "terrains.h"
 
 /* A dataset with what its stored values are. */
 typedef struct terrain_file {
@@ -18,6 +19,10 @@ void terrain_must(tc_status status, const tc_error *error);
  * are filled with the nearest valid height, and are none any more. */
 tc_grid terrain_crop(const tc_grid *grid, int64_t x0, int64_t y0, int64_t size);
 
+/* The middle of a dataset, at most size x size, as terrain_crop() gives it; and what its file stores. Where those are
+ * integers, the stored 0 is 0 m here and heights are multiples of the unit. False where dataset_load() says so. */
+bool terrain_file_crop(const dataset *set, int64_t size, terrain_file *about_ret, tc_grid *crop_ret);
+
 /* A file, and what it took to make it. */
 typedef struct terrain_packed {
     double bytes; /* of the file on the disk */
@@ -27,6 +32,10 @@ typedef struct terrain_packed {
 /* Packs the grid's valid samples into path. */
 terrain_packed terrain_pack(const tc_grid *grid, const terrain_file *about, const tc_pack_options *options,
                             const char *path);
+
+/* The same where a refusal is to be told. */
+tc_status terrain_try_pack(const tc_grid *grid, const terrain_file *about, const tc_pack_options *options,
+                           const char *path, terrain_packed *packed_ret, tc_error *error);
 
 tc_pyramid *terrain_open(const char *path);
 
@@ -39,6 +48,9 @@ typedef struct terrain_error {
 
 /* Reads a packed file back, and holds it against the grid's valid samples and voids. */
 terrain_error terrain_compare(const tc_grid *grid, const char *path);
+
+/* `side` x `side` samples somewhere in a terrain that has as many. */
+tc_rect terrain_place(test_random *random, int64_t width, int64_t height, int64_t side);
 
 /* Processor and wall-clock seconds. */
 double terrain_cpu(void);
