@@ -2,6 +2,7 @@
  * halved often enough. Rows are resampled whole: those of several files lie in a temporary file until all are there. */
 #include "pack_planet.h"
 
+#include "common/core/atlas/atlas.h"
 #include "common/core/atlas/row_resample.h"
 #include "common/core/base/rect.h"
 #include "common/core/base/status.h"
@@ -194,7 +195,7 @@ tc_status tc_planet_input_read(const tc_planet_input *in, const char *scratch, t
     double base = in->terrain.z_base;
     if (status == TC_OK && r.low <= r.high)
         status =
-            tc_planet_check_relief(in->path, base + (double)r.low, base + (double)r.high, in->terrain.radius, error);
+            tc_atlas_check_relief(in->path, base + (double)r.low, base + (double)r.high, in->terrain.radius, error);
     tc_row_resampler_destroy(r.resampler);
     tc_spool_close(&r.rows);
     return status;

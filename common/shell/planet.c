@@ -7,6 +7,7 @@
 
 #include "clock.h"
 #include "common/core/atlas/atlas_packed.h"
+#include "common/core/atlas/atlas.h"
 #include "common/core/atlas/row_resample.h"
 #include "common/core/base/parallel.h"
 #include "common/core/base/rect.h"
@@ -159,14 +160,6 @@ static tc_status settle(const char *path, const tc_source_options *options, bool
     return TC_OK;
 }
 
-static tc_status check_relief(const char *path, const tc_grid *grid, double radius, tc_error *error)
-{
-    float low = grid->z_min, high = grid->z_max;
-    if (grid->voids_flat && grid->void_count > 0)
-        low = fminf(low, grid->void_height), high = fmaxf(high, grid->void_height);
-    return tc_planet_check_relief(path, grid->z_base + (double)low, grid->z_base + (double)high, radius, error);
-}
-
 tc_status tc_planet_load(const char *path, const tc_source_options *options, double radius, bool whole, int threads,
                          tc_planet *planet_ret, tc_error *error)
 {
@@ -191,7 +184,7 @@ tc_status tc_planet_load(const char *path, const tc_source_options *options, dou
         status = settle(path, &settled, whole, threads, &grid, error);
     if (status == TC_OK) {
         radius = tc_planet_radius(&grid.georef, radius);
-        status = check_relief(path, &grid, radius, error);
+        status = tc_atlas_check_grid(path, &grid, radius, error);
     }
     if (status != TC_OK) {
         tc_grid_free(&grid);
@@ -224,8 +217,8 @@ static tc_status place_packed(const char *path, const tc_source_options *options
             error, TC_ERR_UNSUPPORTED,
             "%s: expected a terrain in longitude and latitude, or one packed with --planet, found a flat one", path);
     radius = tc_planet_radius(g, radius);
-    tc_status status = tc_planet_check_relief(path, info->z_base + (double)info->z_min,
-                                              info->z_base + (double)info->z_max, radius, error);
+    tc_status status = tc_atlas_check_relief(path, info->z_base + (double)info->z_min,
+                                             info->z_base + (double)info->z_max, radius, error);
     if (status != TC_OK)
         return status;
     /* Its levels do not go round, and it has no caps. */

@@ -26,16 +26,6 @@ tc_status tc_planet_check_radius(double radius, tc_error *error)
     return TC_OK;
 }
 
-tc_status tc_planet_check_relief(const char *path, double z_min, double z_max, double radius, tc_error *error)
-{
-    if (!(z_min > -0.999 * radius) || !(z_max < radius))
-        return tc_fail(error, TC_ERR_FORMAT,
-                       "%s: expected heights that are small beside the radius of %.6g m, found %.6g to %.6g m; "
-                       "--unit and --radius set the scale",
-                       path, radius, z_min, z_max);
-    return TC_OK;
-}
-
 /* Whether a transform that no coordinate system explains can be one of degrees. */
 static bool fits_globe(const double t[6], int64_t width, int64_t height)
 {

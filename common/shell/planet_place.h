@@ -26,7 +26,4 @@ double tc_planet_radius(const tc_georef *georef, double radius);
 /* TC_ERR_USAGE for a radius that is neither 0 (the file's) nor a finite one above. */
 tc_status tc_planet_check_radius(double radius, tc_error *error);
 
-/* TC_ERR_FORMAT for heights (metres above the sphere) that reach its centre or a radius beyond it. */
-tc_status tc_planet_check_relief(const char *path, double z_min, double z_max, double radius, tc_error *error);
-
 #endif

@@ -326,10 +326,22 @@ static void nonsense_is_refused(void **state)
         tc_grid grid = globe(polynomial, k == 0 ? 367 : 360, k == 1 ? 3 : 180, AREA, 0);
         grid.georef.geographic = k != 2;
         grid.georef.transform[2] = k == 3 ? 0.1 : 0;
-        double radius = k == 4 ? 0 : k == 5 ? NAN : 1000;
+        double radius = k == 4 ? 0 : k == 5 ? NAN : 1e6;
         assert_int_equal(tc_atlas_build(&grid, radius, 1, &a, &error), TC_ERR_USAGE);
         assert_non_null(strstr(error.text, "planet: "));
         assert_null(grid.z);
+    }
+    /* Heights to 10 km below a sphere of that radius, or above it. */
+    for (int k = 0; k < 4; k++) {
+        tc_grid grid = globe(polynomial, 360, 180, AREA, 0);
+        double radius = k == 0 ? 10000 : k == 1 ? 10020 : k == 2 ? 5e5 : 1e6;
+        if (k >= 2)
+            grid.voids_flat = true, grid.void_count = 1, grid.void_height = k == 2 ? 5e5 : -999e3f;
+        tc_status status = tc_atlas_build(&grid, radius, 1, &a, &error);
+        assert_int_equal(status, k == 1 ? TC_OK : TC_ERR_FORMAT);
+        assert_true(status ? strstr(error.text, "small beside the radius") != NULL : a.charts == 3);
+        if (!status)
+            tc_atlas_free(&a);
     }
     assert_int_equal(tc_atlas_width(1, 1), 1);
     assert_int_equal(tc_atlas_width(250, 250), 250);

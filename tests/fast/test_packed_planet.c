@@ -378,7 +378,8 @@ static void heads_that_lie_are_refused(void **state)
     static const double radii[] = {0, -1, NAN, INFINITY, -INFINITY};
     for (int k = 0; k < 5; k++)
         assert_int_equal(try_f64(bytes, size, planet, radii[k]), TC_ERR_FORMAT);
-    assert_int_equal(try_f64(bytes, size, planet, 1), TC_OK);
+    assert_int_equal(try_f64(bytes, size, planet, 1e6), TC_OK);
+    assert_int_equal(try_f64(bytes, size, planet, 1), TC_ERR_FORMAT); /* less than its relief */
     const uint64_t sizes[] = {
         0, 19, north - 1, north + 1, north + south, INT64_MAX, 1ull << 63, UINT64_MAX, (uint64_t)INT64_MAX - south};
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {

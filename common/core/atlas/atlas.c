@@ -76,6 +76,24 @@ static tc_status make_caps(const tc_grid *grid, const tc_lonlat *lonlat, double 
     return status;
 }
 
+tc_status tc_atlas_check_relief(const char *name, double z_min, double z_max, double radius, tc_error *error)
+{
+    if (!(z_min > -0.999 * radius) || !(z_max < radius))
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: expected heights that are small beside the radius of %.6g m, found %.6g to %.6g m; "
+                       "--unit and --radius set the scale",
+                       name, radius, z_min, z_max);
+    return TC_OK;
+}
+
+tc_status tc_atlas_check_grid(const char *name, const tc_grid *grid, double radius, tc_error *error)
+{
+    double low = (double)grid->z_min, high = (double)grid->z_max;
+    if (grid->voids_flat && grid->void_count > 0)
+        low = fmin(low, (double)grid->void_height), high = fmax(high, (double)grid->void_height);
+    return tc_atlas_check_relief(name, grid->z_base + low, grid->z_base + high, radius, error);
+}
+
 static tc_status check(const tc_grid *grid, double radius, tc_error *error)
 {
     const double *t = grid->georef.transform;
@@ -85,7 +103,7 @@ static tc_status check(const tc_grid *grid, double radius, tc_error *error)
         return tc_fail(error, TC_ERR_USAGE, "planet: expected a grid of samples, found none");
     if (!grid->georef.known || !grid->georef.geographic || !(t[1] > 0) || !(t[5] < 0) || t[2] != 0 || t[4] != 0)
         return tc_fail(error, TC_ERR_USAGE, "planet: expected a grid of longitude and latitude, found another");
-    return TC_OK;
+    return tc_atlas_check_grid("planet", grid, radius, error);
 }
 
 static tc_status build(tc_grid *grid, int threads, tc_grid cap[TC_CAPS], tc_atlas *atlas, tc_error *error)

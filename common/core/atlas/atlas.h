@@ -52,12 +52,18 @@ int64_t tc_atlas_width(int64_t width, int64_t height);
 /* Whether so many columns, of which `turn` would make 360 degrees, go once around the globe: to within half a one. */
 bool tc_atlas_around(int64_t columns, double turn);
 
+/* TC_ERR_FORMAT for heights (metres above the sphere) that reach its centre, or a radius beyond it, or are none. */
+tc_status tc_atlas_check_relief(const char *name, double z_min, double z_max, double radius, tc_error *error);
+/* The same of a grid's, with the height at which its voids are shown. */
+tc_status tc_atlas_check_grid(const char *name, const tc_grid *grid, double radius, tc_error *error);
+
 /* Builds the pyramids of *grid and takes the grid over (it is zeroed, also on failure freed). Its georeference must be
  * known and geographic (degrees, not rotated). Where it covers 360 degrees, to within half a sample, chart 0 wraps and
  * its width must be as tc_atlas_width() says; where it reaches both poles too, to within a row, there are caps. Heights
  * under voids must be filled. Spacings of the pyramids are lengths on the equator of a sphere of that radius, metres.
  * threads: 0 as many as there are processors. The result does not depend on it. *atlas_ret is freed with
- * tc_atlas_free(). TC_ERR_USAGE for a grid or a radius that is not as above. */
+ * tc_atlas_free(). TC_ERR_USAGE for a grid or a radius that is not as above, TC_ERR_FORMAT for heights that the radius
+ * is too small for. */
 tc_status tc_atlas_build(tc_grid *grid, double radius, int threads, tc_atlas *atlas_ret, tc_error *error);
 
 /* Shares of the charts in the height at a place whose direction has this z, the sine of its latitude: chart 0 alone up

@@ -133,6 +133,9 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     atlas->radius = c->info.terrain.radius;
     if (!(atlas->radius > 0) || !tc_terrain_globe(&c->info.terrain, &globe))
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a planet, found a flat terrain", name);
+    const tc_terrain_info *info = tc_pyramid_info(pyramid);
+    status = tc_atlas_check_relief(name, info->z_base + (double)info->z_min, info->z_base + (double)info->z_max,
+                                   atlas->radius, error);
     atlas->chart[0] = place(pyramid, TC_LONLAT, globe.x0, globe.y0, globe.dx, globe.dy);
     atlas->charts = 1;
     bool whole = c->info.charts > 1;

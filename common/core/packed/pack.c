@@ -3,6 +3,7 @@
 #include <math.h>
 #include <unistd.h>
 
+#include "common/core/atlas/atlas.h"
 #include "common/core/base/outfile.h"
 #include "common/core/base/rect.h"
 #include "common/core/base/status.h"
@@ -199,6 +200,16 @@ static tc_status code_levels(tc_packer *p, int32_t bound, int32_t lattice, tc_er
     return status ? status : check_lossless(p, error);
 }
 
+/* A planet's heights must leave it a surface around its middle. */
+static tc_status check_relief(const tc_packer *p, tc_error *error)
+{
+    const tc_pack_terrain *t = &p->container.info.terrain;
+    double low = t->z_base + (double)p->z_min, high = t->z_base + (double)p->z_max;
+    if (p->result.voids && t->voids == TC_VOIDS_CONSTANT)
+        low = fmin(low, t->void_constant), high = fmax(high, t->void_constant);
+    return t->radius > 0 ? tc_atlas_check_relief(p->path, low, high, t->radius, error) : TC_OK;
+}
+
 tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
 {
     tc_container *c = &p->container;
@@ -209,7 +220,9 @@ tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
     p->result.samples = t->width * t->height;
     p->result.voids = c->voids = p->result.samples - valid;
     c->z_min = p->z_min, c->z_max = p->z_max;
-    tc_status status = tc_pack_moments(p, &c->info.mean, &c->info.deviation, error);
+    tc_status status = check_relief(p, error);
+    if (!status)
+        status = tc_pack_moments(p, &c->info.mean, &c->info.deviation, error);
     c->info.mean += t->z_base;
     if (!status && c->voids && !p->filled)
         status = tc_pack_fill(p, error);
