@@ -71,28 +71,33 @@ void look(int chart, out float height, out vec2 slopes)
 #endif
 }
 
+// Charts are gone through in a loop, which is run as often as one of the fragments next to each other needs it; conditions
+// one after the other are all run by a renderer that does not branch.
 float surface_height()
 {
     vec3 s = v_direction;
-    float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z, height = 0.0, z;
+    float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z, height = 0.0;
     vec3 p = normalize(vec3(ct * s.x + st * c, s.y, ct * c - st * s.x)), slope = vec3(0.0);
-    vec2 caps = cap_weights(s), g;
+    vec2 caps = cap_weights(s);
     float rest = 1.0 - caps.x - caps.y;
-    if (rest > 0.0) {
-        look(0, z, g);
-        float rho = sqrt(p.x * p.x + p.y * p.y);
-        vec2 meridian = p.xy / max(rho, 1e-4);
-        height += rest * z;
-        slope += rest * (g.x / max(rho, 0.01) * vec3(-meridian.y, meridian.x, 0.0) + g.y * vec3(-p.z * meridian, rho));
-    }
-    if (rest < 1.0) {
-        float side = caps.x > 0.0 ? 1.0 : -1.0, up = 1.0 + side * p.z;
-        look(caps.x > 0.0 ? 1 : 2, z, g);
-        height += (1.0 - rest) * z;
-        g = vec2(surface[0].z * g.x + surface[0].w * g.y, surface[0].z * g.y - surface[0].w * g.x) * (2.0 / up);
-        // Chart axes carried along meridians from the pole.
-        float along = dot(p.xy, g);
-        slope += (1.0 - rest) * vec3(g - p.xy * along / up, -side * along);
+    int cap = caps.x > 0.0 ? 1 : 2;
+    for (int chart = rest > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && rest < 1.0 ? cap : 3) {
+        float z;
+        vec2 g;
+        look(chart, z, g);
+        float share = chart == 0 ? rest : 1.0 - rest;
+        height += share * z;
+        if (chart == 0) {
+            float rho = sqrt(p.x * p.x + p.y * p.y);
+            vec2 meridian = p.xy / max(rho, 1e-4);
+            slope += share * (g.x / max(rho, 0.01) * vec3(-meridian.y, meridian.x, 0.0) + g.y * vec3(-p.z * meridian, rho));
+        } else {
+            float side = chart == 1 ? 1.0 : -1.0, up = 1.0 + side * p.z;
+            g = vec2(surface[0].z * g.x + surface[0].w * g.y, surface[0].z * g.y - surface[0].w * g.x) * (2.0 / up);
+            // Chart axes carried along meridians from the pole.
+            float along = dot(p.xy, g);
+            slope += share * vec3(g - p.xy * along / up, -side * along);
+        }
     }
     fragment_up = p;
     fragment_slope = slope;

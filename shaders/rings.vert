@@ -57,12 +57,15 @@ vec3 surface_vertex()
     // What charts give below the viewer adds up to nothing with their shares there: only changes of shares count.
     vec2 change = cap_changes(s);
     vec3 more = vec3(-change.x - change.y, change);
-    for (int chart = 0; chart < 3; chart++) {
+    int cap = caps.x > 0.0 ? 1 : 2;
+    // A loop, as in rings.frag.
+    for (int chart = weight.x > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && weight[cap] > 0.0 ? cap : 3) {
         float z = 0.0;
-        if (weight[chart] > 0.0 && !chart_height(chart, s, w, shift, z))
+        if (!chart_height(chart, s, w, shift, z))
             z = surface[2].w - surface[4 + chart].z;
-        height += weight[chart] * z + more[chart] * surface[4 + chart].z;
+        height += weight[chart] * z;
     }
+    height += dot(more, vec3(surface[4].z, surface[5].z, surface[6].z));
     v_direction = s;
     v_terrain = vec2(surface[1].z + height, w);
     float radius = surface[1].x + height;
