@@ -1,6 +1,7 @@
 /* extreme_motion.c - viewers that move as no viewer should: the windows follow.
  *
- * After every update: LH04's four constraints (regions.h), no more samples than the budget. After some, and at the end:
+ * After every update: LH04's four constraints (regions.h), windows around the viewer, no more samples than the budget.
+ * After some, and at the end:
  * every height held is the pyramid's; at the end also morph targets and normals, and the picture is the one that a
  * scene which never was elsewhere draws. All of these are exact, so limits are 0. */
 #include <math.h>
@@ -29,6 +30,7 @@ typedef struct journey {
     tc_rect wanted[TC_MAX_LEVELS];
     int64_t updates, samples, most; /* samples: all; most: of one update */
     int64_t constraints, contents;  /* updates after which something was broken */
+    int64_t astray;                 /* after which a window was wanted that is not around the viewer */
     char first[200];                /* what was broken first */
 } journey;
 
@@ -50,9 +52,30 @@ static void broken(journey *j, const char *what, int64_t *count)
 {
     if (!what)
         return;
-    if (!j->constraints && !j->contents)
+    if (!j->constraints && !j->contents && !j->astray)
         snprintf(j->first, sizeof j->first, "first after update %lld: %s", (long long)j->updates, what);
     ++*count;
+}
+
+/* Whether a window is wanted that is not around the viewer: more than the snapping off, away from the terrain's ends.
+ */
+static const char *window_astray(const journey *j, const tc_camera *camera)
+{
+    static char said[100];
+    for (int l = 2; l <= tc_clipmap_levels(j->clipmap); l++) {
+        const tc_clip_level *v = tc_clipmap_level(j->clipmap, l);
+        double at[2] = {camera->x / v->spacing_x, camera->y / v->spacing_y}, n = tc_clipmap_n(j->clipmap);
+        bool inside = at[0] > n && at[1] > n && at[0] < (double)v->extent.x1 - n && at[1] < (double)v->extent.y1 - n;
+        if (!inside || tc_rect_empty(j->wanted[l - 1]))
+            continue;
+        tc_rect w = j->wanted[l - 1];
+        double off_x = fabs(0.5 * (double)(w.x0 + w.x1 - 1) - at[0]),
+               off_y = fabs(0.5 * (double)(w.y0 + w.y1 - 1) - at[1]);
+        snprintf(said, sizeof said, "window of level %d: %g x %g samples from the viewer", l, off_x, off_y);
+        if (off_x > 2 || off_y > 2)
+            return said;
+    }
+    return NULL;
 }
 
 static void move_to(journey *j, const tc_camera *camera, bool look_at_heights)
@@ -60,6 +83,7 @@ static void move_to(journey *j, const tc_camera *camera, bool look_at_heights)
     tc_square_wanted(j->clipmap, camera, j->wanted);
     int64_t samples = tc_clipmap_update(j->clipmap, j->wanted, j->budget, true);
     j->updates++, j->samples += samples, j->most = tc_max64(j->most, samples);
+    broken(j, window_astray(j, camera), &j->astray);
     broken(j, regions_broken(j->clipmap), &j->constraints);
     if (look_at_heights)
         broken(j, heights_broken(j->clipmap), &j->contents);
@@ -91,6 +115,8 @@ static void journey_end(journey *j, const tc_camera *camera, int step)
     broken(j, heights_broken(j->clipmap), &j->contents);
     extreme_at_most(j->name, "constraints broken, updates", (double)j->constraints, 0, "of %lld; %lld samples%s%s",
                     (long long)j->updates, (long long)j->samples, *j->first ? "; " : "", j->first);
+    extreme_at_most(j->name, "windows not around the viewer, updates", (double)j->astray, 0, "of %lld",
+                    (long long)j->updates);
     extreme_at_most(j->name, "windows that differ from the pyramid", (double)j->contents, 0, "%d levels, n %d",
                     tc_clipmap_levels(j->clipmap), tc_clipmap_n(j->clipmap));
     if (j->budget >= 0)
