@@ -1,18 +1,20 @@
 /* square_morph.c - the flat map's levels around a viewer: windows, transition regions, drawn heights.
  *
  * Windows are centred on the viewer and snapped to even samples (LH04 section 5); levels finer than the height above
- * ground calls for (h > 0.4 n g_l) are not wanted. In the transition region of width n / 10 at a window's edge the
- * heights pass over into the coarser level's (LH04 section 6.2). alpha depends on the distance to the viewer, not to
- * the snapped window, so it does not jump when a window moves. We add a passage by height, so that nothing jumps
- * either when a level is dropped on the way up: it has become the coarser level by then. */
+ * ground calls for (h > 0.8 n g_l) are not wanted. LH04 drops them at 0.4: then the coarser level, of spacing G = 2
+ * g_l, is seen from 0.2 n G on, twice as near as where LH04 takes the size of its triangles, 0.4 n G. In the transition
+ * region of width n / 10 at a window's edge the heights pass over into the coarser level's (LH04 section 6.2). alpha
+ * depends on the distance to the viewer, not to the snapped window, so it does not jump when a window moves. We add a
+ * passage by height, so that nothing jumps either when a level is dropped on the way up: it has become the coarser
+ * level by then. */
 #include <math.h>
 
 #include "common/core/base/mesh.h"
 #include "common/core/base/rect.h"
 #include "square_internal.h"
 
-static const double DROP_HEIGHT = 0.4;  /* of n g_l above ground: a level is dropped (LH04 section 5) */
-static const double FADE_HEIGHT = 0.32; /* from here on it passes into the coarser one */
+static const double DROP_HEIGHT = 0.8;  /* of n g_l above ground: a level is dropped (LH04 section 5: 0.4) */
+static const double FADE_HEIGHT = 0.64; /* from here on it passes into the coarser one */
 static const double SATURATED = 1.5;    /* cells within the window's half size where alpha is 1: the snapping moves
                                            the edge by up to 1, and half a cell covers rounding in float */
 static const double CLEAR = 0.25;       /* cells between a ramp's start and the finer level, for the same reason */

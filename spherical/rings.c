@@ -273,12 +273,12 @@ static void rings_destroy(tc_surface *surface)
     free(s);
 }
 
-/* A window holds at least twice the n_phi / 4 samples that the disc of its ring is wide: enough up to the latitude
+/* A window holds at least twice the n_phi / 2 samples that the disc of its ring is wide: enough up to the latitude
  * where caps take over. Grids whose coarsest even width is larger need larger ones. */
 static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_error *error)
 {
     int n = 63;
-    while (n < 2047 && (2 * (n + 1) <= s->geometry.n_phi / 2 || n < o->n))
+    while (n < 2047 && (2 * (n + 1) <= s->geometry.n_phi || n < o->n))
         n = 2 * n + 1;
     if (s->atlas->chart[0].wraps && n < 255)
         n = 255; /* > TC_MOST_ODD */
@@ -311,6 +311,22 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
     return TC_OK;
 }
 
+static int most_steps(int n_phi)
+{
+    return (int)fmin(64, TC_RESTART / (n_phi + 64) - 1) & ~1;
+}
+
+int tc_rings_steps(int n_phi)
+{
+    return (int)fmin(fmax(2 * round(n_phi / (8 * M_PI)), 4), most_steps(n_phi));
+}
+
+int tc_rings_n_phi_for(const tc_camera *camera)
+{
+    double steps = 2 * M_PI * tc_camera_pixel_scale(camera) / 5;
+    return (int)fmin(fmax(32 * ceil(steps / 32), 64), 2048);
+}
+
 /* Levels of rings down to centimetres. */
 static int ring_levels(const rings_surface *s)
 {
@@ -325,12 +341,13 @@ tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options
     static const char *const ch06_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.vert", NULL};
     static const char *const fragment_parts[] = {"rings.glsl", "rings.frag", NULL};
     static const char *const ch06_fragment_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.frag", NULL};
-    int n_phi = options->n_phi ? options->n_phi : 512, m = options->m ? options->m : 20;
+    int n_phi = options->n_phi ? options->n_phi : 512;
     if (n_phi < 64 || n_phi > 2048 || n_phi % 32 != 0)
         return tc_fail(error, TC_ERR_USAGE, "--n: expected a multiple of 32 from 64 to 2048, found %d", n_phi);
-    if (m < 4 || m > 64 || m % 2 != 0 || (m + 1) * (n_phi + 64) > TC_RESTART)
+    int m = options->m ? options->m : tc_rings_steps(n_phi);
+    if (m < 4 || m > most_steps(n_phi) || m % 2 != 0)
         return tc_fail(error, TC_ERR_USAGE, "--steps: expected an even number from 4 to %d, found %d",
-                       (int)fmin(64, TC_RESTART / (n_phi + 64) - 1) & ~1, m);
+                       most_steps(n_phi), m);
     rings_surface *s = calloc(1, sizeof *s);
     if (!s)
         return tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
@@ -339,8 +356,9 @@ tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options
     s->scheme = options->scheme;
     s->outside = -tc_pyramid_info(atlas->chart[0].pyramid)->z_base;
     s->geometry = (rings_geometry){.levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2};
-    /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 8 (CH06 section 4.2). */
-    s->shift_base = (int)ceil(log2(M_PI / (atlas->chart[0].dy * n_phi / 8)) - 1e-9);
+    /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 4: steps around are up to pi / 2 samples
+     * long, and as long outwards with as many as tc_rings_steps() says. CH06 section 4.2 has n_phi / 8. */
+    s->shift_base = (int)ceil(log2(M_PI / (atlas->chart[0].dy * n_phi / 4)) - 1e-9);
     s->head = (tc_surface){.name = ch06 ? "rings-ch06" : "rings",
                            .vertex_parts = ch06 ? ch06_parts : vertex_parts,
                            .fragment_parts = ch06 ? ch06_fragment_parts : fragment_parts,

@@ -21,11 +21,18 @@ typedef enum tc_rings_scheme {
 typedef struct tc_rings_options {
     tc_rings_scheme scheme;
     int n_phi; /* steps around, a multiple of 32 from 64 to 2048; 0: 512 */
-    int m;     /* steps outwards in a level, even, 4 to 64; 0: 20 */
+    int m;     /* steps outwards in a level, even, 4 to 64; 0: as long as those around, tc_rings_steps(n_phi) */
     int n;     /* samples a side of the windows, 2^k - 1, at least; what is more than geometry needs, shading uses */
     int max_levels; /* of each chart; 0: all */
     bool normals, holes;
 } tc_rings_options;
+
+/* Steps outwards that at a level's outer edge are about as long as those around, n_phi / (4 pi); at most what 16-bit
+ * indices allow. 40 for 512. */
+int tc_rings_steps(int n_phi);
+
+/* Steps around for a frame: they cover at most 5 pixels, as cells of squares do (tc_clipmap_n_for()). 64 to 2048. */
+int tc_rings_n_phi_for(const tc_camera *camera);
 
 /* A surface over an atlas, which must outlive it; it makes and owns the clipmaps of the charts. */
 tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options, tc_surface **surface_ret,

@@ -144,8 +144,8 @@ static void climbing_drops_levels_without_a_jump(void **state)
     look(&w, alpha_step, false, w.drawn, w.slack);
     int first = tc_clipmap_levels(w.clipmap), least = first;
     for (double h = 20; h < 12000; h *= 1.002) {
-        for (int l = 1; l <= first; l++) /* from 0.32 to 0.40 n g_l */
-            alpha_step[l] = 0.002 * h / (0.08 * N * tc_clipmap_level(w.clipmap, l)->spacing_x);
+        for (int l = 1; l <= first; l++) /* from 0.64 to 0.80 n g_l */
+            alpha_step[l] = 0.002 * h / (0.16 * N * tc_clipmap_level(w.clipmap, l)->spacing_x);
         w.camera.z = ground + h;
         settle(&w);
         look(&w, alpha_step, false, drawn, slack);
