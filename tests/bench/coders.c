@@ -259,3 +259,9 @@ void coded_end(coded *c)
     VSIRmdirRecursive(place());
     c->source = NULL;
 }
+
+void coders_clean_up(void)
+{
+    VSIRmdirRecursive(place());
+    made_folder_remove();
+}
