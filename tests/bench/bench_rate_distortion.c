@@ -238,6 +238,7 @@ int main(int argc, char **argv)
     measure_options o = measure_begin(
         argc, argv, "dataset,codec,mode,bits_per_sample,rms_m,max_error_m,encode_msps,decode_msps,roi255_ms");
     static rate_row rows[MOST_ROWS];
+    atexit(coders_clean_up); /* also where a terrain cannot be loaded */
     table t = {.plan = o.quick ? &quick : &full, .csv = o.csv, .rows = rows};
     dataset sets[DATASETS_MAX];
     int count = dataset_list(sets, DATASETS_MAX), files = count - 1 < t.plan->files ? count - 1 : t.plan->files;
@@ -247,7 +248,6 @@ int main(int argc, char **argv)
     for (int n = 0; n < files; n++) /* spread over all there are */
         add_terrain(&t, &sets[1 + n * (count - 1) / files]);
     rate_summary(t.rows, t.count, t.names, t.terrains);
-    made_folder_remove();
     if (t.broken)
         fprintf(stderr, "rate: %d of our own bounds were not kept\n", t.broken);
     return measure_end(&o) || t.broken ? 1 : 0;

@@ -196,13 +196,13 @@ bool coded_begin(coded *c, const coder *with, const coder_input *input, coder_go
 {
     *c = (coded){.coder = with, .input = input, .goal = goal};
     gdal_coders_set_up();
-    clear_place();
     snprintf(c->path, sizeof c->path, "%s/heights.%s", place(), with->extension);
     return with->prepare(c);
 }
 
 bool coded_encode(coded *c)
 {
+    clear_place(); /* some drivers add to an old file */
     if (!c->coder->encode(c))
         return false;
     c->bytes = bytes_there();
@@ -258,4 +258,10 @@ void coded_end(coded *c)
         c->coder->release(c);
     VSIRmdirRecursive(place());
     c->source = NULL;
+}
+
+void coders_clean_up(void)
+{
+    VSIRmdirRecursive(place());
+    made_folder_remove();
 }

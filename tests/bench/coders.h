@@ -93,4 +93,7 @@ terrain_error coded_error(coded *c);
 bool coded_kept(const coded *c, terrain_error e);
 void coded_end(coded *c);
 
+/* Takes the folder away; for atexit(). */
+void coders_clean_up(void);
+
 #endif

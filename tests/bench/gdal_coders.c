@@ -18,7 +18,7 @@ typedef enum bound_way {
 } bound_way;
 
 /* What a format holds beside integers of 32 bits. */
-typedef enum holding { FLOATS, INTEGERS, UNSIGNED16 /* nothing else at all, but for a rate */ } holding;
+typedef enum holding { FLOATS, INTEGERS, INTEGERS32 /* no others */, UNSIGNED16 /* nothing else at all */ } holding;
 
 typedef struct format {
     const char *driver;
@@ -65,7 +65,7 @@ static const format jxl = PLAIN("GTiff", "JXL", UNSIGNED16, TILED, "JXL_LOSSLESS
                     zarr = PLAIN("Zarr", "BLOSC", FLOATS, "BLOSC_CNAME=zstd", "BLOSC_CLEVEL=9", "BLOSC_SHUFFLE=BIT",
                                  "BLOCKSIZE=256,256"),
                     netcdf = PLAIN("netCDF", "DEFLATE", FLOATS, "FORMAT=NC4", "ZLEVEL=9"),
-                    rmf_dem = PLAIN("RMF", "RMF_DEM", INTEGERS, "MTW=ON");
+                    rmf_dem = PLAIN("RMF", "RMF_DEM", INTEGERS32, "MTW=ON");
 #undef TILED
 
 /* ---- What is offered -------------------------------------------------------------------------------------------- */
@@ -209,7 +209,8 @@ static bool settle_type(coded *c, int32_t *v)
             v[i] -= (int32_t)least;
         c->base += (double)least * c->unit, most -= least, least = 0;
     }
-    c->type = least >= 0 && most <= UINT16_MAX                 ? CODED_UINT16
+    c->type = f->holds == INTEGERS32                           ? CODED_INT32
+              : least >= 0 && most <= UINT16_MAX               ? CODED_UINT16
               : least >= INT16_MIN && most <= INT16_MAX        ? CODED_INT16
               : c->goal.aim == CODER_RATE /* from 0 upwards */ ? CODED_UINT32
                                                                : CODED_INT32;
