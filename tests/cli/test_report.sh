@@ -103,7 +103,7 @@ holds '<tr class="bad"><td>sizes</td>' 'a failed case'
 holds '1 failed</b><span>1 passed, 1 refused' 'the count of cases'
 holds '<pre>\$ viewer &lt;file&gt;' '--explain'
 holds '13.3 times' 'the median against brute force' # 400 / 30
-holds '0.250 px</b><span>worst 99.9 % at n = 255' 'the worst error'
+holds '0.250 px in 30.0 ms</b><span>worst 99.9 % at n = 255' 'the worst error'
 lacks 'No plot' 'plots'
 holds 'not at hand' 'figures of papers that nobody found'
 cases=$((cases + 2))
