@@ -129,11 +129,12 @@ curves() { # ID FILE GROUP SERIES X Y XLABEL YLABEL [NAME=VALUE of curves.awk...
         return
     fi
     echo '<div class="panels wide">'
-    while IFS='|' read -r number count value; do
+    while IFS='|' read -r number count xspread yspread value; do
         title=$value label=$xlabel
         [ "$xlabel" != = ] || title= label=$value
         figure "$id$number" 'Curves' '' 560 460 curves.gp "data = '$work/$id.$number'" "blocks = $count" \
-            "xlabel_ = $(gp "$label")" "ylabel_ = $(gp "$ylabel")" "title_ = $(gp "$title")" "$@"
+            "xlabel_ = $(gp "$label")" "ylabel_ = $(gp "$ylabel")" "title_ = $(gp "$title")" \
+            "xspread = $xspread" "yspread = $yspread" "$@"
     done <"$work/$id.list"
     echo '</div>'
 }
@@ -298,7 +299,9 @@ part_extreme() {
 part_left_out() {
     section left_out 'What scenes did not pay for'
     if measured left_out left_out.csv; then
-        table "$out/left_out.csv" 'columns=scene=Scene;feature=Left out;saved_ms=Saved, ms a frame:3;
+        echo '<p>What each thing would have cost, had it been forced upon the scene: milliseconds of a frame (of libraries
+and threads: once), median of differences, and bytes. Below zero is noise.</p>'
+        table "$out/left_out.csv" 'columns=scene=Scene;feature=Left out;saved_ms=Saved, ms:3;
             saved_bytes=Saved, bytes:bytes' group=1
     fi
     echo '<h3>What the viewers say (--explain)</h3>'
