@@ -19,15 +19,17 @@ quoted() { # TEXT: as a field of CSV
     printf '"%s"' "$(printf '%s' "$1" | tr '\n\r\t' '   ' | sed 's/"/""/g')"
 }
 
-# Processor time of all programs so far, hundredths of a second.
-cpu() {
+# Sets cpu to the processor time of all programs so far, seconds. Not in a subshell, which would tell of its own.
+see_cpu() {
     times >"$out/logs/times"
-    awk 'NR == 2 { for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); s += 60 * t[1] + t[2] } printf "%d", 100 * s }' \
-        "$out/logs/times"
+    cpu=$(awk 'NR == 2 { for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); s += 60 * t[1] + t[2] } print s }' \
+        "$out/logs/times")
 }
 
 record() { # NAME STATE CODE COMMAND REASON
-    processor=$(awk -v before="$cpu_before" -v after="$(cpu)" 'BEGIN { printf "%.1f", (after - before) / 100 }')
+    before=$cpu
+    see_cpu
+    processor=$(awk -v before="$before" -v after="$cpu" 'BEGIN { printf "%.1f", after - before }')
     printf '%s,%s,%s,%s,%s,%s,%s\n' "$1" "$2" "$3" $(($(date +%s) - begin)) "$processor" "$(quoted "$4")" \
         "$(quoted "$5")" >>"$out/runs.csv"
     case $2 in failed | missing) failed=1 ;; esac
@@ -35,7 +37,8 @@ record() { # NAME STATE CODE COMMAND REASON
 }
 
 announce() { # NAME
-    number=$((number + 1)) begin=$(date +%s) cpu_before=$(cpu)
+    number=$((number + 1)) begin=$(date +%s)
+    see_cpu
     printf 'report: %d/%d, %d s: %s ... ' "$number" "$total" "$(($(date +%s) - start))" "$1"
 }
 
