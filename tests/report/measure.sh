@@ -9,6 +9,7 @@
 set -u
 build=$1 mode=$2 out=$3 here=${0%/*}
 failed=0 number=0
+trap 'echo stopped; exit 130' INT TERM
 quick= limit=1500 # seconds after which a program counts as hanging
 [ "$mode" = quick ] && quick=--quick limit=600
 all=170 # seconds of a quick report: what is left of them the extreme cases may take
@@ -49,7 +50,7 @@ last_line() { # FILE
 # A program of tests/bench/, whose first table is CSV. It may write others beside it.
 bench() { # NAME CSV...
     name=$1 csv=$2 program=$build/tests/bench_$1 log=$out/logs/$1.log
-    command="$program${quick:+ $quick} --csv $out/$csv"
+    command="${TERRACLIP_DATA:+TERRACLIP_DATA=$TERRACLIP_DATA }$program${quick:+ $quick} --csv $out/$csv"
     shift
     for old; do rm -f "$out/$old"; done
     announce "$name"
@@ -57,7 +58,7 @@ bench() { # NAME CSV...
         record "$name" missing '' "$command" "there is no program $program"
         return
     fi
-    timeout -k 10 $limit "$program" $quick --csv "$out/$csv" >"$log" 2>&1 </dev/null
+    timeout --foreground -k 10 $limit "$program" $quick --csv "$out/$csv" >"$log" 2>&1 </dev/null
     code=$?
     case $code in
     0)
@@ -112,7 +113,7 @@ explain() { # TITLE COMMAND...
     explained=$((explained + 1))
     file=$out/explain/$explained.txt
     printf '%s\n$ %s\n' "$title" "$*" >"$file"
-    timeout -k 5 60 "$@" >>"$file" 2>&1 </dev/null || { echo "(exit code $?)" >>"$file"; wrong="$wrong $title;"; }
+    timeout --foreground -k 5 60 "$@" >>"$file" 2>&1 </dev/null || { echo "(exit code $?)" >>"$file"; wrong="$wrong $title;"; }
 }
 
 explanations() {
@@ -152,7 +153,7 @@ extreme() { # PROGRAM
     [ -z "$quick" ] || most=$((all - (begin - start)))
     code=124
     if [ $most -gt 0 ]; then
-        TERRACLIP_EXTREME=$new timeout -k 10 $most "$1" >"$out/logs/extreme_$family.log" 2>&1 </dev/null
+        TERRACLIP_EXTREME=$new timeout --foreground -k 10 $most "$1" >"$out/logs/extreme_$family.log" 2>&1 </dev/null
         code=$?
     fi
     case $code in
@@ -176,7 +177,7 @@ extreme() { # PROGRAM
 mkdir -p "$out/logs" || exit 1
 echo name,state,code,seconds,cpu_seconds,command,reason >"$out/runs.csv"
 "$build/terraclip" synth --size 65 -o "$out/logs/renderer.tif" -q >/dev/null 2>&1
-timeout 60 "$build/planar-viewer" "$out/logs/renderer.tif" -v --size 16x16 -o "$out/logs/renderer.png" \
+timeout --foreground 60 "$build/planar-viewer" "$out/logs/renderer.tif" -v --size 16x16 -o "$out/logs/renderer.png" \
     >"$out/logs/renderer.log" 2>&1 </dev/null
 machine >"$out/machine.csv"
 
