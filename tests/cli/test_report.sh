@@ -120,11 +120,13 @@ printf '%s' "$front" | grep -q '>127<' || fail 'a row of the front is missing'
 printf 'level,variant\n1,exact\n' >folder/precision.csv
 printf 'dataset,codec\nx,y\n' >folder/rate_distortion.csv
 printf 'scene\n' >folder/left_out.csv
+printf 'foo,bar\nx,1\n' | tee folder/error_time.csv folder/frames.csv folder/space.csv >folder/scaling.csv
 rm -r folder/extreme folder/explain
 makes_page
 is_whole 'a page of broken tables'
 holds 'The file has no column err_over_radius, err_px' 'a missing column'
 holds 'No plot' 'a plot without data'
+holds 'No row can be plotted' 'panels without data'
 holds 'Not run: <code>make test-extreme' 'no extreme cases'
 rm folder/*.csv
 makes_page

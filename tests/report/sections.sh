@@ -75,6 +75,7 @@ legend='<p class="legend"><i style="color:#0b6fb8">&#9679; square, number: n</i>
 
 panels() { # COLUMN KIND XLABEL WHICH-LIMITS
     before=
+    [ -s "$work/panels" ] || { echo '<p class="fault">No row can be plotted.</p>'; return; }
     while IFS='|' read -r number terrain title ms tris pixels; do
         limits=$ms
         [ "$2" = ms ] || limits=$tris
