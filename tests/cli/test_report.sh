@@ -163,6 +163,15 @@ cases=$((cases + 2))
 is_whole 'a measured page'
 holds 'exit code 3; its last line: cannot &lt;open&gt; it' 'a failed program'
 holds '<td>FAILED</td>' 'a failed case'
+# Extreme cases for which there is no time are shown as they were; ones that were never run are said not to be.
+program tests/extreme_sizes 'exit 0'
+run env TERRACLIP_REPORT_SECONDS=0 sh "$report/report.sh" made quick
+for line in 'extreme_heights,old,.*rows of 20[0-9][0-9]-' 'extreme_sizes,skipped,.*make test-extreme'; do
+    cases=$((cases + 1))
+    grep -Eq "^$line" made/report/runs.csv || fail "without time runs.csv does not hold $line"
+done
+holds 'old: did not fit into the time; rows of 20' 'old rows'
+holds '<td>FAILED</td>' 'old rows'
 run sh "$report/report.sh" made slowly
 [ $rc = 2 ] || fail "an unknown kind of report ends with $rc instead of 2"
 finish

@@ -12,7 +12,7 @@ failed=0 number=0
 trap 'echo stopped; exit 130' INT TERM
 quick= limit=1500 # seconds after which a program counts as hanging
 [ "$mode" = quick ] && quick=--quick limit=600
-all=170 # seconds of a quick report: what is left of them the extreme cases may take
+all=${TERRACLIP_REPORT_SECONDS:-170} # of a quick report: what is left of them the extreme cases may take
 start=$(date +%s)
 total=$(($(set -- "$build"/tests/extreme_*; [ -e "$1" ] && echo $# || echo 0) + 11))
 
