@@ -7,8 +7,10 @@
 static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *request, tc_surface **surface_ret,
                               tc_error *error)
 {
-    tc_clipmap_options options = {
-        .n = request->n, .max_levels = request->levels, .normals = request->normals, .holes = request->holes};
+    tc_clipmap_options options = {.n = request->n,
+                                  .max_levels = request->levels,
+                                  .normals = request->needs->light,
+                                  .holes = request->needs->holes};
     if (!options.n) {
         options.n = tc_clipmap_n_for(request->camera);
         if (request->interactive && options.n > 255)

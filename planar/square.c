@@ -37,7 +37,7 @@ typedef struct assembly {
     bool no_cull;
     int level;
     const tc_clip_level *l;
-    int strip_count, list_count;
+    int strip_count, list_count, blocks;
     int64_t triangles, triangles_unculled;
 } assembly;
 
@@ -113,6 +113,7 @@ static void add_block(assembly *a, tc_rect cells)
         return;
     int64_t w = cells.x1 - cells.x0, h = cells.y1 - cells.y0;
     a->triangles_unculled += 2 * w * h;
+    a->blocks++;
     if (!visible(a, cells) || a->strip_count == a->s->capacity)
         return;
     a->triangles += 2 * w * h;
@@ -283,7 +284,9 @@ static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_
                             .triangles = a.triangles,
                             .one_sided = seen_from_above(clipmap, camera, options),
                             .triangles_unculled = a.triangles_unculled,
+                            .draws_unculled = a.blocks,
                             .levels_active = active,
+                            .levels_fine = tc_clipmap_levels(clipmap) - active,
                             .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
                             .surface_uniforms = s->surface_uniforms};
 }
@@ -326,10 +329,12 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
                      .fragment_parts = fragment_parts,
                      .sky = "sky.frag",
                      .closers = true,
+                     .instances = true,
                      .near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)),
                      .extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y),
                      .charts = 1,
                      .clipmap = {clipmap},
+                     .layers = {tc_clipmap_levels(clipmap)},
                      .wanted = square_wanted,
                      .frame = square_frame,
                      .drawn_height = square_drawn_height,

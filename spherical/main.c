@@ -17,8 +17,8 @@ static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *r
                                       .m = request->steps,
                                       .n = request->interactive ? 255 : tc_clipmap_n_for(request->camera),
                                       .max_levels = request->levels,
-                                      .normals = request->normals,
-                                      .holes = request->holes};
+                                      .normals = request->needs->light,
+                                      .holes = request->needs->holes};
     return tc_rings_create(atlas, &options, surface_ret, error);
 }
 

@@ -28,7 +28,7 @@ typedef struct assembly {
     bool frozen;            /* which is another one: to its axes from the drawn eye's, and to its eye */
     double turn[3][3], eye[3];
     bool no_cull;
-    int count;
+    int count, sectors; /* drawn, looked at */
     int64_t triangles, triangles_unculled;
 } assembly;
 
@@ -136,6 +136,7 @@ static void add_level(assembly *a, int i, bool disc)
     tc_rings_bounds(s, a->view, outer, &lo, &hi);
     for (int k = 0; k < g->sectors; k++) {
         a->triangles_unculled += triangles;
+        a->sectors++;
         if (!visible(a, inner, outer, 2 * M_PI * k / g->sectors, 2 * M_PI * (k + 1) / g->sectors, lo, hi))
             continue;
         a->triangles += triangles;
@@ -152,6 +153,46 @@ static void set4(float *out, double x, double y, double z, double w)
     out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
 }
 
+/* What rings.glsl needs to know of a chart: of one without layers, one level that holds nothing. */
+static void set_chart(rings_surface *s, const rings_view *v, int chart)
+{
+    float(*u)[4] = (float(*)[4])s->surface_uniforms;
+    const rings_near *near = &v->near[chart];
+    const rings_place *at = &v->place[chart];
+    tc_clipmap *clipmap = s->head.clipmap[chart];
+    int levels = tc_clipmap_levels(clipmap), first = tc_surface_first_layer(&s->head, chart);
+    int held = s->head.layers[chart], finest = tc_clipmap_level(clipmap, levels)->shift;
+    double z = near->z;
+    int fine_layer = first + levels - 1 + finest; /* of shift 0, were there one */
+    set4(u[4 + chart], z, z - (double)(float)z, z - v->z, fine_layer);
+    set4(u[7 + chart], 0, 0, 0, -1);
+    if (held == 0) {
+        int nothing = tc_surface_first_layer(&s->head, s->head.charts);
+        float(*q)[4] = (float(*)[4])s->layer_uniforms[nothing];
+        u[4 + chart][3] = (float)nothing;
+        u[10][chart] = 0;
+        memset(q, 0, sizeof *s->layer_uniforms);
+        q[2][2] = q[2][3] = -1;
+        return;
+    }
+    if (near->shift >= 0)
+        set4(u[7 + chart], near->slope[0], near->slope[1], near->slope[2], fine_layer - near->shift);
+    for (int level = 1; level <= held; level++) {
+        const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+        float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
+        double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = rint(x), j = rint(y);
+        int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
+        rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
+        const tc_chart *c = &s->atlas->chart[chart];
+        set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
+        set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
+             lattice.y1 - j);
+        set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
+    }
+    int coarsest = finest + levels - 1;
+    u[10][chart] = (float)(coarsest - held + 1 + 64 * coarsest);
+}
+
 /* What rings.glsl names surface[...] and layer[...]. */
 static void set_uniforms(rings_surface *s, const rings_view *v)
 {
@@ -164,33 +205,8 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
     set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
          caps ? 1 / (hi - lo) : 0, s->outside - v->z);
     set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), v->detail, tc_rings_partial(s));
-    for (int chart = 0; chart < s->head.charts; chart++) {
-        const rings_near *near = &v->near[chart];
-        const rings_place *at = &v->place[chart];
-        tc_clipmap *clipmap = s->head.clipmap[chart];
-        int levels = tc_clipmap_levels(clipmap), first = tc_surface_first_layer(&s->head, chart);
-        int finest = tc_clipmap_level(clipmap, levels)->shift;
-        double z = near->z;
-        int fine_layer = first + levels - 1 + finest; /* of shift 0, were there one */
-        set4(u[4 + chart], z, z - (double)(float)z, z - v->z, fine_layer);
-        if (near->shift >= 0)
-            set4(u[7 + chart], near->slope[0], near->slope[1], near->slope[2], fine_layer - near->shift);
-        else
-            set4(u[7 + chart], 0, 0, 0, -1);
-        for (int level = 1; level <= levels; level++) {
-            const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-            float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
-            double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = rint(x), j = rint(y);
-            int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
-            rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
-            const tc_chart *c = &s->atlas->chart[chart];
-            set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
-            set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
-                 lattice.y1 - j);
-            set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
-        }
-        u[10][chart] = (float)(finest + 64 * (finest + levels - 1));
-    }
+    for (int chart = 0; chart < s->head.charts; chart++)
+        set_chart(s, v, chart);
     u[10][3] = v->no_morph;
     if (!caps) {
         const tc_chart *c = &s->atlas->chart[0];
@@ -223,18 +239,22 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
             add_level(&a, i, true);
         if (i >= first)
             add_level(&a, i, false);
-        else
+        else {
             a.triangles_unculled += 2 * (int64_t)s->geometry.m * s->geometry.n_phi;
+            a.sectors += s->geometry.sectors;
+        }
     }
     set_uniforms(s, &view);
     *frame_ret =
         (tc_frame){.draws = s->draws,
-                   .instances = s->instances,
                    .strip_draws = a.count,
                    .triangles = a.triangles,
                    .triangles_unculled = a.triangles_unculled,
                    .one_sided = !options->two_sided && !tc_clipmap_voids(surface->clipmap[0], 1) && view.z_eye > view.z,
+                   .draws_unculled = a.sectors,
                    .levels_active = view.finest - first + 1,
+                   .levels_fine = s->geometry.levels - 1 - view.finest,
+                   .levels_beyond = first,
                    .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
                    .surface_uniforms = s->surface_uniforms};
 }
@@ -250,7 +270,6 @@ static void rings_destroy(tc_surface *surface)
     free(s->head.geometry.indices);
     free(s->geometry.ring_first);
     free(s->draws);
-    free(s->instances);
     free(s);
 }
 
@@ -278,6 +297,7 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
         if (status)
             return status;
         s->head.charts = chart + 1;
+        s->head.layers[chart] = tc_clipmap_levels(s->head.clipmap[chart]);
         for (int l = tc_clipmap_pyramid_level(s->head.clipmap[chart], 1); l <= tc_pyramid_info(c->pyramid)->levels;
              l++) {
             tc_level size = tc_pyramid_level(c->pyramid, l);
@@ -337,8 +357,7 @@ tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options
         status = make_clipmaps(s, options, error);
     s->capacity = (s->geometry.levels + 1) * s->geometry.sectors;
     s->draws = calloc((size_t)s->capacity, sizeof *s->draws);
-    s->instances = calloc((size_t)s->capacity, sizeof *s->instances);
-    if (!status && (!s->draws || !s->instances))
+    if (!status && !s->draws)
         status = tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
     if (status) {
         rings_destroy(&s->head);

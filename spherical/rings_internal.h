@@ -66,7 +66,6 @@ typedef struct rings_surface {
     double outside; /* height where no chart is, metres above z_base */
     int capacity;
     tc_draw *draws;
-    tc_instance *instances;
     float layer_uniforms[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
     float surface_uniforms[TC_SURFACE_UNIFORMS];
 } rings_surface;

@@ -314,6 +314,14 @@ static tc_rect window(const rings_place *at, rings_extent e, int shift, int n, t
     return tc_rect_empty(r) ? (tc_rect){0, 0, 0, 0} : r;
 }
 
+/* Whether any vertex drawn may read a chart: also those beyond the horizon that belong to triangles before it. */
+static bool in_reach(const rings_surface *s, const rings_view *v, int chart)
+{
+    const double margin = 1.001; /* what float makes of it */
+    rings_extent e = tc_rings_extent(s, v, chart, fmin(ldexp(M_PI, -v->first) * margin, M_PI));
+    return e.x1 >= e.x0;
+}
+
 void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS])
 {
     const rings_surface *s = (const rings_surface *)surface;
@@ -321,12 +329,15 @@ void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wan
     for (int chart = 0; chart < surface->charts; chart++) {
         const tc_clipmap *clipmap = surface->clipmap[chart];
         int levels = tc_clipmap_levels(clipmap), n = tc_clipmap_n(clipmap);
+        bool read = in_reach(s, &v, chart);
         for (int level = 1; level <= levels; level++) {
             const tc_clip_level *l = tc_clipmap_level(clipmap, level);
             /* The ring coordinate from which on outwards this level is not read any more. */
             double w = s->shift_base - l->shift - v.detail, i = floor(fmax(w, 0));
             double angle = w <= 0 ? M_PI : ldexp(M_PI, -(int)i) * (1 - 0.5 * (w - i));
             wanted[chart][level - 1] = (tc_rect){0, 0, 0, 0};
+            if (!read)
+                continue;
             if (level == 1 && l->extent.x0 < 0) { /* once around, and about the next level's window to half a sample */
                 int64_t width = l->clip.x1 - l->clip.x0;
                 int64_t x0 = ((int64_t)floor(ldexp(v.place[chart].x, -l->shift) + 0.5) - width / 2) & ~(int64_t)1;

@@ -1,6 +1,8 @@
 /* level_textures.c - uploads of toroidal rectangles, cut where they wrap. */
 #include "level_textures.h"
 
+#include <string.h>
+
 #include "common/core/base/rect.h"
 #include "common/core/base/status.h"
 
@@ -16,28 +18,50 @@ static GLuint array_texture(const tc_gl *gl, GLenum format, int size, int layers
     return t;
 }
 
-tc_status tc_level_textures_create(const tc_gl *gl, const tc_surface *surface, tc_level_textures *textures_ret,
-                                   tc_error *error)
+static tc_status create(const tc_gl *gl, const tc_surface *surface, int layers, tc_level_textures *textures_ret,
+                        tc_error *error)
 {
     const tc_clipmap *clipmap = surface->clipmap[0];
-    int size = tc_clipmap_n(clipmap) + 1, levels = tc_surface_first_layer(surface, surface->charts);
-    size_t texels = (size_t)size * (size_t)size * (size_t)levels;
-    tc_level_textures t = {.heights = array_texture(gl, GL_RG32F, size, levels, GL_NEAREST),
+    int size = tc_clipmap_n(clipmap) + 1;
+    size_t texels = (size_t)size * (size_t)size * (size_t)layers;
+    tc_level_textures t = {.heights = array_texture(gl, GL_RG32F, size, layers, GL_NEAREST),
+                           .size = size,
+                           .layers = layers,
+                           .empty = true,
                            .height_bytes = texels * 8};
     if (tc_clipmap_normals(clipmap, 1)) {
-        t.normals = array_texture(gl, GL_RGBA8_SNORM, 2 * size, levels, GL_LINEAR);
+        t.normals = array_texture(gl, GL_RGBA8_SNORM, 2 * size, layers, GL_LINEAR);
         t.normal_bytes = texels * 16;
     }
     if (tc_clipmap_voids(clipmap, 1)) {
-        t.voids = array_texture(gl, GL_R8, size, levels, GL_NEAREST);
-        t.height_bytes += texels;
-    }
-    if (gl->GetError() != GL_NO_ERROR) {
-        tc_level_textures_destroy(gl, &t);
-        return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", levels, size, size);
+        t.voids = array_texture(gl, GL_R8, size, layers, GL_NEAREST);
+        t.void_bytes = texels;
     }
     *textures_ret = t;
+    if (gl->GetError() != GL_NO_ERROR)
+        return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", layers, size, size);
     return TC_OK;
+}
+
+tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, tc_surface *surface,
+                                 const int levels[TC_MAX_CHARTS], tc_error *error)
+{
+    int held[TC_MAX_CHARTS], layers = 0;
+    bool grows = !textures->heights;
+    for (int chart = 0; chart < surface->charts; chart++) {
+        int now = textures->heights ? surface->layers[chart] : 0, all = tc_clipmap_levels(surface->clipmap[chart]);
+        held[chart] = now;
+        if (levels[chart] > now) {
+            held[chart] = (int)tc_min64(all, tc_max64(levels[chart], now + (now ? (all + 1) / 2 : 0)));
+            grows = true;
+        }
+        layers += held[chart];
+    }
+    if (!grows)
+        return TC_OK;
+    tc_level_textures_destroy(gl, textures);
+    memcpy(surface->layers, held, (size_t)surface->charts * sizeof *held);
+    return create(gl, surface, layers > 0 ? layers : 1, textures, error);
 }
 
 void tc_level_textures_destroy(const tc_gl *gl, tc_level_textures *textures)
@@ -74,13 +98,17 @@ static int64_t upload_wrapped(const target *t, int64_t x, int64_t y, int64_t w, 
     return w * h * t->bytes;
 }
 
-/* Uploads what changed of a level, whose layer it is. */
+/* Uploads what changed of a level, whose layer it is, or all of it. */
 static int64_t upload_level(const tc_gl *gl, const tc_level_textures *textures, tc_clipmap *clipmap, int level,
                             int layer)
 {
     int64_t bytes = 0, size = tc_clipmap_n(clipmap) + 1;
     tc_rect changes[TC_MAX_CHANGES];
     int count = tc_clipmap_take_changes(clipmap, level, changes);
+    if (textures->empty) {
+        changes[0] = (tc_rect){0, 0, size, size};
+        count = tc_rect_empty(tc_clipmap_level(clipmap, level)->clip) ? 0 : 1;
+    }
     target heights = {gl, textures->heights, GL_RG, GL_FLOAT, size, 8, layer, tc_clipmap_heights(clipmap, level)};
     target voids = {gl, textures->voids, GL_RED, GL_UNSIGNED_BYTE, size, 1, layer, tc_clipmap_voids(clipmap, level)};
     target normals = {gl, textures->normals, GL_RGBA, GL_BYTE, 2 * size, 4, layer, tc_clipmap_normals(clipmap, level)};
@@ -101,8 +129,9 @@ int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, c
     int layer = 0;
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     for (int chart = 0; chart < surface->charts; chart++)
-        for (int level = 1; level <= tc_clipmap_levels(surface->clipmap[chart]); level++)
+        for (int level = 1; level <= surface->layers[chart]; level++)
             bytes += upload_level(gl, textures, surface->clipmap[chart], level, layer++);
     gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    textures->empty = false;
     return bytes;
 }

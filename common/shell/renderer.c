@@ -17,12 +17,9 @@
 #include "level_textures.h"
 #include "palette.h"
 #include "clock.h"
-#include "program.h"
+#include "scene_programs.h"
 
-enum {
-    SLOTS = 3, /* frames whose buffers may be in flight */
-    MAX_LEFT_OUT = 8
-};
+enum { SLOTS = 3 }; /* frames whose buffers may be in flight */
 
 /* The uniform block of shaders/frame.glsl. */
 typedef struct frame_uniforms {
@@ -44,12 +41,13 @@ struct tc_renderer {
     const tc_pyramid *pyramid;
     tc_surface *surface;
     tc_scene_options options;
+    tc_scene_needs needs; /* of the options as they are */
     tc_palette palette;
     tc_level_textures textures;
     GLuint ramp;
-    GLuint terrain[2][2], sky; /* programs: [level colours][closers]; 0: not built yet, or not needed */
+    tc_scene_programs programs;
     GLuint vao, vertices, indices;
-    GLuint sky_vao; /* of no vertex data at all */
+    GLuint sky_vao; /* of no vertex data at all; 0: no sky */
     GLuint uniforms[SLOTS], draws[SLOTS];
     size_t draw_capacity[SLOTS]; /* draws that draws[] has room for */
     int slot;
@@ -57,61 +55,11 @@ struct tc_renderer {
     GLuint resolved, resolved_colour;  /* what it comes to where several samples make a pixel; else 0 */
     int width, height;                 /* of the framebuffer; 0: none yet */
     frame_uniforms values;
-    const char *left_out[MAX_LEFT_OUT + 1];
+    tc_frame_stats last; /* frame drawn */
     tc_rect wanted[TC_MAX_CHARTS][TC_MAX_LEVELS];
 };
 
 /* ---- Creation ------------------------------------------------------------------------------------------------ */
-
-/* Whether there is air to see: none in space, none before a flat background. */
-static bool hazy(const tc_renderer *r)
-{
-    return !r->options.background_set && r->palette.natural;
-}
-
-/* A stage: what all know, the surface's parts, the renderer's own. */
-static void list_parts(const char *parts[16], const char *const *surface, const char *own)
-{
-    int count = 0;
-    parts[count++] = "frame.glsl";
-    while (*surface && count < 14)
-        parts[count++] = *surface++;
-    parts[count++] = own;
-    parts[count] = NULL;
-}
-
-/* The strips' program, or the crack closers': across a triangle without area nothing can be interpolated, so theirs
- * takes all from one corner. */
-static tc_status build_terrain(tc_renderer *r, bool closers, GLuint *program_ret, tc_error *error)
-{
-    const tc_scene_options *o = &r->options;
-    char defines[512];
-    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n%s%s%s%s%s%s%s%s",
-             tc_clipmap_n(r->surface->clipmap[0]), closers ? "flat" : "centroid", o->unlit ? "" : "#define LIT\n",
-             o->holes ? "#define HOLES\n" : "", hazy(r) ? "#define HAZE\n" : "",
-             o->level_colours ? "#define LEVEL_COLOURS\n" : "", r->palette.natural ? "#define NATURAL_LAND\n" : "",
-             r->palette.water ? "#define WATER\n" : "", o->samples > 1 ? "#define MULTISAMPLED\n" : "",
-             r->surface->sphere ? "#define SPHERE\n" : "");
-    const char *vertex[16], *fragment[16];
-    list_parts(vertex, r->surface->vertex_parts, "renderer.vert");
-    list_parts(fragment, r->surface->fragment_parts, "renderer.frag");
-    return tc_program_build(r->gl, vertex, fragment, defines, program_ret, error);
-}
-
-/* Builds the programs that the options as they are need and that are not there yet. */
-static tc_status build_programs(tc_renderer *r, tc_error *error)
-{
-    GLuint *terrain = r->terrain[r->options.level_colours];
-    tc_status status = TC_OK;
-    for (int closers = 0; closers <= (r->surface->closers ? 1 : 0) && !status; closers++)
-        if (!terrain[closers])
-            status = build_terrain(r, closers, &terrain[closers], error);
-    if (!status && !r->sky && !r->options.background_set)
-        status = tc_program_build(r->gl, (const char *[]){"frame.glsl", "sky.vert", NULL},
-                                  (const char *[]){"frame.glsl", r->surface->sky, NULL},
-                                  r->palette.natural ? "#define AIR 1.0\n" : "#define AIR 0.0\n", &r->sky, error);
-    return status;
-}
 
 static size_t vertex_size(const tc_geometry *g)
 {
@@ -135,11 +83,14 @@ static void create_geometry(tc_renderer *r)
     else
         gl->VertexArrayAttribIFormat(r->vao, 0, 2, GL_UNSIGNED_SHORT, 0);
     gl->VertexArrayAttribBinding(r->vao, 0, 0);
-    gl->EnableVertexArrayAttrib(r->vao, 1);
-    gl->VertexArrayAttribIFormat(r->vao, 1, 4, GL_INT, 0);
-    gl->VertexArrayAttribBinding(r->vao, 1, 1);
-    gl->VertexArrayBindingDivisor(r->vao, 1, 1);
-    gl->CreateVertexArrays(1, &r->sky_vao);
+    if (r->surface->instances) {
+        gl->EnableVertexArrayAttrib(r->vao, 1);
+        gl->VertexArrayAttribIFormat(r->vao, 1, 4, GL_INT, 0);
+        gl->VertexArrayAttribBinding(r->vao, 1, 1);
+        gl->VertexArrayBindingDivisor(r->vao, 1, 1);
+    }
+    if (r->needs.sky)
+        gl->CreateVertexArrays(1, &r->sky_vao);
     gl->CreateBuffers(SLOTS, r->uniforms);
     gl->CreateBuffers(SLOTS, r->draws);
     for (int i = 0; i < SLOTS; i++)
@@ -157,23 +108,6 @@ static void create_ramp(tc_renderer *r)
     gl->TextureSubImage1D(r->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, r->palette.ramp);
 }
 
-static void note_left_out(tc_renderer *r)
-{
-    int n = 0;
-    if (r->options.unlit)
-        r->left_out[n++] = "normal map and lighting: unlit";
-    if (r->options.background_set)
-        r->left_out[n++] = "sky and haze: flat background";
-    else if (!hazy(r))
-        r->left_out[n++] = "haze: a body without air";
-    if (!r->options.holes)
-        r->left_out[n++] = "void mask: no holes to show";
-    if (r->options.frame.no_morph)
-        r->left_out[n++] = "morph: switched off";
-    r->left_out[n++] = "imagery: none given";
-    r->left_out[n] = NULL;
-}
-
 tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
                              tc_renderer **renderer_ret, tc_error *error)
 {
@@ -184,17 +118,15 @@ tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scen
     r->pyramid = tc_clipmap_pyramid(surface->clipmap[0]);
     r->surface = surface;
     r->options = *options;
+    r->needs = tc_scene_needs_of(options, tc_pyramid_info(r->pyramid), surface->sphere);
     r->palette = tc_palette_make(tc_pyramid_info(r->pyramid));
-    tc_status status = tc_level_textures_create(gl, surface, &r->textures, error);
-    if (!status)
-        status = build_programs(r, error);
+    tc_status status = tc_scene_programs_build(gl, surface, &r->needs, &r->programs, error);
     if (status) {
         tc_renderer_destroy(r);
         return status;
     }
     create_geometry(r);
     create_ramp(r);
-    note_left_out(r);
     *renderer_ret = r;
     return TC_OK;
 }
@@ -213,9 +145,7 @@ void tc_renderer_destroy(tc_renderer *renderer)
     const tc_gl *gl = r->gl;
     tc_level_textures_destroy(gl, &r->textures);
     gl->DeleteTextures(1, &r->ramp);
-    for (int i = 0; i < 4; i++) /* 0 is silently ignored */
-        gl->DeleteProgram(r->terrain[i / 2][i % 2]);
-    gl->DeleteProgram(r->sky);
+    tc_scene_programs_destroy(gl, &r->programs);
     gl->DeleteVertexArrays(2, (GLuint[]){r->vao, r->sky_vao});
     gl->DeleteBuffers(2, (GLuint[]){r->vertices, r->indices});
     gl->DeleteBuffers(SLOTS, r->uniforms);
@@ -230,7 +160,8 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
     renderer->options.wireframe = options->wireframe;
     renderer->options.frame = options->frame;
     renderer->options.budget = options->budget;
-    note_left_out(renderer);
+    renderer->needs =
+        tc_scene_needs_of(&renderer->options, tc_pyramid_info(renderer->pyramid), renderer->surface->sphere);
 }
 
 /* ---- Frames -------------------------------------------------------------------------------------------------- */
@@ -283,7 +214,7 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     int64_t torus = 2 * (tc_clipmap_n(r->surface->clipmap[0]) + 1);
     int layer = 0;
     for (int chart = 0; chart < r->surface->charts; chart++)
-        for (int l = 1; l <= tc_clipmap_levels(r->surface->clipmap[chart]); l++) {
+        for (int l = 1; l <= r->surface->layers[chart]; l++) {
             tc_rect c = tc_clipmap_level(r->surface->clipmap[chart], l)->clip;
             float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
                                (float)(c.y1 - 1 - c.y0)};
@@ -315,6 +246,12 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     memcpy(u->lens, lens, sizeof lens);
 }
 
+/* Bytes of a draw in the buffer. */
+static size_t draw_size(const tc_renderer *r)
+{
+    return sizeof(tc_draw) + (r->surface->instances ? sizeof(tc_instance) : 0);
+}
+
 /* The frame's draws and instances in one buffer: [draws][instances]. */
 static void upload_draws(tc_renderer *r, const tc_frame *frame)
 {
@@ -323,15 +260,16 @@ static void upload_draws(tc_renderer *r, const tc_frame *frame)
     GLuint buffer = r->draws[r->slot];
     if (count > *capacity) {
         *capacity = count + count / 2;
-        gl->NamedBufferData(buffer, (GLsizeiptr)(*capacity * (sizeof(tc_draw) + sizeof(tc_instance))), NULL,
-                            GL_DYNAMIC_DRAW);
+        gl->NamedBufferData(buffer, (GLsizeiptr)(*capacity * draw_size(r)), NULL, GL_DYNAMIC_DRAW);
     }
     if (!count)
         return;
-    GLintptr instances = (GLintptr)(*capacity * sizeof(tc_draw));
     gl->NamedBufferSubData(buffer, 0, (GLsizeiptr)(count * sizeof(tc_draw)), frame->draws);
-    gl->NamedBufferSubData(buffer, instances, (GLsizeiptr)(count * sizeof(tc_instance)), frame->instances);
-    gl->VertexArrayVertexBuffer(r->vao, 1, buffer, instances, sizeof(tc_instance));
+    if (r->surface->instances) {
+        GLintptr instances = (GLintptr)(*capacity * sizeof(tc_draw));
+        gl->NamedBufferSubData(buffer, instances, (GLsizeiptr)(count * sizeof(tc_instance)), frame->instances);
+        gl->VertexArrayVertexBuffer(r->vao, 1, buffer, instances, sizeof(tc_instance));
+    }
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer);
 }
 
@@ -343,7 +281,7 @@ static void draw(tc_renderer *r, const tc_frame *frame)
     gl->Viewport(0, 0, r->width, r->height);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     gl->ClearNamedFramebufferfv(r->framebuffer, GL_DEPTH, 0, (float[]){0});
-    if (!r->sky)
+    if (!r->needs.sky)
         gl->ClearNamedFramebufferfv(r->framebuffer, GL_COLOR, 0,
                                     (float[]){(float)bg[0] / 255, (float)bg[1] / 255, (float)bg[2] / 255, 1});
     gl->NamedBufferSubData(r->uniforms[r->slot], 0, sizeof r->values, &r->values);
@@ -355,7 +293,7 @@ static void draw(tc_renderer *r, const tc_frame *frame)
     gl->Enable(GL_DEPTH_TEST);
     gl->DepthFunc(GL_GREATER);
     gl->BindVertexArray(r->vao);
-    const GLuint *terrain = r->terrain[r->options.level_colours];
+    const GLuint *terrain = r->programs.terrain[r->needs.level_colours];
     gl->UseProgram(terrain[0]);
     gl->PolygonMode(GL_FRONT_AND_BACK, r->options.wireframe ? GL_LINE : GL_FILL);
     gl->Enable(GL_PRIMITIVE_RESTART_FIXED_INDEX); /* TC_RESTART */
@@ -372,15 +310,28 @@ static void draw(tc_renderer *r, const tc_frame *frame)
                                       0);
     }
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    if (r->sky) {
+    if (r->needs.sky) {
         gl->DepthFunc(GL_GEQUAL); /* depth 0 is infinity: where nothing was drawn */
         gl->BindVertexArray(r->sky_vao);
-        gl->UseProgram(r->sky);
+        gl->UseProgram(r->programs.sky);
         gl->DrawArrays(GL_TRIANGLES, 0, 3);
     }
     if (r->resolved)
         gl->BlitNamedFramebuffer(r->framebuffer, r->resolved, 0, 0, r->width, r->height, 0, 0, r->width, r->height,
                                  GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+/* Room for the levels that the view asks for; where nothing is to be culled, of all charts. */
+static tc_status hold_levels(tc_renderer *r, tc_error *error)
+{
+    int levels[TC_MAX_CHARTS];
+    for (int chart = 0; chart < r->surface->charts; chart++) {
+        int l = tc_clipmap_levels(r->surface->clipmap[chart]), least = r->options.frame.no_cull ? 1 : 0;
+        while (l > least && tc_rect_empty(r->wanted[chart][l - 1]))
+            l--;
+        levels[chart] = l;
+    }
+    return tc_level_textures_hold(r->gl, &r->textures, r->surface, levels, error);
 }
 
 tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
@@ -389,7 +340,7 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     tc_renderer *r = renderer;
     tc_status status = set_size(r, camera->width, camera->height, error);
     if (!status)
-        status = build_programs(r, error);
+        status = tc_scene_programs_build(r->gl, r->surface, &r->needs, &r->programs, error);
     if (status)
         return status;
     double start = tc_clock_ms();
@@ -402,6 +353,9 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
         stats.samples_updated += tc_clipmap_update(surface->clipmap[chart], r->wanted[chart], share, finish);
         stats.resident &= tc_clipmap_resident(surface->clipmap[chart]);
     }
+    status = hold_levels(r, error);
+    if (status)
+        return status;
     stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, surface);
     double updated = tc_clock_ms();
 
@@ -418,8 +372,12 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     stats.triangles = frame.triangles;
     stats.triangles_unculled = frame.triangles_unculled;
     stats.draws = frame.strip_draws + frame.list_draws;
+    stats.blocks = frame.strip_draws;
+    stats.blocks_unculled = frame.draws_unculled;
     stats.levels_active = frame.levels_active;
-    *stats_ret = stats;
+    stats.levels_fine = frame.levels_fine;
+    stats.levels_beyond = frame.levels_beyond;
+    *stats_ret = r->last = stats;
     for (int chart = 0; chart < surface->charts; chart++)
         if (tc_clipmap_failed(surface->clipmap[chart]))
             return tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read");
@@ -477,15 +435,19 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
         pyramids += tc_pyramid_bytes(tc_clipmap_pyramid(renderer->surface->clipmap[chart]));
     }
     for (int i = 0; i < SLOTS; i++)
-        draws += renderer->draw_capacity[i] * (sizeof(tc_draw) + sizeof(tc_instance)) + sizeof(frame_uniforms);
+        draws += renderer->draw_capacity[i] * draw_size(renderer) + sizeof(frame_uniforms);
     *stats_ret = (tc_memory_stats){.geometry = (size_t)g->vertex_count * vertex_size(g) +
                                                (size_t)g->index_count * sizeof *g->indices + draws,
-                                   .heights = renderer->textures.height_bytes + heights,
+                                   .heights = renderer->textures.height_bytes + renderer->textures.void_bytes + heights,
                                    .normals = renderer->textures.normal_bytes + normals,
                                    .pyramid = pyramids};
 }
 
-const char *const *tc_renderer_left_out(const tc_renderer *renderer)
+tc_renderer_use tc_renderer_used(const tc_renderer *renderer)
 {
-    return renderer->left_out;
+    return (tc_renderer_use){.surface = renderer->surface,
+                             .needs = &renderer->needs,
+                             .programs = &renderer->programs,
+                             .textures = &renderer->textures,
+                             .frame = &renderer->last};
 }

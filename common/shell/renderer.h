@@ -5,24 +5,16 @@
 #include "common/terraclip.h"
 #include "common/core/clipmap/surface.h"
 #include "gl.h"
-
-/* What the scene needs, settled once; what is not needed is neither compiled nor allocated. */
-typedef struct tc_scene_options {
-    bool unlit;            /* colours without light: no normal map */
-    bool background_set;   /* flat background: no sky, no haze */
-    uint8_t background[3]; /* RGB */
-    bool holes;            /* voids are left out of the mesh */
-    int samples;           /* a pixel; 0: 1. The most that the driver has where it has fewer */
-    int64_t budget;        /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
-    bool level_colours;    /* may be switched while running, as may the next two */
-    bool wireframe;
-    tc_frame_options frame;
-} tc_scene_options;
+#include "level_textures.h"
+#include "scene_needs.h"
+#include "scene_programs.h"
 
 typedef struct tc_frame_stats {
     double update_ms, draw_ms; /* CPU time of filling windows and uploading; of drawing (until finished, offscreen) */
     int64_t triangles, triangles_unculled;
-    int draws, levels_active;
+    int draws;
+    int blocks, blocks_unculled;                   /* of the draws those that cover area; with those outside the view */
+    int levels_active, levels_fine, levels_beyond; /* drawn; too fine for the view; beyond the horizon */
     int64_t samples_updated, bytes_uploaded;
     bool resident; /* the clipmap held all that this view needs */
 } tc_frame_stats;
@@ -59,7 +51,14 @@ void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth);
 
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret);
 
-/* What was left out, one short line each ("normal map: unlit", ...); NULL-terminated; the renderer's. */
-const char *const *tc_renderer_left_out(const tc_renderer *renderer);
+/* What there is for the scene, and its last frame: for explain.c and tests. Valid until the next call. */
+typedef struct tc_renderer_use {
+    const tc_surface *surface;
+    const tc_scene_needs *needs;
+    const tc_scene_programs *programs;
+    const tc_level_textures *textures;
+    const tc_frame_stats *frame;
+} tc_renderer_use;
+tc_renderer_use tc_renderer_used(const tc_renderer *renderer);
 
 #endif

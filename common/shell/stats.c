@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 
 /* What is kept of every frame. */
-enum { FRAME_MS, UPDATE_MS, DRAW_MS, TRIANGLES, UNCULLED, DRAWS, LEVELS, SERIES };
+enum { FRAME_MS, UPDATE_MS, DRAW_MS, TRIANGLES, DRAWS, LEVELS, SERIES };
 
 struct tc_stats {
     int capacity;
@@ -50,13 +50,9 @@ void tc_stats_load(tc_stats *stats, const tc_frame_stats *frame)
 
 void tc_stats_frame(tc_stats *stats, double frame_ms, const tc_frame_stats *frame)
 {
-    const double values[SERIES] = {[FRAME_MS] = frame_ms,
-                                   [UPDATE_MS] = frame->update_ms,
-                                   [DRAW_MS] = frame->draw_ms,
-                                   [TRIANGLES] = (double)frame->triangles,
-                                   [UNCULLED] = (double)frame->triangles_unculled,
-                                   [DRAWS] = frame->draws,
-                                   [LEVELS] = frame->levels_active};
+    const double values[SERIES] = {[FRAME_MS] = frame_ms,      [UPDATE_MS] = frame->update_ms,
+                                   [DRAW_MS] = frame->draw_ms, [TRIANGLES] = (double)frame->triangles,
+                                   [DRAWS] = frame->draws,     [LEVELS] = frame->levels_active};
     for (int i = 0; i < SERIES; i++)
         stats->series[i][stats->frames % stats->capacity] = values[i];
     stats->frames++;
@@ -92,7 +88,6 @@ void tc_stats_summarise(tc_stats *stats, tc_stats_summary *summary_ret)
         .update_ms = quantile(stats, UPDATE_MS, 0.5),
         .draw_ms = quantile(stats, DRAW_MS, 0.5),
         .triangles = (int64_t)quantile(stats, TRIANGLES, 0.5),
-        .triangles_unculled = (int64_t)quantile(stats, UNCULLED, 0.5),
         .draws = (int64_t)quantile(stats, DRAWS, 0.5),
         .levels_active = (int64_t)quantile(stats, LEVELS, 0.5),
         .samples_updated = stats->samples_updated,

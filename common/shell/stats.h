@@ -25,7 +25,6 @@ typedef struct tc_stats_summary {
     double frame_median, frame_p95, frame_max; /* ms; the maximum is of all, 95 % of frames took no longer than p95 */
     double update_ms, draw_ms;                 /* medians */
     int64_t triangles, draws, levels_active;   /* medians */
-    int64_t triangles_unculled;                /* median */
     int64_t samples_updated, bytes_uploaded;   /* totals, with those of loading */
 } tc_stats_summary;
 

@@ -3,6 +3,7 @@
 #include "viewer_internal.h"
 #include "common/core/base/status.h"
 #include "common/core/base/outfile.h"
+#include "explain.h"
 #include "interrupt.h"
 #include "plugin.h"
 
@@ -193,18 +194,18 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
 static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
-    v->scene.holes = v->voids == TC_VOIDS_HOLE && tc_pyramid_info(v->pyramid)->void_count > 0;
+    v->scene.holes = v->voids == TC_VOIDS_HOLE;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
     if (v->options.output && !v->scene.budget)
         v->scene.budget = -1;
     if (!v->scene.samples)
         v->scene.samples = v->options.output ? 4 : 1;
+    const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_pyramid_info(v->pyramid), v->program->sphere);
     const tc_surface_request request = {.scheme = v->options.scheme,
                                         .n = v->options.n,
                                         .levels = v->options.levels,
                                         .steps = v->options.steps,
-                                        .normals = !v->scene.unlit,
-                                        .holes = v->scene.holes,
+                                        .needs = &needs,
                                         .interactive = interactive(&v->options) &&
                                                        tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
                                         .camera = &v->camera};
@@ -260,23 +261,11 @@ tc_status tc_viewer_write_frame(tc_viewer *v, const char *path, uint8_t *rgb, tc
 
 /* ---- Telling ------------------------------------------------------------------------------------------------ */
 
-/* What the scene as a whole did not need, and what its last frame did not. */
-static void explain(const tc_viewer *v, const tc_stats_summary *summary, const char *const *left_out)
+static void explain(const tc_viewer *v, const tc_left_out *left_out)
 {
-    static const char *const libraries[][2] = {{"gdal", "GDAL"}, {"oiio", "OpenImageIO"}, {"window", "GLFW"}};
-    for (int i = 0; left_out[i]; i++)
-        printf("left out: %s\n", left_out[i]);
-    if (!v->program->sphere)
-        printf("left out: %" PRId64
-               " of %d levels: too fine for the height above ground, or not where the terrain is\n",
-               tc_clipmap_levels(v->surface->clipmap[0]) - summary->levels_active,
-               tc_clipmap_levels(v->surface->clipmap[0]));
-    printf("left out: %" PRId64 " of %" PRId64 " triangles: %soutside the view\n",
-           summary->triangles_unculled - summary->triangles, summary->triangles_unculled,
-           v->program->sphere ? "beyond the horizon or " : "");
-    for (size_t i = 0; i < sizeof libraries / sizeof *libraries; i++)
-        if (!tc_plugin_loaded(libraries[i][0]))
-            printf("left out: %s: not loaded\n", libraries[i][1]);
+    tc_explain_uses(v->renderer, stdout);
+    for (int i = 0; i < left_out->count; i++)
+        printf("left out: %s\n", left_out->lines[i]);
 }
 
 static int64_t sum_charts(const tc_viewer *v, int64_t (*count)(const tc_pyramid *pyramid))
@@ -292,13 +281,15 @@ static tc_status report(tc_viewer *v, tc_error *error)
 {
     tc_stats_summary summary;
     tc_stats_summarise(v->stats, &summary);
+    tc_left_out left_out;
+    tc_explain_left_out(v->renderer, &left_out);
     tc_stats_context context = {.renderer = (const char *)v->gl->GetString(GL_RENDERER),
                                 .backend = v->context ? tc_context_backend(v->context) : "window",
                                 .bytes_decoded = sum_charts(v, tc_terrain_bytes_decoded),
-                                .left_out = tc_renderer_left_out(v->renderer)};
+                                .left_out = left_out.lines};
     tc_renderer_memory(v->renderer, &context.memory);
     if (v->options.explain && !v->options.json) /* which says it, too */
-        explain(v, &summary, context.left_out);
+        explain(v, &left_out);
     if (v->options.json)
         tc_stats_print(&summary, &context, stdout);
     else if (v->options.path && !v->options.output && !v->options.quiet)

@@ -5,12 +5,13 @@
 #include "common/core/clipmap/surface.h"
 #include "common/terraclip.h"
 #include "navigation.h"
+#include "scene_needs.h"
 
 /* What the command line and the machine ask of a surface; zero is the default. */
 typedef struct tc_surface_request {
     const char *scheme;
     int n, levels, steps;
-    bool normals, holes;
+    const tc_scene_needs *needs;
     bool interactive; /* a window on a software renderer: no more detail than it can draw */
     const tc_camera *camera;
 } tc_surface_request;

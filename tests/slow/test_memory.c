@@ -97,7 +97,12 @@ static int set_up(void **state)
     (void)state;
     mallopt(M_TRIM_THRESHOLD, 1 << 30); /* as the viewer does */
     context = scene_context();
-    terrain = terrain_pyramid(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 3);
+    tc_grid grid = terrain_grid(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 3);
+    grid.voids = calloc((size_t)SIZE * SIZE, 1);
+    assert_non_null(grid.voids);
+    for (int64_t i = 0; i < SIZE; i++, grid.void_count++) /* for scenes with holes */
+        grid.voids[i * SIZE + i] = 1;
+    assert_int_equal(tc_pyramid_build(&grid, 0, &terrain, NULL), TC_OK);
     return context ? 0 : -1;
 }
 
@@ -250,7 +255,7 @@ static void items_add_up(void **state)
         /* A level's window is (n + 1)^2 pairs of floats, in a texture and beside it; with light 2 x 2 normals for each,
          * the level's own and the coarser one's, of two bytes. Beside it there is room to read a window into. */
         int levels = tc_clipmap_levels(s.clipmap);
-        double window = (double)levels * (N + 1) * (N + 1), scratch = (double)tc_fill_scratch(N) * sizeof(float);
+        double window = (double)levels * (N + 1) * (N + 1), scratch = (double)tc_fill_scratch(N, lit) * sizeof(float);
         assert_about(lit ? "heights and normals, lit" : "heights and normals, unlit", (double)(m.heights + m.normals),
                      2 * window * (8 + lit * 16) + scratch);
         assert_true((double)m.heights >= 2 * window * 8);

@@ -118,7 +118,8 @@ tc_status planet_atlas_height(void *atlas, double longitude, double latitude, do
 tc_surface *planet_rings(const tc_atlas *atlas, const tc_rings_options *rings, const tc_scene_options *options)
 {
     tc_rings_options o = *rings;
-    o.normals = !options->unlit, o.holes = options->holes;
+    const tc_scene_needs needs = tc_scene_needs_of(options, tc_pyramid_info(atlas->chart[0].pyramid), true);
+    o.normals = needs.light, o.holes = needs.holes;
     tc_surface *surface;
     tc_error error;
     must(tc_rings_create(atlas, &o, &surface, &error), &error);

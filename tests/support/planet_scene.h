@@ -32,7 +32,7 @@ typedef struct planet_truth {
 tc_status planet_truth_height(void *truth, double longitude, double latitude, double *z_ret);
 tc_status planet_atlas_height(void *atlas, double longitude, double latitude, double *z_ret);
 
-/* A scene to be used as scene.h says. rings->normals and holes are set by options. */
+/* A scene to be used as scene.h says. rings->normals and holes are set by what options need. */
 scene planet_scene(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *rings,
                    const tc_scene_options *options);
 /* The same with a surface of one's own, which it takes over. */

@@ -29,7 +29,8 @@ scene scene_create(const tc_context *context, const tc_pyramid *pyramid, int n, 
 {
     scene s = {.pyramid = pyramid};
     tc_error error;
-    tc_clipmap_options clip = {.n = n, .normals = !options->unlit, .holes = options->holes};
+    const tc_scene_needs needs = tc_scene_needs_of(options, tc_pyramid_info(pyramid), false);
+    tc_clipmap_options clip = {.n = n, .normals = needs.light, .holes = needs.holes};
     must(tc_clipmap_create(pyramid, &clip, &s.clipmap, &error), &error);
     must(tc_square_create(s.clipmap, &s.surface, &error), &error);
     must(tc_renderer_create(tc_context_gl(context), s.surface, options, &s.renderer, &error), &error);

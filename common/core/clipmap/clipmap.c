@@ -174,7 +174,7 @@ tc_status tc_clipmap_create(const tc_pyramid *pyramid, const tc_clipmap_options 
     c->pyramid = pyramid;
     c->n = n;
     c->levels = levels;
-    c->scratch = malloc(tc_fill_scratch(n) * sizeof *c->scratch);
+    c->scratch = malloc(tc_fill_scratch(n, options->normals) * sizeof *c->scratch);
     tc_status status = c->scratch ? TC_OK : TC_ERR_MEMORY;
     for (int l = 1; l <= levels && !status; l++) {
         c->level[l - 1].pyramid_level = first + l - 1;
@@ -348,7 +348,7 @@ int tc_clipmap_take_changes(tc_clipmap *clipmap, int level, tc_rect changes[TC_M
 void tc_clipmap_bytes(const tc_clipmap *clipmap, size_t *heights_ret, size_t *normals_ret)
 {
     size_t count = (size_t)(clipmap->n + 1) * (size_t)(clipmap->n + 1);
-    *heights_ret = tc_fill_scratch(clipmap->n) * sizeof(float);
+    *heights_ret = tc_fill_scratch(clipmap->n, clipmap->level[0].normals) * sizeof(float);
     *normals_ret = 0;
     for (int l = 0; l < clipmap->levels; l++) {
         *heights_ret += count * (sizeof(float[2]) + (clipmap->level[l].voids ? 1 : 0));

@@ -17,9 +17,11 @@
 
 enum { MARGIN = 8 };
 
-size_t tc_fill_scratch(int n)
+size_t tc_fill_scratch(int n, bool normals)
 {
     size_t fine = (size_t)(2 * n + MARGIN), coarse = (size_t)(n + MARGIN);
+    if (!normals) /* heights, voids, a row of pairs */
+        return 2 * coarse * coarse + 2 * coarse;
     return fine * fine + 3 * coarse * fine + coarse * coarse;
 }
 
@@ -219,7 +221,7 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
         return status;
     int64_t mask = 2 * (clipmap->n + 1) - 1, w = 2 * (rect.x1 - rect.x0) + 1, h = 2 * (rect.y1 - rect.y0) + 1;
     float ix = (float)(s->relief / s->view.spacing_x), iy = (float)(s->relief / s->view.spacing_y);
-    int8_t(*row)[4] = (int8_t(*)[4])(clipmap->scratch + tc_fill_scratch(clipmap->n)) - (2 * clipmap->n + MARGIN);
+    int8_t(*row)[4] = (int8_t(*)[4])(clipmap->scratch + tc_fill_scratch(clipmap->n, true)) - (2 * clipmap->n + MARGIN);
     for (int64_t j = 0; j < h; j++) {
         const float *c = z + (j + 1) * stride + 1;
         for (int64_t i = 0; i < w; i++) {

@@ -21,11 +21,11 @@ struct tc_clipmap {
     const tc_pyramid *pyramid;
     int n, levels;
     tc_clip_state level[TC_MAX_LEVELS]; /* [l - 1] */
-    float *scratch;                     /* for clipmap_fill.c, tc_fill_scratch(n) floats */
+    float *scratch;                     /* for clipmap_fill.c, tc_fill_scratch() floats */
     bool failed;                        /* the pyramid could not be read */
 };
 
-size_t tc_fill_scratch(int n);
+size_t tc_fill_scratch(int n, bool normals);
 
 /* Reads the samples of rect (within the extent) from the pyramid into the level's toroidal arrays, with z_c from the
  * coarser level's (which must hold rect / 2), and with normals and voids where kept. */

@@ -38,18 +38,21 @@ typedef struct tc_instance {
 } tc_instance;
 
 /* A layer of the vertex textures is a level of a chart: first those of chart 0, coarse to fine, then those of chart 1.
- */
+ * Levels and charts that are not in use need not have one. */
 enum { TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS, TC_LAYER_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 52 };
 
 /* What one frame draws. Arrays are the surface's own and stay valid until its next frame. */
 typedef struct tc_frame {
     const tc_draw *draws;         /* strips first, then triangle lists */
-    const tc_instance *instances; /* one a draw */
+    const tc_instance *instances; /* one a draw, where the surface has them */
     int strip_draws, list_draws;
     bool one_sided;             /* no back of a strip's triangle (counter-clockwise from the eye) can be seen */
     int64_t triangles;          /* that cover area: without joints and without crack closers */
     int64_t triangles_unculled; /* the same if nothing had been outside the view */
-    int levels_active;
+    int draws_unculled;         /* strips, likewise */
+    int levels_active;          /* drawn; and not: */
+    int levels_fine;   /* too fine for the height above ground, or not where the viewer is; finer than a pixel */
+    int levels_beyond; /* beyond the horizon */
     const float (*layer_uniforms)[TC_LAYER_UNIFORMS]; /* one a layer: GLSL `vec4 layer[3 * ...]` */
     const float *surface_uniforms;                    /* TC_SURFACE_UNIFORMS floats */
 } tc_frame;
@@ -71,14 +74,18 @@ struct tc_surface {
      * renderer.vert and renderer.frag. */
     const char *const *vertex_parts, *const *fragment_parts;
     const char *sky;   /* the sky's fragment shader */
-    bool closers;      /* draws triangle lists, too */
+    bool closers;      /* draws triangle lists, too, where levels meet */
+    bool instances;    /* its vertex stage reads a tc_instance */
     bool sphere;       /* the map is a sphere around the eye's frame, not a plane */
     double near_plane; /* metres, for positions relative to the eye */
     double extent;     /* metres, of all that there is to see */
     tc_geometry geometry;
     int charts;
     tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. The surface's own */
-    /* Windows wanted at each level for this camera: wanted[chart][level - 1]; empty for levels too fine for it. */
+    int layers[TC_MAX_CHARTS];          /* levels of each chart, from the coarsest on, that have a layer of the vertex
+                                           textures: all, unless who draws sets fewer */
+    /* Windows wanted at each level for this camera: wanted[chart][level - 1]; empty for levels too fine for it, and for
+     * all levels of a chart that no vertex reads. */
     void (*wanted)(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
     /* What is visible of the clipmaps as they stand. */
     void (*frame)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, tc_frame *frame_ret);
@@ -94,7 +101,7 @@ static inline int tc_surface_first_layer(const tc_surface *surface, int chart)
 {
     int layer = 0;
     for (int c = 0; c < chart; c++)
-        layer += tc_clipmap_levels(surface->clipmap[c]);
+        layer += surface->layers[c];
     return layer;
 }
 

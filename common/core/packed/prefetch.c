@@ -36,11 +36,20 @@ static void *run(void *context)
     return NULL;
 }
 
+static void start(tc_prefetch *p)
+{
+    p->started = pthread_create(&p->thread, NULL, run, p) == 0;
+#ifdef __linux__
+    if (p->started)
+        pthread_setname_np(p->thread, TC_PREFETCH_NAME);
+#endif
+}
+
 bool tc_prefetch_ask(tc_prefetch *p, int level, tc_rect rect)
 {
     pthread_mutex_lock(&p->mutex);
     if (!p->started)
-        p->started = pthread_create(&p->thread, NULL, run, p) == 0;
+        start(p);
     bool started = p->started;
     if (started) {
         p->waiting[level - 1] = true, p->rect[level - 1] = rect;

@@ -18,6 +18,9 @@ typedef struct tc_prefetch {
     tc_rect rect[TC_MAX_PYRAMID_LEVELS];
 } tc_prefetch;
 
+/* What the system knows the thread by. */
+#define TC_PREFETCH_NAME "reading-ahead"
+
 /* read is called from the thread, which starts with the first wish. */
 void tc_prefetch_init(tc_prefetch *prefetch, void (*read)(void *context, int level, tc_rect rect), void *context);
 void tc_prefetch_free(tc_prefetch *prefetch);

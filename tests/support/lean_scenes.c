@@ -1,0 +1,227 @@
+/* lean_scenes.c - scenes that need little, and ones that need everything. */
+#include "lean_scenes.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "made_files.h"
+#include "planar/square.h"
+
+#define DEGREE (M_PI / 180)
+#define LIT_LAND (LEAN_LIGHT | LEAN_SKY | LEAN_HAZE | LEAN_LAND)
+enum { SIZE = 1025, POND = 65, N = 127, GLOBE = 1024 };
+
+const lean_scene lean_scenes[LEAN_SCENES] = {
+    {"flat-unlit",
+     LEAN_HILLS,
+     {.unlit = true, .background_set = true, .frame.no_morph = true},
+     .5,
+     .5,
+     900,
+     30,
+     -30,
+     LEAN_LAND | LEAN_CLOSERS},
+    {"ground", LEAN_COAST, {0}, .4, .6, 2, 120, -4, LIT_LAND | LEAN_WATER | LEAN_CLOSERS},
+    {"high", LEAN_COAST, {0}, .5, .5, 40000, 0, -85, LIT_LAND | LEAN_WATER | LEAN_CLOSERS},
+    {"pond", LEAN_POND, {0}, .5, .5, 300, 0, -40, LIT_LAND},
+    {"no-holes", LEAN_COAST, {.holes = true}, .4, .6, 200, 120, -10, LIT_LAND | LEAN_WATER | LEAN_CLOSERS},
+    {"holes", LEAN_VOIDS, {.holes = true}, .4, .6, 200, 120, -10, LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_HOLES},
+    {"packed", LEAN_PACKED, {0}, .4, .6, 200, 120, -10, LIT_LAND | LEAN_WATER | LEAN_CLOSERS},
+    {"everything",
+     LEAN_VOIDS,
+     {.holes = true, .level_colours = true, .samples = 4},
+     .4,
+     .6,
+     2,
+     120,
+     -4,
+     LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_HOLES | LEAN_LEVEL_COLOURS | LEAN_SAMPLES},
+    {"planet-space", LEAN_EARTH, {0}, 10, 20, 1.5e7, 0, -90, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
+    {"planet-ground", LEAN_EARTH, {0}, 10, 5, 300, 60, -5, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
+    {"planet-pole", LEAN_EARTH, {0}, 10, 89.5, 3000, 60, -8, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
+    {"moon", LEAN_MOON, {0}, 10, 5, 20000, 60, -20, LEAN_LIGHT | LEAN_SKY | LEAN_SPHERE},
+    {"planet-everything",
+     LEAN_EARTH_VOIDS,
+     {.holes = true, .level_colours = true, .samples = 4, .frame.no_cull = true},
+     10,
+     60,
+     300,
+     60,
+     -5,
+     LIT_LAND | LEAN_WATER | LEAN_SPHERE | LEAN_HOLES | LEAN_LEVEL_COLOURS | LEAN_SAMPLES},
+};
+
+/* ---- Grounds ---------------------------------------------------------------------------------------------------- */
+
+static void must(tc_status status, const tc_error *error)
+{
+    if (status) {
+        fprintf(stderr, "lean scene: %s\n", error->text);
+        exit(99);
+    }
+}
+
+/* Discs without heights. */
+static void pierce(tc_grid *g)
+{
+    g->voids = calloc((size_t)(g->width * g->height), 1);
+    if (!g->voids)
+        exit(99);
+    for (int64_t j = 0; j < g->height; j++)
+        for (int64_t i = 0; i < g->width; i++) {
+            bool inside = hypot((double)(i % 97 - 48), (double)(j % 97 - 48)) < 9;
+            g->voids[j * g->width + i] = inside;
+            g->void_count += inside;
+        }
+}
+
+static tc_pyramid *build(tc_grid *g)
+{
+    tc_pyramid *p;
+    tc_error error;
+    must(tc_pyramid_build(g, 0, &p, &error), &error);
+    return p;
+}
+
+static tc_pyramid *packed(void)
+{
+    tc_grid g = terrain_grid(TERRAIN_DEFAULT, SIZE, SIZE, 30, 4);
+    const tc_pack_terrain about = {
+        .width = SIZE, .height = SIZE, .spacing_x = 30, .spacing_y = 30, .sample_type = TC_SAMPLE_FLOAT32, .unit = 1};
+    const tc_pack_options how = {.mode = TC_PACK_RMS, .error = 1};
+    const char *path = made_path("lean.tclip");
+    tc_packer *packer;
+    tc_pack_result result;
+    tc_error error;
+    tc_pyramid *p;
+    must(tc_packer_create(path, &about, &how, &packer, &error), &error);
+    must(tc_packer_put(packer, (tc_rect){0, 0, SIZE, SIZE}, g.z, NULL, SIZE, &error), &error);
+    must(tc_packer_finish(packer, &result, &error), &error);
+    tc_packer_destroy(packer);
+    tc_grid_free(&g);
+    must(tc_pyramid_open(path, NULL, &p, &error), &error);
+    return p;
+}
+
+static tc_atlas globe(double radius, bool voids)
+{
+    tc_grid g = {.width = GLOBE, .height = GLOBE / 2, .spacing_x = 1, .spacing_y = 1, .wraps_x = true};
+    double step = 360.0 / GLOBE, relief = 3000;
+    const double t[6] = {-180, step, 0, 90, 0, -step};
+    g.georef = (tc_georef){.known = true, .geographic = true, .semi_major = radius};
+    memcpy(g.georef.transform, t, sizeof t);
+    g.z = malloc((size_t)(g.width * g.height) * sizeof *g.z);
+    g.z_min = INFINITY, g.z_max = -INFINITY;
+    for (int64_t i = 0; g.z && i < g.width * g.height; i++) {
+        double lon = (-180 + ((double)(i % g.width) + 0.5) * step) * DEGREE,
+               lat = (-90 + ((double)(i / g.width) + 0.5) * step) * DEGREE;
+        const double p[3] = {cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)};
+        g.z[i] = (float)planet_smooth(&relief, p);
+        g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
+    }
+    if (voids)
+        pierce(&g);
+    tc_atlas atlas;
+    tc_error error;
+    must(tc_atlas_build(&g, radius, 0, &atlas, &error), &error);
+    return atlas;
+}
+
+static struct {
+    bool made;
+    tc_atlas atlas;
+} grounds[LEAN_GROUNDS];
+
+bool lean_sphere(lean_ground ground)
+{
+    return ground >= LEAN_EARTH;
+}
+
+static tc_atlas make(lean_ground ground)
+{
+    if (lean_sphere(ground))
+        return globe(ground == LEAN_MOON ? 1737400 : 6371000, ground == LEAN_EARTH_VOIDS);
+    tc_pyramid *p;
+    if (ground == LEAN_PACKED) {
+        p = packed();
+    } else {
+        int size = ground == LEAN_POND ? POND : SIZE;
+        bool hills = ground == LEAN_HILLS || ground == LEAN_POND;
+        tc_grid g = terrain_grid(hills ? TERRAIN_SMOOTH : TERRAIN_DEFAULT, size, size, 30, 4);
+        if (ground == LEAN_VOIDS)
+            pierce(&g);
+        p = build(&g);
+    }
+    return (tc_atlas){.charts = 1, .chart = {{.pyramid = p}}};
+}
+
+const tc_atlas *lean_atlas(lean_ground ground)
+{
+    if (!grounds[ground].made)
+        grounds[ground].atlas = make(ground), grounds[ground].made = true;
+    return &grounds[ground].atlas;
+}
+
+void lean_free_all(void)
+{
+    for (int i = 0; i < LEAN_GROUNDS; i++) {
+        if (!grounds[i].made)
+            continue;
+        if (lean_sphere((lean_ground)i))
+            tc_atlas_free(&grounds[i].atlas);
+        else
+            tc_pyramid_destroy(grounds[i].atlas.chart[0].pyramid);
+        grounds[i].made = false;
+    }
+    made_folder_remove();
+}
+
+/* ---- Scenes ----------------------------------------------------------------------------------------------------- */
+
+tc_camera lean_camera(const lean_scene *s, int width, int height)
+{
+    const tc_atlas *atlas = lean_atlas(s->ground);
+    const tc_pyramid *p = atlas->chart[0].pyramid;
+    tc_camera c = {.heading = s->heading * DEGREE,
+                   .pitch = s->pitch * DEGREE,
+                   .fov = 75 * DEGREE,
+                   .width = width,
+                   .height = height};
+    double ground = 0;
+    if (lean_sphere(s->ground)) {
+        c.x = s->x * DEGREE, c.y = s->y * DEGREE;
+        tc_atlas_height(atlas, c.x, c.y, &ground);
+    } else {
+        const tc_level finest = tc_pyramid_level(p, tc_pyramid_info(p)->levels);
+        c.x = s->x * (double)(finest.width - 1) * finest.spacing_x;
+        c.y = s->y * (double)(finest.height - 1) * finest.spacing_y;
+        tc_pyramid_height(p, c.x, c.y, &ground);
+    }
+    c.z = ground + tc_pyramid_info(p)->z_base + s->above;
+    return c;
+}
+
+scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *options, const tc_scene_needs *needs)
+{
+    const tc_atlas *atlas = lean_atlas(s->ground);
+    const tc_pyramid *pyramid = atlas->chart[0].pyramid;
+    bool sphere = lean_sphere(s->ground);
+    const tc_scene_needs own = tc_scene_needs_of(options, tc_pyramid_info(pyramid), sphere);
+    needs = needs ? needs : &own;
+    tc_surface *surface;
+    tc_error error;
+    if (sphere) {
+        const tc_rings_options rings = {.n_phi = 256, .m = 20, .normals = needs->light, .holes = needs->holes};
+        must(tc_rings_create(atlas, &rings, &surface, &error), &error);
+    } else {
+        const tc_clipmap_options clip = {.n = N, .normals = needs->light, .holes = needs->holes};
+        tc_clipmap *clipmap;
+        must(tc_clipmap_create(pyramid, &clip, &clipmap, &error), &error);
+        must(tc_square_create(clipmap, &surface, &error), &error);
+    }
+    scene made = {.pyramid = pyramid, .clipmap = surface->clipmap[0], .surface = surface};
+    must(tc_renderer_create(gl, surface, options, &made.renderer, &error), &error);
+    return made;
+}
