@@ -129,7 +129,8 @@ explanations() {
     explain 'A flat terrain, whole, lit' "$build/planar-viewer" "$s/land.tif" "$@"
     explain 'The same, packed, unlit, flat background' "$build/planar-viewer" "$s/land.tclip" \
         --unlit --background 000000 "$@"
-    explain 'From 2 m above the ground' "$build/planar-viewer" "$s/land.tif" --view 7000,7000,3000,0,-10 "$@"
+    eye=$("$build/terraclip" height "$s/land.tclip" 7000 7000 2>/dev/null | awk '{ print $NF + 2 }')
+    explain 'From 2 m above the ground' "$build/planar-viewer" "$s/land.tif" --view "7000,7000,${eye:-2000},0,-10" "$@"
     explain 'A planet from far away' "$build/planet-viewer" "$s/planet.tif" "$@"
     explain 'A planet from near the ground' "$build/planet-viewer" "$s/planet.tif" --view 10,46,5000,30,-5 "$@"
     command="$build/planar-viewer TERRAIN $*"
