@@ -200,10 +200,10 @@ END {
     else
         absent("Fidelity", seen["fidelity"] ? "column ssim in fidelity.csv" : "fidelity.csv")
     if (seen["levels"])
-        tile(judged(levels_within == levels), levels_within " of " levels, "Levels within LH04's bar",
+        tile(judged(levels_within == levels), levels_within " of " levels, "Levels within the bar",
              "rms below 0.2 px and 99.9 % below 1 px; worst " digits(levels_worst, 3) " px: " levels_worst_of)
     else
-        absent("Levels within LH04's bar", "lod_error.csv")
+        absent("Levels within the bar", "lod_error.csv")
     if ("exact" in precision)
         tile(judged(precision["exact"] < 0.01), digits(precision["exact"], 2) " px", "Precision of the rings",
              "worst vertex of all levels; the paper's transform " digits(precision["ch06"], 3) \
