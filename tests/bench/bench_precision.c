@@ -2,8 +2,8 @@
  * exact map transform and with CH06's: precision.csv.
  *
  * The planet is as large as the Earth and rough; places and altitudes are those of test_rings_precision.c, or, quick,
- * every twentieth place. A level is the ring's number, the disc inside the finest one counting as one more. Pixels are of a
- * frame 1280 wide. */
+ * every twentieth place. A level is the ring's number, the disc inside the finest one counting as one more. Pixels are
+ * of a frame 1280 wide. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

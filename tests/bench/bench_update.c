@@ -168,11 +168,11 @@ static void uploads(bench *b, const tc_context *context, step *upload, step *who
         tc_pyramid *p = terrain_open(b->path);
         tc_clipmap *c = clipmap_of(p, true);
         tc_surface *surface;
-        tc_level_textures textures;
+        tc_level_textures textures = {0};
         tc_error error;
         terrain_must(tc_square_create(c, &surface, &error), &error);
-        terrain_must(tc_level_textures_create(gl, surface, &textures, &error), &error);
-        int m = tc_clipmap_levels(c);
+        int m = tc_clipmap_levels(c), all[TC_MAX_CHARTS] = {m};
+        terrain_must(tc_level_textures_hold(gl, &textures, surface, all, &error), &error);
         tc_rect r = place(b, tc_pyramid_level(p, tc_pyramid_info(p)->levels));
         tc_rect coarser = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x1 / 2 + 3, r.y1 / 2 + 3};
         tc_clipmap_fill(c, m - 1, coarser);

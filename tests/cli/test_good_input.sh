@@ -125,7 +125,28 @@ for backend in egl osmesa; do
 done
 accepts '' $viewer metres.tif --explain $picture
 grep -q '^left out: void mask: no holes' stdout.txt || fail "--explain prints $(cat stdout.txt)"
+for line in 'shaders: terrain: .*renderer\.frag; .*LIT' 'texture: heights: RG32F, [0-9]+ x [0-9]+ x [0-9]+, [0-9]+ bytes' \
+    'texture: normals: ' 'levels: [0-9]+ of [0-9]+ updated' 'levels: [0-9]+ of [0-9]+ drawn' \
+    'blocks: [0-9]+ of [0-9]+ drawn' 'library: GDAL' 'threads: drawing; [0-9]+ of the driver'; do
+    grep -Eq "^uses: $line" stdout.txt || fail "--explain does not tell of $line"
+done
+! grep -Evq '^(uses|left out): ' stdout.txt || fail "--explain prints $(grep -Ev '^(uses|left out): ' stdout.txt)"
+# What the system has mapped: the libraries that --explain tells of, and none of the others.
+printf '0,0,900,0,0\n9,0,900,0,0\n' >flight.txt
+run $viewer N46E008.hgt --spacing 90 --path flight.txt --frames 2 --size 96x64 --explain
+[ $rc = 0 ] && grep -q '^left out: GDAL: not loaded' stdout.txt && grep -q '^left out: OpenImageIO: not loaded' stdout.txt &&
+    grep -q '^left out: GLFW: not loaded' stdout.txt || fail "--explain of a tile of its own kind: $(cat stdout.txt)"
+! grep -q '^uses: library' stdout.txt || fail "--explain: $(grep '^uses: library' stdout.txt)"
+if command -v strace >/dev/null; then
+    strace -f -e trace=openat -o opened.txt $viewer N46E008.hgt --spacing 90 --path flight.txt --frames 2 --size 96x64 -q \
+        >/dev/null 2>&1
+    ! grep -Eq 'libgdal|OpenImageIO|libglfw' opened.txt || fail 'a library is opened without need'
+fi
+accepts '' $viewer metres.tif --json $near $picture
+grep -q '"void mask: no holes to show"' stdout.txt && grep -Eq '"[0-9]+ of [0-9]+ triangles: outside the view"' stdout.txt ||
+    fail "--json: left_out is $(grep -A9 left_out stdout.txt)"
 accepts '' $viewer metres.tif --explain --unlit --background 000000 --no-morph $picture
+! grep -Eq '^uses: (texture: normals|shaders: sky|shaders: .*(LIT|HAZE))' stdout.txt || fail '--explain: used without need'
 for part in 'normal map' sky 'void mask' morph imagery; do
     grep -q "^left out: $part" stdout.txt || fail "--explain does not tell of the $part"
 done

@@ -66,6 +66,16 @@ run $globe globe.tif --path path.txt --frames 5 --size 96x64 --json
 [ $rc = 0 ] && grep -q '"frames": 5' stdout.txt || report 'a flight' $globe
 run $globe globe.tif --size 96x64 -o out/picture.png --explain
 [ $rc = 0 ] && grep -q 'left out: .* triangles: beyond the horizon' stdout.txt || report '--explain' $globe
+grep -Eq '^uses: rings: [0-9]+ of [0-9]+ drawn' stdout.txt && grep -Eq '^uses: sectors: ' stdout.txt &&
+    grep -q '^uses: shaders: sky: .*globe_sky.frag' stdout.txt && grep -q '^uses: chart 2: [1-9]' stdout.txt ||
+    fail "--explain: $(cat stdout.txt)"
+# Near the ground the caps are out of sight, on a pole all but one of them.
+for place in '10,5,200,30,-5 1 2' '10,89.9,200,30,-5 0 2' '10,-89.9,200,30,-5 0 1'; do
+    set -- $place
+    run $globe globe.tif --size 96x64 -o out/picture.png --explain "--view=$1"
+    [ $rc = 0 ] && grep -q '^left out: 2 of 3 charts: out of sight' stdout.txt &&
+        [ $(grep -Ec "^uses: chart [$2$3]: 0 of" stdout.txt) = 2 ] || fail "--explain at $1: $(cat stdout.txt)"
+done
 rm -rf out && mkdir out
 
 # ---- What is refused

@@ -103,7 +103,7 @@ holds '<tr class="bad"><td>sizes</td>' 'a failed case'
 holds '1 failed</b><span>1 passed, 1 refused' 'the count of cases'
 holds '<pre>\$ viewer &lt;file&gt;' '--explain'
 holds '13.3 times' 'the median against brute force' # 400 / 30
-holds '0.250 px</b><span>worst 99.9 % at n = 255' 'the worst error'
+holds '0.250 px in 30.0 ms</b><span>worst 99.9 % at n = 255' 'the worst error'
 lacks 'No plot' 'plots'
 holds 'not at hand' 'figures of papers that nobody found'
 cases=$((cases + 2))
@@ -120,11 +120,13 @@ printf '%s' "$front" | grep -q '>127<' || fail 'a row of the front is missing'
 printf 'level,variant\n1,exact\n' >folder/precision.csv
 printf 'dataset,codec\nx,y\n' >folder/rate_distortion.csv
 printf 'scene\n' >folder/left_out.csv
+printf 'foo,bar\nx,1\n' | tee folder/error_time.csv folder/frames.csv folder/space.csv >folder/scaling.csv
 rm -r folder/extreme folder/explain
 makes_page
 is_whole 'a page of broken tables'
 holds 'The file has no column err_over_radius, err_px' 'a missing column'
 holds 'No plot' 'a plot without data'
+holds 'No row can be plotted' 'panels without data'
 holds 'Not run: <code>make test-extreme' 'no extreme cases'
 rm folder/*.csv
 makes_page
@@ -140,6 +142,8 @@ program() { # NAME TEXT
 }
 for name in terraclip planar-viewer planet-viewer; do program $name 'echo "$0 $*"'; done
 program tests/bench_precision 'echo "$*" >arguments.txt
+i=0
+while [ $i -lt 300000 ]; do i=$((i + 1)); done
 printf "level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n" >"$3"; echo done'
 program tests/bench_update 'echo step,us >"$3"; echo "cannot <open> it" >&2; exit 3'
 program tests/bench_space 'echo terrain >"$3"; echo "skipped: no context"'
@@ -148,7 +152,7 @@ program tests/extreme_heights "printf '%s\\n' $columns heights,a,b,1,0,FAILED,c 
 page=made/report/index.html
 run sh "$report/report.sh" made quick
 [ $rc = 1 ] || fail "a report with failures ends with $rc instead of 1"
-for line in 'precision,done,0,' 'update,failed,3,.*its last line: cannot <open> it' 'space,skipped,0,.*no context' \
+for line in 'precision,done,0,[0-9]+,[0-9]*[.]?[0-9]*[1-9]' 'update,failed,3,.*its last line: cannot <open> it' 'space,skipped,0,.*no context' \
     'error_time,missing,' 'explain,done,' 'extreme_heights,failed,1,'; do
     cases=$((cases + 1))
     grep -Eq "^$line" made/report/runs.csv || fail "runs.csv does not hold $line: $(cat made/report/runs.csv)"
@@ -159,6 +163,15 @@ cases=$((cases + 2))
 is_whole 'a measured page'
 holds 'exit code 3; its last line: cannot &lt;open&gt; it' 'a failed program'
 holds '<td>FAILED</td>' 'a failed case'
+# Extreme cases for which there is no time are shown as they were; ones that were never run are said not to be.
+program tests/extreme_sizes 'exit 0'
+run env TERRACLIP_REPORT_SECONDS=0 sh "$report/report.sh" made quick
+for line in 'extreme_heights,old,.*rows of 20[0-9][0-9]-' 'extreme_sizes,skipped,.*make test-extreme'; do
+    cases=$((cases + 1))
+    grep -Eq "^$line" made/report/runs.csv || fail "without time runs.csv does not hold $line"
+done
+holds 'old: did not fit into the time; rows of 20' 'old rows'
+holds '<td>FAILED</td>' 'old rows'
 run sh "$report/report.sh" made slowly
 [ $rc = 2 ] || fail "an unknown kind of report ends with $rc instead of 2"
 finish

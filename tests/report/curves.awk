@@ -1,7 +1,7 @@
 # curves.awk - curves out of a table: awk -v group=COLUMN -v series=COLUMN[+COLUMN^] -v x=COLUMN -v y=COLUMN
 # -v out=PREFIX [-v only=COLUMN=REGEX] [-v positive=1]; COLUMN^ is its first word. For each value of `group` ("": one
-# plot of all) PREFIX.N has its curves as curves.gp wants them, sorted by x; PREFIX.list says N|number of curves|value.
-# Rows without both numbers, or, positive, not above 0, are left out.
+# plot of all) PREFIX.N has its curves as curves.gp wants them, sorted by x; PREFIX.list says N|number of curves|
+# largest over smallest x|the same of y|value. Rows without both numbers, or, positive, not above 0, are left out.
 FNR == 1 {
     csv_header($0, at)
     parts = split(series, part, "+")
@@ -55,6 +55,18 @@ FNR == 1 {
     px[k, c, i] = a + 0
     py[k, c, i] = b + 0
 }
+
+# How many times the smallest number of a plot the largest one is.
+function spread(p, k,    c, i, low, high) {
+    low = high = p[k, 1, 1]
+    for (c = 1; c <= curves[k]; c++)
+        for (i = 1; i <= points[k, c]; i++) {
+            low = p[k, c, i] < low ? p[k, c, i] : low
+            high = p[k, c, i] > high ? p[k, c, i] : high
+        }
+    return low > 0 ? high / low : 0
+}
+
 END {
     printf "" >(out ".list")
     for (k = 1; k <= groups; k++) {
@@ -65,6 +77,6 @@ END {
                 print px[k, c, i], py[k, c, i] >file
         }
         close(file)
-        print k "|" curves[k] "|" value[k] >(out ".list")
+        print k "|" curves[k] "|" spread(px, k) "|" spread(py, k) "|" value[k] >(out ".list")
     }
 }

@@ -8,6 +8,8 @@ set xlabel xlabel_
 set ylabel "99.9 % of pixels within, px"
 set format y "%g"
 set format x (column == 3 ? "%g" : "%.0s%c")
+if (x1 / x0 < 300) set for [e = -1:8] xtics add (tic(2, e), tic(5, e))
+if (y1 / y0 < 300) set for [e = -7:4] ytics add (tic(2, e), tic(5, e))
 unset key
 of(name) = strcol(1) eq name ? $7 : NaN
 set style line 1 linecolor rgb grey pointtype 5 pointsize 0.8

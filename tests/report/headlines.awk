@@ -69,7 +69,7 @@ function error_row(    scene, scheme, n, pixels, which) {
         worst[which, real] = pixels
         worst_of[which, real] = scene
     }
-    scenes[which, real]++
+    frame[which, real, ++scenes[which, real]] = f[at["frame_ms"]] + 0
     if (is_number(f[at["brute_ms"]]) && f[at["frame_ms"]] + 0 > 0)
         brute[which, ++brutes[which]] = f[at["brute_ms"]] / f[at["frame_ms"]]
 }
@@ -89,7 +89,8 @@ function levels_row() {
 }
 
 function left_row(ms, bytes) {
-    if (is_number(ms) && ms + 0 > left_ms + 0) {
+    once = f[at["feature"]] ~ /^(GDAL|OpenImageIO|GLFW|thread)/ # when the program starts, not a frame
+    if (!once && is_number(ms) && ms + 0 > left_ms + 0) {
         left_ms = ms
         left_ms_of = f[at["feature"]] ", " f[at["scene"]]
     }
@@ -118,13 +119,16 @@ function rate(dataset, codec) {
 
 # ---- The tiles -------------------------------------------------------------------------------------------------------
 
-function error_tile(which, label, n,    real) {
+function error_tile(which, label, n,    real, i, list) {
     real = ((which, 1) in worst) ? 1 : 0
     if (!((which, real) in worst))
         return absent(label, "row of error_time.csv for it")
-    tile(judged(worst[which, real] < 1), digits(worst[which, real], 3) " px", label,
+    for (i = 1; i <= scenes[which, real]; i++)
+        list[i] = frame[which, real, i]
+    tile(judged(worst[which, real] < 1), \
+         digits(worst[which, real], 3) " px in " digits(median(list, scenes[which, real]), 3) " ms", label,
          "worst 99.9 % at " n " over " scenes[which, real] " scenes of " (real ? "real data" : "the default only") \
-         ": " worst_of[which, real] "; goal: below 1 px")
+         ": " worst_of[which, real] "; median time of a frame; goal: below 1 px")
 }
 
 function brute_tile(which, label,    i, list, count, low) {
@@ -196,10 +200,10 @@ END {
     else
         absent("Fidelity", seen["fidelity"] ? "column ssim in fidelity.csv" : "fidelity.csv")
     if (seen["levels"])
-        tile(judged(levels_within == levels), levels_within " of " levels, "Levels within LH04's bar",
+        tile(judged(levels_within == levels), levels_within " of " levels, "Levels within the bar",
              "rms below 0.2 px and 99.9 % below 1 px; worst " digits(levels_worst, 3) " px: " levels_worst_of)
     else
-        absent("Levels within LH04's bar", "lod_error.csv")
+        absent("Levels within the bar", "lod_error.csv")
     if ("exact" in precision)
         tile(judged(precision["exact"] < 0.01), digits(precision["exact"], 2) " px", "Precision of the rings",
              "worst vertex of all levels; the paper's transform " digits(precision["ch06"], 3) \
@@ -225,7 +229,7 @@ END {
         absent("Of its raw size, packed", "space.csv")
     if (left_ms != "" || left_bytes != "")
         tile("plain", digits(left_ms + 0, 3) " ms, " byte_size(left_bytes + 0), "Most that was left out",
-             "time: " left_ms_of "; memory: " left_bytes_of)
+             "time of a frame: " left_ms_of "; memory: " left_bytes_of)
     else
         absent("Most that was left out", "left_out.csv")
     cases = verdicts["passed"] + verdicts["refused"] + verdicts["FAILED"] + verdicts["skipped"]

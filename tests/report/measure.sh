@@ -9,9 +9,10 @@
 set -u
 build=$1 mode=$2 out=$3 here=${0%/*}
 failed=0 number=0
+trap 'echo stopped; exit 130' INT TERM
 quick= limit=1500 # seconds after which a program counts as hanging
 [ "$mode" = quick ] && quick=--quick limit=600
-all=170 # seconds of a quick report: what is left of them the extreme cases may take
+all=${TERRACLIP_REPORT_SECONDS:-170} # of a quick report: what is left of them the extreme cases may take
 start=$(date +%s)
 total=$(($(set -- "$build"/tests/extreme_*; [ -e "$1" ] && echo $# || echo 0) + 11))
 
@@ -19,15 +20,17 @@ quoted() { # TEXT: as a field of CSV
     printf '"%s"' "$(printf '%s' "$1" | tr '\n\r\t' '   ' | sed 's/"/""/g')"
 }
 
-# Processor time of all programs so far, hundredths of a second.
-cpu() {
+# Sets cpu to the processor time of all programs so far, seconds. Not in a subshell, which would tell of its own.
+see_cpu() {
     times >"$out/logs/times"
-    awk 'NR == 2 { for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); s += 60 * t[1] + t[2] } printf "%d", 100 * s }' \
-        "$out/logs/times"
+    cpu=$(awk 'NR == 2 { for (i = 1; i <= 2; i++) { split($i, t, /[ms]/); s += 60 * t[1] + t[2] } print s }' \
+        "$out/logs/times")
 }
 
 record() { # NAME STATE CODE COMMAND REASON
-    processor=$(awk -v before="$cpu_before" -v after="$(cpu)" 'BEGIN { printf "%.1f", (after - before) / 100 }')
+    before=$cpu
+    see_cpu
+    processor=$(awk -v before="$before" -v after="$cpu" 'BEGIN { printf "%.1f", after - before }')
     printf '%s,%s,%s,%s,%s,%s,%s\n' "$1" "$2" "$3" $(($(date +%s) - begin)) "$processor" "$(quoted "$4")" \
         "$(quoted "$5")" >>"$out/runs.csv"
     case $2 in failed | missing) failed=1 ;; esac
@@ -35,7 +38,8 @@ record() { # NAME STATE CODE COMMAND REASON
 }
 
 announce() { # NAME
-    number=$((number + 1)) begin=$(date +%s) cpu_before=$(cpu)
+    number=$((number + 1)) begin=$(date +%s)
+    see_cpu
     printf 'report: %d/%d, %d s: %s ... ' "$number" "$total" "$(($(date +%s) - start))" "$1"
 }
 
@@ -46,7 +50,7 @@ last_line() { # FILE
 # A program of tests/bench/, whose first table is CSV. It may write others beside it.
 bench() { # NAME CSV...
     name=$1 csv=$2 program=$build/tests/bench_$1 log=$out/logs/$1.log
-    command="$program${quick:+ $quick} --csv $out/$csv"
+    command="${TERRACLIP_DATA:+TERRACLIP_DATA=$TERRACLIP_DATA }$program${quick:+ $quick} --csv $out/$csv"
     shift
     for old; do rm -f "$out/$old"; done
     announce "$name"
@@ -54,7 +58,7 @@ bench() { # NAME CSV...
         record "$name" missing '' "$command" "there is no program $program"
         return
     fi
-    timeout -k 10 $limit "$program" $quick --csv "$out/$csv" >"$log" 2>&1 </dev/null
+    timeout --foreground -k 10 $limit "$program" $quick --csv "$out/$csv" >"$log" 2>&1 </dev/null
     code=$?
     case $code in
     0)
@@ -109,7 +113,7 @@ explain() { # TITLE COMMAND...
     explained=$((explained + 1))
     file=$out/explain/$explained.txt
     printf '%s\n$ %s\n' "$title" "$*" >"$file"
-    timeout -k 5 60 "$@" >>"$file" 2>&1 </dev/null || { echo "(exit code $?)" >>"$file"; wrong="$wrong $title;"; }
+    timeout --foreground -k 5 60 "$@" >>"$file" 2>&1 </dev/null || { echo "(exit code $?)" >>"$file"; wrong="$wrong $title;"; }
 }
 
 explanations() {
@@ -125,7 +129,8 @@ explanations() {
     explain 'A flat terrain, whole, lit' "$build/planar-viewer" "$s/land.tif" "$@"
     explain 'The same, packed, unlit, flat background' "$build/planar-viewer" "$s/land.tclip" \
         --unlit --background 000000 "$@"
-    explain 'From 2 m above the ground' "$build/planar-viewer" "$s/land.tif" --view 7000,7000,3000,0,-10 "$@"
+    eye=$("$build/terraclip" height "$s/land.tclip" 7000 7000 2>/dev/null | awk '{ print $NF + 2 }')
+    explain 'From 2 m above the ground' "$build/planar-viewer" "$s/land.tif" --view "7000,7000,${eye:-2000},0,-10" "$@"
     explain 'A planet from far away' "$build/planet-viewer" "$s/planet.tif" "$@"
     explain 'A planet from near the ground' "$build/planet-viewer" "$s/planet.tif" --view 10,46,5000,30,-5 "$@"
     command="$build/planar-viewer TERRAIN $*"
@@ -149,7 +154,7 @@ extreme() { # PROGRAM
     [ -z "$quick" ] || most=$((all - (begin - start)))
     code=124
     if [ $most -gt 0 ]; then
-        TERRACLIP_EXTREME=$new timeout -k 10 $most "$1" >"$out/logs/extreme_$family.log" 2>&1 </dev/null
+        TERRACLIP_EXTREME=$new timeout --foreground -k 10 $most "$1" >"$out/logs/extreme_$family.log" 2>&1 </dev/null
         code=$?
     fi
     case $code in
@@ -173,9 +178,14 @@ extreme() { # PROGRAM
 mkdir -p "$out/logs" || exit 1
 echo name,state,code,seconds,cpu_seconds,command,reason >"$out/runs.csv"
 "$build/terraclip" synth --size 65 -o "$out/logs/renderer.tif" -q >/dev/null 2>&1
-timeout 60 "$build/planar-viewer" "$out/logs/renderer.tif" -v --size 16x16 -o "$out/logs/renderer.png" \
+timeout --foreground 60 "$build/planar-viewer" "$out/logs/renderer.tif" -v --size 16x16 -o "$out/logs/renderer.png" \
     >"$out/logs/renderer.log" 2>&1 </dev/null
 machine >"$out/machine.csv"
+
+# Several programs want the default terrain: made anew for this report, and once.
+TERRACLIP_TERRAINS=$(cd "$out" && pwd)/terrains
+export TERRACLIP_TERRAINS
+rm -rf "$TERRACLIP_TERRAINS" && mkdir "$TERRACLIP_TERRAINS"
 
 bench error_time error_time.csv frames.csv
 bench update update.csv
@@ -192,6 +202,7 @@ rm -rf "$out/extreme"
 for program in "$build"/tests/extreme_*; do
     [ ! -x "$program" ] || extreme "$program"
 done
+rm -rf "$TERRACLIP_TERRAINS"
 mkdir -p "$out/extreme"
 for csv in "$build"/extreme/*.csv; do [ ! -e "$csv" ] || cp -p "$csv" "$out/extreme/"; done
 awk -v seconds=$(($(date +%s) - start)) 'BEGIN { print "Time for all of it," seconds " s" }' >>"$out/machine.csv"

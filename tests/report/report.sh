@@ -5,8 +5,10 @@ set -u
 build=${1:?} mode=${2:?} here=${0%/*} out=$1/report
 case $mode in quick | full) ;; *) echo "report: $mode: expected quick or full" >&2; exit 2 ;; esac
 start=$(date +%s)
+trap 'exit 130' INT TERM
 sh "$here/measure.sh" "$build" "$mode" "$out"
 measured=$?
+[ $measured -lt 2 ] || exit $measured
 echo "report: the page"
 sh "$here/page.sh" "$out" || { echo "report: no page" >&2; exit 1; }
 echo "report: $out/index.html, after $(($(date +%s) - start)) s"

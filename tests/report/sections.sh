@@ -75,6 +75,7 @@ legend='<p class="legend"><i style="color:#0b6fb8">&#9679; square, number: n</i>
 
 panels() { # COLUMN KIND XLABEL WHICH-LIMITS
     before=
+    [ -s "$work/panels" ] || { echo '<p class="fault">No row can be plotted.</p>'; return; }
     while IFS='|' read -r number terrain title ms tris pixels; do
         limits=$ms
         [ "$2" = ms ] || limits=$tris
@@ -100,7 +101,7 @@ part_error() {
  medians of repeated views whose windows are held.</p>'
     echo '<details><summary>The same against triangles</summary>'
     panels 6 tris 'triangles drawn'
-    echo '</details><h3>The fronts</h3><p>Rows that no other row of their scene beats in both time and error.</p>'
+    echo '</details><h3>The fronts</h3><p>Rows that no other row of their scene beats in both time and error. Marked: from 1 px on.</p>'
     columns='columns=scene=Scene;scheme=Scheme;morph=Morph;n=n;triangles=Triangles:int;frame_ms=Frame, ms:4;
         frame_low_ms=10 %:4;frame_high_ms=90 %:4;brute_times=Brute force takes, times:3;err_rms_px=rms, px:3;
         err_p999_px=99.9 %, px:3;err_max_px=Largest, px:3'
@@ -129,11 +130,12 @@ curves() { # ID FILE GROUP SERIES X Y XLABEL YLABEL [NAME=VALUE of curves.awk...
         return
     fi
     echo '<div class="panels wide">'
-    while IFS='|' read -r number count value; do
+    while IFS='|' read -r number count xspread yspread value; do
         title=$value label=$xlabel
         [ "$xlabel" != = ] || title= label=$value
         figure "$id$number" 'Curves' '' 560 460 curves.gp "data = '$work/$id.$number'" "blocks = $count" \
-            "xlabel_ = $(gp "$label")" "ylabel_ = $(gp "$ylabel")" "title_ = $(gp "$title")" "$@"
+            "xlabel_ = $(gp "$label")" "ylabel_ = $(gp "$ylabel")" "title_ = $(gp "$title")" \
+            "xspread = $xspread" "yspread = $yspread" "$@"
     done <"$work/$id.list"
     echo '</div>'
 }
@@ -298,7 +300,9 @@ part_extreme() {
 part_left_out() {
     section left_out 'What scenes did not pay for'
     if measured left_out left_out.csv; then
-        table "$out/left_out.csv" 'columns=scene=Scene;feature=Left out;saved_ms=Saved, ms a frame:3;
+        echo '<p>What each thing would have cost, had it been forced upon the scene: milliseconds of a frame (of libraries
+and threads: once), median of differences, and bytes. Below zero is noise.</p>'
+        table "$out/left_out.csv" 'columns=scene=Scene;feature=Left out;saved_ms=Saved, ms:3;
             saved_bytes=Saved, bytes:bytes' group=1
     fi
     echo '<h3>What the viewers say (--explain)</h3>'

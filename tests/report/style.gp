@@ -8,5 +8,6 @@ set tics nomirror textcolor rgb "#333333" scale 0.6
 set key font ",11" textcolor rgb "#333333" samplen 2 spacing 1.1
 set encoding utf8
 set datafile missing "?"
+tic(value, e) = value * 10.0 ** e # between powers of ten
 blue = "#0b6fb8"; pale = "#7db8e0"; green = "#1a8a4a"; orange = "#d06418"; grey = "#666666"; red = "#c62828"
 array palette_[10] = [blue, orange, green, "#8e44ad", red, "#00838f", "#a1730a", "#d81b60", grey, pale]

@@ -102,5 +102,5 @@ END {
         print body[i]
     print "</tbody></table></div>"
     if (absent != "")
-        print "<p class=\"grey\">The file has no column " html(absent) ".</p>"
+        print "<p class=\"fault\">The file has no column " html(absent) ".</p>"
 }

@@ -42,6 +42,56 @@ static float smooth(int64_t i, int64_t j)
                    250 * sin((double)(i + 2 * j) * 0.0041));
 }
 
+/* Path of a default terrain in the folder that keeps them, if there is one. */
+static bool kept_path(int64_t size, double spacing, uint64_t seed, const char *end, char *path, size_t room)
+{
+    const char *folder = getenv("TERRACLIP_TERRAINS");
+    if (!folder || !*folder)
+        return false;
+    int length = snprintf(path, room, "%s/default-%lld-%.17g-%llu%s", folder, (long long)size, spacing,
+                          (unsigned long long)seed, end);
+    return length > 0 && (size_t)length < room;
+}
+
+static bool read_kept(const char *path, float *z, size_t samples)
+{
+    FILE *f = fopen(path, "rb");
+    bool whole = f && fread(z, sizeof *z, samples, f) == samples && fgetc(f) == EOF;
+    if (f)
+        fclose(f);
+    return whole;
+}
+
+/* Where it cannot be written it is made again the next time. */
+static void keep(const char *path, const char *temporary, const float *z, size_t samples)
+{
+    FILE *f = fopen(temporary, "wb");
+    if (!f)
+        return;
+    bool whole = fwrite(z, sizeof *z, samples, f) == samples;
+    if (fclose(f) == 0 && whole)
+        rename(temporary, path);
+    else
+        remove(temporary);
+}
+
+static void make_default(int64_t size, double spacing, uint64_t seed, float *z)
+{
+    char path[4096], temporary[4096];
+    size_t samples = (size_t)(size * size);
+    bool kept = kept_path(size, spacing, seed, "", path, sizeof path) &&
+                kept_path(size, spacing, seed, ".new", temporary, sizeof temporary);
+    if (kept && read_kept(path, z, samples))
+        return;
+    tc_error error;
+    if (tc_synth_planar(size, &(tc_synth_planar_options){.seed = seed, .spacing = spacing}, z, &error)) {
+        fprintf(stderr, "default terrain: %s\n", error.text);
+        exit(99);
+    }
+    if (kept)
+        keep(path, temporary, z, samples);
+}
+
 tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed)
 {
     tc_grid g = {.width = width, .height = height, .spacing_x = spacing, .spacing_y = spacing};
@@ -49,14 +99,10 @@ tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double sp
     if (!g.z)
         exit(99);
     test_random r = {seed};
-    if (kind == TERRAIN_DEFAULT) {
-        tc_error error;
-        if (width != height ||
-            tc_synth_planar(width, &(tc_synth_planar_options){.seed = seed, .spacing = spacing}, g.z, &error)) {
-            fprintf(stderr, "default terrain: %s\n", error.text);
-            exit(99);
-        }
-    }
+    if (kind == TERRAIN_DEFAULT && width != height)
+        exit(99);
+    if (kind == TERRAIN_DEFAULT)
+        make_default(width, spacing, seed, g.z);
     g.z_min = INFINITY, g.z_max = -INFINITY;
     for (int64_t j = 0; j < height; j++)
         for (int64_t i = 0; i < width; i++) {
