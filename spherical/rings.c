@@ -364,7 +364,7 @@ tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options
                            .fragment_parts = ch06 ? ch06_fragment_parts : fragment_parts,
                            .sky = "globe_sky.frag",
                            .sphere = true,
-                           .near_plane = 1e-3 * fmin(1, atlas->radius * 1e-3),
+                           .near_plane = 1e-4 * fmin(1, atlas->radius * 1e-3),
                            .extent = 2 * atlas->radius,
                            .wanted = tc_rings_wanted,
                            .frame = rings_frame,

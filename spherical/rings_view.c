@@ -322,6 +322,30 @@ static bool in_reach(const rings_surface *s, const rings_view *v, int chart)
     return e.x1 >= e.x0;
 }
 
+/* Turns by which a chart's windows are to begin anew. Numbers of columns go on with a viewer who goes around; before
+ * there are so many turns that they lose digits, windows are read again in the first two. An even number: so is the
+ * first column of every window. */
+static int64_t turns_back(const rings_surface *s, const rings_view *v, int chart)
+{
+    enum { MOST = 16 };
+    const tc_chart *c = &s->atlas->chart[chart];
+    if (!c->wraps)
+        return 0;
+    int64_t turns = 2 * (int64_t)floor(v->place[chart].x * c->dx / (4 * M_PI));
+    return llabs(turns) > MOST ? turns : 0;
+}
+
+/* Moves windows, where they are wanted, back by so many turns. */
+static void turn_back(const tc_clipmap *clipmap, int64_t turns, tc_rect *wanted)
+{
+    for (int level = 1; level <= tc_clipmap_levels(clipmap) && turns != 0; level++) {
+        tc_level size = tc_pyramid_level(tc_clipmap_pyramid(clipmap), tc_clipmap_pyramid_level(clipmap, level));
+        tc_rect *r = &wanted[level - 1];
+        if (!tc_rect_empty(*r))
+            r->x0 -= turns * size.width, r->x1 -= turns * size.width;
+    }
+}
+
 void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS])
 {
     const rings_surface *s = (const rings_surface *)surface;
@@ -352,5 +376,6 @@ void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wan
             else if (e.x1 >= e.x0)
                 wanted[chart][level - 1] = window(&v.place[chart], e, l->shift, n, l->extent);
         }
+        turn_back(clipmap, turns_back(s, &v, chart), wanted[chart]);
     }
 }

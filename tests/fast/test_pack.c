@@ -75,20 +75,6 @@ static void check_parts(const packing *p, const tc_pyramid *file, int l, const f
     }
 }
 
-/* Errors of a level against the true one; over samples that are not void. */
-static void measure(const float *z, const float *truth, const uint8_t *v, int64_t count, double *rms, double *most)
-{
-    double sum = 0;
-    int64_t valid = 0;
-    *most = 0;
-    for (int64_t i = 0; i < count; i++)
-        if (!v[i]) {
-            double e = fabs((double)z[i] - truth[i]);
-            sum += e * e, *most = fmax(*most, e), valid++;
-        }
-    *rms = valid ? sqrt(sum / (double)valid) : 0;
-}
-
 /* Whether x is what is declared, but for rounding. */
 static bool about(double x, double declared, double slack)
 {
@@ -115,7 +101,7 @@ static void check_levels(const packing *p, const tc_pyramid *file, double unit, 
                       "level %d: wrong mask at (%d, %d)", l, (int)x, (int)y);
         tc_packed_level declared = tc_pyramid_packed_level(file, l);
         double rms, most, ulp = ldexp(height, -23);
-        measure(z, true_z, v, count, &rms, &most);
+        packing_error(z, true_z, v, count, &rms, &most);
         if (l == levels) {
             CHECK(about(rms, result->rms, 0) || declared.bytes == 0, "rms %g, declared %g", rms, result->rms);
             CHECK(most <= result->max_error + ulp, "max %g, declared %g", most, result->max_error);

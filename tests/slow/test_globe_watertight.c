@@ -1,11 +1,6 @@
 /* test_globe_watertight.c - no background shows through a planet, from any view.
  *
- * A planet is drawn in flat colours on magenta. What is drawn encloses the planet's middle: a ray from outside it that
- * anywhere is nearer to the middle than the mesh can be there has passed through it. The mesh is at least as far out as
- * the lowest height, but for the chords of its triangles, whose length goes with the angle from the foot point. That
- * finds any hole; a finer rule finds those next to the horizon: sky begins above the last hit and goes on, so a magenta
- * pixel with terrain further up is suspect, and is a crack where the drawn surface, in double, says that its ray passes
- * from clearly above to clearly below. */
+ * A planet is drawn in flat colours on magenta; globe_holes.c says what is found, and how. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -13,9 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/core/clipmap/view_error.h"
 #include "spherical/rings_internal.h"
+#include "tests/support/globe_holes.h"
 #include "tests/support/planet_scene.h"
 
 enum { PLANETS = 3 };
@@ -48,81 +42,6 @@ static int tear_down(void **state)
         tc_atlas_free(&planet[k]);
     tc_context_destroy(context);
     return 0;
-}
-
-static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)
-{
-    const uint8_t *p = rgb + 3 * (y * c->width + x);
-    return p[0] == 255 && p[1] == 0 && p[2] == 255;
-}
-
-/* ---- Rays -------------------------------------------------------------------------------------------------------- */
-
-/* Whether the ray surely goes through the mesh. */
-static bool ray_enters(const rings_surface *s, const tc_camera *c, const double d[3])
-{
-    double eye = s->atlas->radius + c->z, low = s->atlas->radius + s->z_lo;
-    if (d[2] >= 0)
-        return false;
-    /* Where it is nearest to the middle: the angle from the foot point, and how near. */
-    double theta = acos(fmin(-d[2], 1)), nearest = eye * sqrt(fmax(1 - d[2] * d[2], 0));
-    theta = M_PI / 2 - theta;
-    /* Corners of a triangle there are at most this far from its middle. */
-    double step = 0.5 * hypot(2 * theta / s->geometry.m, 2 * M_PI / s->geometry.n_phi * fmin(theta * 1.1, 1));
-    return nearest < low * cos(step) * (1 - 1e-6);
-}
-
-static bool solid(const uint8_t *rgb, const tc_camera *c, int x, int y)
-{
-    if (x < 1 || y < 1 || x >= c->width - 1 || y >= c->height - 1)
-        return false;
-    for (int k = 0; k < 9; k++)
-        if (magenta(rgb, c, x + k % 3 - 1, y + k / 3 - 1))
-            return false;
-    return true;
-}
-
-/* Whether terrain is drawn between the pixel and where the direction straight up vanishes. */
-static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
-{
-    tc_basis b = tc_camera_basis(c);
-    double tx, ty;
-    tc_camera_tangents(c, &tx, &ty);
-    double vw = b.forward[2], vx = (b.right[2] / tx + vw) * c->width / 2, vy = (vw - b.up[2] / ty) * c->height / 2;
-    double px = x + 0.5, py = y + 0.5, dx = vx - vw * px, dy = vy - vw * py, length = hypot(dx, dy);
-    double most = vw > 0 ? length / vw : 2 * (c->width + c->height);
-    if (length < 1e-9)
-        return false;
-    for (double s = 1; s < most; s++) {
-        int qx = (int)floor(px + s * dx / length), qy = (int)floor(py + s * dy / length);
-        if (qx < 0 || qy < 0 || qx >= c->width || qy >= c->height)
-            return false;
-        if (solid(rgb, c, qx, qy))
-            return true;
-    }
-    return false;
-}
-
-/* Whether the ray passes from above to below the drawn surface by more than a quarter of a pixel. */
-static bool ray_crosses(const rings_surface *s, const tc_camera *c, const double d[3])
-{
-    double radius = s->atlas->radius, margin = 0.25 / tc_camera_pixel_scale(c), far = 2 * (radius + fabs(c->z));
-    bool above = false, below = false;
-    for (double t = 0.01; t < far && !(above && below); t += 0.002 * t) {
-        double p[3], from_eye[3] = {t * d[0], t * d[1], t * d[2]}, z;
-        tc_view_globe_place(c, radius, from_eye, p);
-        if (p[2] > s->z_hi + margin * t) {
-            above = true;
-            if (d[2] * t > -(radius + c->z) * d[2] * d[2])
-                break; /* on its way out */
-            continue;
-        }
-        if (!s->head.drawn_height((tc_surface *)&s->head, c, &(tc_frame_options){0}, p[0], p[1], &z))
-            continue;
-        above |= p[2] > z + margin * t;
-        below |= p[2] < z - margin * t;
-    }
-    return above && below;
 }
 
 /* ---- Views ------------------------------------------------------------------------------------------------------- */
@@ -168,32 +87,18 @@ static void break_surface(rings_surface *s, fault f)
 
 static void look(scene *s, const tc_camera *c, bool lagging, fault f, int view, totals *t)
 {
-    const rings_surface *rings = (const rings_surface *)s->surface;
     double z;
     if (s->surface->drawn_height(s->surface, c, &(tc_frame_options){0}, c->x, c->y, &z) && z >= c->z) {
         t->below_surface++; /* a level that lags may stand higher than the eye */
         t->too_low += !lagging;
         return;
     }
-    uint8_t *rgb = scene_pixels(s, c);
-    int holes = 0, cracks = 0;
-    for (int y = 0; y < c->height; y++)
-        for (int x = 0; x < c->width; x++) {
-            double d[3];
-            tc_view_ray(c, x + 0.5, y + 0.5, d);
-            bool sure = ray_enters(rings, c, d), open = magenta(rgb, c, x, y);
-            t->terrain_pixels += !open, t->sure_pixels += sure;
-            holes += sure && open;
-            if (open && !sure && terrain_above(rgb, c, x, y)) {
-                t->suspects++;
-                cracks += (f == SOUND || t->suspects < 300) && ray_crosses(rings, c, d);
-            }
-        }
-    if ((holes || cracks) && f == SOUND)
+    globe_holes h = globe_holes_of(s, c, f == SOUND ? INT64_MAX : 300);
+    t->terrain_pixels += h.terrain, t->sure_pixels += h.sure, t->suspects += (int)h.suspects;
+    if ((h.holes || h.cracks) && f == SOUND)
         printf("view %d: %d holes, %d cracks: lon %.17g lat %.17g z %.17g heading %.17g pitch %.17g fov %.17g\n", view,
-               holes, cracks, c->x, c->y, c->z, c->heading, c->pitch, c->fov);
-    free(rgb);
-    t->views++, t->holes += holes, t->cracks += cracks, t->views_open += holes + cracks > 0;
+               (int)h.holes, (int)h.cracks, c->x, c->y, c->z, c->heading, c->pitch, c->fov);
+    t->views++, t->holes += (int)h.holes, t->cracks += (int)h.cracks, t->views_open += h.holes + h.cracks > 0;
 }
 
 static void run(int k, const tc_rings_options *rings, int views, bool lagging, fault f, uint64_t seed, totals *t)

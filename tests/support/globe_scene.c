@@ -52,7 +52,7 @@ tc_atlas globe_atlas(globe_function f, int64_t width, double radius)
 
 globe_scene globe_scene_create(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *options)
 {
-    const tc_scene_options look = {.unlit = true, .background_set = true, .budget = -1};
+    const tc_scene_options look = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
     scene s = planet_scene(context, atlas, options, &look);
     return (globe_scene){tc_context_gl(context), atlas, s.surface, s.renderer};
 }

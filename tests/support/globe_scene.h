@@ -25,7 +25,7 @@ typedef struct globe_scene {
     tc_renderer *renderer;
 } globe_scene;
 
-/* Unlit over a flat background. Ends the program on failure. */
+/* Unlit over magenta. Ends the program on failure. */
 globe_scene globe_scene_create(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *options);
 void globe_scene_destroy(globe_scene *s);
 

@@ -162,6 +162,20 @@ float *packing_read(const tc_pyramid *pyramid, int level, uint8_t **voids_ret)
     return z;
 }
 
+void packing_error(const float *z, const float *truth, const uint8_t *voids, int64_t count, double *rms_ret,
+                   double *most_ret)
+{
+    double sum = 0;
+    int64_t valid = 0;
+    *most_ret = 0;
+    for (int64_t i = 0; i < count; i++)
+        if (!voids[i]) {
+            double e = fabs((double)z[i] - truth[i]);
+            sum += e * e, *most_ret = fmax(*most_ret, e), valid++;
+        }
+    *rms_ret = valid ? sqrt(sum / (double)valid) : 0;
+}
+
 uint8_t *packing_bytes(const char *path, size_t *size_ret)
 {
     FILE *file = fopen(path, "rb");

@@ -55,6 +55,10 @@ tc_pyramid *packing_truth(const packing *p);
 /* A level read whole; the caller's to free. NULL where it cannot be read. */
 float *packing_read(const tc_pyramid *pyramid, int level, uint8_t **voids_ret);
 
+/* Errors of a level against the true one, over samples that are not void. */
+void packing_error(const float *z, const float *truth, const uint8_t *voids, int64_t count, double *rms_ret,
+                   double *most_ret);
+
 /* A file's bytes; the caller's to free. NULL where there is none. */
 uint8_t *packing_bytes(const char *path, size_t *size_ret);
 

@@ -22,6 +22,12 @@ static bool eroded_contains(tc_rect coarse, tc_rect extent, int64_t distance, tc
            (double)(fine.y1 - 1) / 2 <= hi_y;
 }
 
+/* Whether the map has no end in x (clipmap.h). */
+static bool goes_round(const tc_clip_level *v)
+{
+    return v->extent.x0 < 0;
+}
+
 const char *regions_broken(const tc_clipmap *clipmap)
 {
     int64_t n = tc_clipmap_n(clipmap);
@@ -34,7 +40,10 @@ const char *regions_broken(const tc_clipmap *clipmap)
         if (!tc_rect_within(v->active, v->clip))
             return "constraint 2: active region outside the clip region";
         if (l == 1) {
-            if (!tc_rect_equal(v->active, v->extent))
+            tc_level size = tc_pyramid_level(tc_clipmap_pyramid(clipmap), tc_clipmap_pyramid_level(clipmap, 1));
+            bool around = goes_round(v) && v->active.x1 - v->active.x0 > size.width && v->active.y0 == v->extent.y0 &&
+                          v->active.y1 == v->extent.y1;
+            if (!around && !tc_rect_equal(v->active, v->extent))
                 return "the coarsest level does not cover the terrain";
             continue;
         }
@@ -155,7 +164,8 @@ const char *heights_broken(const tc_clipmap *clipmap)
         const tc_clip_level *v = tc_clipmap_level(clipmap, l);
         int pl = tc_clipmap_pyramid_level(clipmap, l);
         tc_level size = tc_pyramid_level(p, pl);
-        int64_t x1 = tc_min64(v->clip.x1, size.width), y1 = tc_min64(v->clip.y1, size.height);
+        int64_t x1 = goes_round(v) ? v->clip.x1 : tc_min64(v->clip.x1, size.width),
+                y1 = tc_min64(v->clip.y1, size.height);
         for (int64_t j = v->clip.y0; j < y1; j++) {
             float row[2048];
             if (tc_pyramid_read(p, pl, (tc_rect){v->clip.x0, j, x1, j + 1}, row, NULL, 2048))

@@ -187,6 +187,32 @@ int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, i
     return count;
 }
 
+static int64_t not_finite(rings_capture *c, int first, int count)
+{
+    const rings_geometry *g = &((const rings_surface *)c->globe->surface)->geometry;
+    int64_t bad = 0;
+    feedback_run(c->globe->gl, c->program, first, count, sizeof *c->vertices / sizeof(float), (float *)c->vertices);
+    for (int i = 0; i < count; i++) {
+        const captured_vertex *v = &c->vertices[i];
+        if (i % g->stride > g->n_phi) /* between rows there is nothing */
+            continue;
+        for (int k = 0; k < 4; k++)
+            bad += !isfinite(v->clip[k]) + (k < 3 && !isfinite(v->position[k]));
+    }
+    return bad;
+}
+
+int64_t rings_capture_not_finite(rings_capture *c, const tc_camera *camera)
+{
+    const rings_surface *s = (const rings_surface *)c->globe->surface;
+    const rings_geometry *g = &s->geometry;
+    globe_scene_frame(c->globe, camera, false);
+    rings_view view = tc_rings_view(s, camera);
+    int rows = (view.finest - view.first + 1) * g->m + 1;
+    return not_finite(c, tc_rings_level_base(g, view.first), rows * g->stride) +
+           not_finite(c, tc_rings_fill_base(g, view.finest), g->fill * g->stride + 1);
+}
+
 int64_t rings_capture_additions(rings_capture *c, const tc_camera *camera)
 {
     const rings_surface *s = (const rings_surface *)c->globe->surface;

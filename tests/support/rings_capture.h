@@ -41,6 +41,9 @@ void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, 
  * how many there are, at most `capacity`. */
 int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, int capacity, double (*offset)[2]);
 
+/* Numbers of all drawn vertices (gl_Position and position) that are not finite. */
+int64_t rings_capture_not_finite(rings_capture *c, const tc_camera *camera);
+
 /* Vertices whose gl_Position is another in the program without additions, after the same frame. */
 int64_t rings_capture_additions(rings_capture *c, const tc_camera *camera);
 

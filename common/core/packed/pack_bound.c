@@ -132,7 +132,8 @@ static tc_status code_corrected(tc_packer *p, int32_t bound, int32_t lattice, do
 tc_status tc_pack_to_bound(tc_packer *p, int32_t bound, int32_t lattice, tc_error *error)
 {
     double share = 0.75 * TC_SHARE_LEVELS;
-    if (bound == 0)
+    /* Lossless, corrections pay only where there is nothing to correct, and a tile without details takes no bytes. */
+    if (bound == 0 && mean_detail(p) > 0)
         return code_exact(p, lattice, share, error);
     tc_status status = code_corrected(p, bound, lattice, share / 2, error);
     attempt corrected = {.body = -1};

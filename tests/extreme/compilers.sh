@@ -1,0 +1,29 @@
+#!/bin/sh
+# Files must not depend on the compiler: builds the core and pack_sums.c anew in other ways, runs each and prints
+# "NAME: SUMS", or "NAME: skipped, WHY": compilers.sh FOLDER LIBRARY. LIBRARY is the one that make has built. What is
+# newer than the sources is not built again.
+folder=$1 library=$2
+here=${0%/*}
+mkdir -p "$folder" || exit 1
+
+build() { # NAME COMPILER FLAG...
+    name=$1 compiler=$2; shift 2
+    if ! command -v "$compiler" > /dev/null; then
+        echo "$name: skipped, no $compiler"
+        return
+    fi
+    program=$folder/pack-sums-$name
+    if [ ! -x "$program" ] || [ -n "$(find common "$here/pack_sums.c" "$0" -newer "$program")" ]; then
+        # shellcheck disable=SC2046
+        "$compiler" -std=c11 -D_GNU_SOURCE -pthread -ffp-contract=off -I. -DTC_VERSION='"test"' -w "$@" \
+            "$here/pack_sums.c" $([ "$name" = library ] && echo "$library" || ls common/core/*/*.c) \
+            -o "$program" -lm || { echo "$name: cannot be built"; return; }
+    fi
+    echo "$name: $("$program" "$folder")"
+}
+
+# In the order of what is compared: the first one is what the others are held against.
+build library "${CC:-cc}" -O2
+build gcc-O0 gcc -O0
+build gcc-O2-avx2 gcc -O2 -mavx2 -mfma
+build clang-O2 clang -O2
