@@ -68,6 +68,11 @@ typedef struct tc_tile_job {
  * other. */
 void tc_codec_decode_pair(const tc_codec *codec, tc_tile_job job[2], const tc_plane *coarse, tc_simd simd);
 
+/* Details of empty tiles over `part`, at most TC_TILE positions either way: what tc_codec_decode_tile() gives there,
+ * whatever tiles it touches. coarse covers at least tc_codec_tile_needs(part), the planes of band `part`. */
+void tc_codec_predict(const tc_codec *codec, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
+                      tc_tile_work *work, tc_simd simd);
+
 /* Bytes that a tile can take at most. */
 size_t tc_codec_tile_bound(void);
 

@@ -24,19 +24,29 @@ TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const 
 #if TC_AVX2
 enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
 
-/* Eight lanes at once: gathers for the tables, and the words that some lanes want are dealt out by a permutation
- * (Giesen 2014, "SIMD entropy coding"). */
-TC_TARGET_AVX2 static inline __m256i decode_8_avx2(const tc_codec *c, __m256i *state, const uint8_t **at,
-                                                   const uint8_t *bin)
+/* Symbols of eight states and the tables' entries for them. By loads, one after the other: gathers take several times as
+ * long on processors that keep them from leaking what they read. */
+TC_TARGET_AVX2 static inline __m256i look_up_avx2(const tc_codec *c, __m256i slots, const uint8_t *bin, uint8_t *symbol)
 {
-    __m256i b = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)bin)), x = *state;
-    /* Offsets of tables, in bytes. What the first gather reads behind slots is still of their table. */
-    __m256i table = _mm256_mullo_epi32(b, _mm256_set1_epi32(sizeof(tc_rans_table)));
-    __m256i slot = _mm256_and_si256(x, _mm256_set1_epi32(TC_RANS_SLOTS - 1));
-    __m256i symbol = _mm256_i32gather_epi32((const int *)c->table[0].slot, _mm256_add_epi32(table, slot), 1);
-    symbol = _mm256_and_si256(symbol, _mm256_set1_epi32(TC_RANS_SYMBOLS - 1));
-    __m256i entry = _mm256_i32gather_epi32((const int *)c->table[0].symbol,
-                                           _mm256_add_epi32(table, _mm256_slli_epi32(symbol, 2)), 1);
+    _Alignas(32) uint32_t slot[8];
+    int32_t entry[8];
+    _mm256_store_si256((__m256i *)slot, slots);
+#pragma GCC unroll 8
+    for (int lane = 0; lane < 8; lane++) {
+        const tc_rans_table *table = &c->table[bin[lane]];
+        uint32_t s = table->slot[slot[lane]];
+        symbol[lane] = (uint8_t)s, entry[lane] = (int32_t)table->symbol[s];
+    }
+    return _mm256_setr_epi32(entry[0], entry[1], entry[2], entry[3], entry[4], entry[5], entry[6], entry[7]);
+}
+
+/* Eight lanes at once; the words that some of them want are dealt out by a permutation (Giesen 2014, "SIMD entropy
+ * coding"). */
+TC_TARGET_AVX2 static inline void decode_8_avx2(const tc_codec *c, __m256i *state, const uint8_t **at,
+                                                const uint8_t *bin, uint8_t *symbol)
+{
+    __m256i x = *state, slot = _mm256_and_si256(x, _mm256_set1_epi32(TC_RANS_SLOTS - 1));
+    __m256i entry = look_up_avx2(c, slot, bin, symbol);
     __m256i frequency = _mm256_and_si256(entry, _mm256_set1_epi32(0xffff));
     x = _mm256_mullo_epi32(frequency, _mm256_srli_epi32(x, TC_RANS_BITS));
     x = _mm256_add_epi32(x, _mm256_sub_epi32(slot, _mm256_srli_epi32(entry, 16)));
@@ -47,13 +57,12 @@ TC_TARGET_AVX2 static inline __m256i decode_8_avx2(const tc_codec *c, __m256i *s
     words = _mm256_permutevar8x32_epi32(words, from);
     *state = _mm256_blendv_epi8(x, _mm256_or_si256(_mm256_slli_epi32(x, 16), words), low);
     *at += 2 * __builtin_popcount(mask);
-    return symbol;
 }
 
 /* A run that is being decoded on 8 or 16 lanes. Of 16, each half waits for nothing of the other but where its words
  * start, so that the processor works on both at a time. lanes: a constant. */
 typedef struct run_avx2 {
-    __m256i state[2], symbol[HALF / 8];
+    __m256i state[2];
     const uint8_t *at;
 } run_avx2;
 
@@ -62,21 +71,18 @@ TC_TARGET_AVX2 static inline void run_begin_avx2(run_avx2 *r, const tc_rans_deco
     r->state[0] = load_avx2(d->state), r->state[1] = load_avx2(d->state + 8), r->at = d->at;
 }
 
-TC_TARGET_AVX2 static inline void run_step_avx2(const tc_codec *c, run_avx2 *r, int lanes, const uint8_t *bin, int k)
+TC_TARGET_AVX2 static inline void run_step_avx2(const tc_codec *c, run_avx2 *r, int lanes, const uint8_t *bin, int k,
+                                                uint8_t *symbol)
 {
-    r->symbol[k] = decode_8_avx2(c, &r->state[lanes == 16 ? k % 2 : 0], &r->at, bin + 8 * k);
+    decode_8_avx2(c, &r->state[lanes == 16 ? k % 2 : 0], &r->at, bin + 8 * k, symbol + 8 * k);
 }
 
-TC_TARGET_AVX2 static inline void run_end_avx2(const run_avx2 *r, int lanes, tc_rans_decoder *d, uint8_t symbol[HALF])
+TC_TARGET_AVX2 static inline void run_end_avx2(const run_avx2 *r, int lanes, tc_rans_decoder *d)
 {
     _mm256_storeu_si256((__m256i *)d->state, r->state[0]);
     if (lanes == 16)
         _mm256_storeu_si256((__m256i *)(d->state + 8), r->state[1]);
     d->at = r->at;
-    __m256i all = _mm256_packus_epi16(_mm256_packus_epi32(r->symbol[0], r->symbol[1]),
-                                      _mm256_packus_epi32(r->symbol[2], r->symbol[3]));
-    all = _mm256_permutevar8x32_epi32(all, _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7));
-    _mm256_storeu_si256((__m256i *)symbol, all);
 }
 
 TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d, int lanes,
@@ -85,8 +91,8 @@ TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_dec
     run_avx2 r;
     run_begin_avx2(&r, d);
     for (int k = 0; k < HALF / 8; k++)
-        run_step_avx2(c, &r, lanes, bin, k);
-    run_end_avx2(&r, lanes, d, symbol);
+        run_step_avx2(c, &r, lanes, bin, k, symbol);
+    run_end_avx2(&r, lanes, d);
 }
 
 /* Runs of two streams in turn: neither waits for the other. */
@@ -98,11 +104,11 @@ TC_TARGET_AVX2 static inline void decode_runs_avx2(const tc_codec *c, tc_rans_de
     run_begin_avx2(&r0, d0);
     run_begin_avx2(&r1, d1);
     for (int k = 0; k < HALF / 8; k++) {
-        run_step_avx2(c, &r0, lanes0, bin0, k);
-        run_step_avx2(c, &r1, lanes1, bin1, k);
+        run_step_avx2(c, &r0, lanes0, bin0, k, symbol0);
+        run_step_avx2(c, &r1, lanes1, bin1, k, symbol1);
     }
-    run_end_avx2(&r0, lanes0, d0, symbol0);
-    run_end_avx2(&r1, lanes1, d1, symbol1);
+    run_end_avx2(&r0, lanes0, d0);
+    run_end_avx2(&r1, lanes1, d1);
 }
 #endif
 

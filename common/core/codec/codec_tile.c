@@ -23,12 +23,12 @@ TC_INLINE void reconstruct(const tc_codec *c, tc_raw_reader *raw, int coded, tc_
                            const tc_plane band[TC_BANDS], tc_tile_work *w, bool simd)
 {
     tc_rect part = tc_rect_intersect(tile, band[0].rect);
-    tc_predict_hl(c, w);
+    tc_predict_hl(c, w, TC_TILE);
     int columns, rows;
     tc_tile_extent(c, TC_HL, tile, shift, &columns, &rows);
     for (int j = 0; j < rows && coded >> TC_HL & 1; j++)
         tc_add_row(c, raw, TC_HL, j, w, &w->hl[j + 1][HL_X], simd);
-    tc_predict_lh(c, w);
+    tc_predict_lh(c, w, TC_TILE);
     tc_tile_extent(c, TC_LH, tile, shift, &columns, &rows);
     for (int j = 0; j < rows && coded >> TC_LH & 1; j++)
         tc_add_row(c, raw, TC_LH, j, w, w->pred[j], simd);
@@ -52,7 +52,7 @@ TC_INLINE void begin_tile(const tc_codec *c, const tc_tile_job *job, const tc_pl
 {
     t->rect = tc_codec_tile_rect(c, job->tx, job->ty, job->shift);
     t->shift = job->shift, t->w = job->work, t->coded = 0, t->status = TC_OK;
-    tc_tile_load(c, t->rect, coarse, t->w);
+    tc_tile_load(c, t->rect, TC_TILE, coarse, t->w);
     if (job->size == 0)
         return;
     int flags = job->bytes[0], lanes = 4 << (flags >> TC_TILE_LANES & 3);
@@ -102,8 +102,31 @@ TC_INLINE void decode_tile(const tc_codec *c, tc_tile_job *job, const tc_plane *
     job->status = end_tile(c, job->band, &t, simd);
 }
 
+/* tc_codec_predict() */
+TC_INLINE void predict_part(const tc_codec *c, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
+                            tc_tile_work *w)
+{
+    int rows = (int)(part.y1 - part.y0);
+    size_t size = (size_t)(part.x1 - part.x0) * sizeof(int32_t);
+    tc_tile_load(c, part, rows, coarse, w);
+    tc_predict_hl(c, w, rows);
+    tc_predict_lh(c, w, rows);
+    for (int j = 0; j < rows; j++) {
+        memcpy(tc_plane_at(&band[TC_HL], part.x0, part.y0 + j), &w->hl[j + 1][HL_X], size);
+        memcpy(tc_plane_at(&band[TC_LH], part.x0, part.y0 + j), w->pred[j], size);
+        memset(tc_plane_at(&band[TC_HH], part.x0, part.y0 + j), 0, size);
+    }
+}
+
 /* The same code for processors with AVX2 and without. */
 #if TC_AVX2
+TC_TARGET_AVX2 static __attribute__((noinline)) void predict_part_avx2(const tc_codec *c, tc_rect part,
+                                                                       const tc_plane *coarse,
+                                                                       const tc_plane band[TC_BANDS], tc_tile_work *w)
+{
+    predict_part(c, part, coarse, band, w);
+}
+
 TC_TARGET_AVX2 static __attribute__((noinline)) void decode_tile_avx2(const tc_codec *c, tc_tile_job *job,
                                                                       const tc_plane *coarse)
 {
@@ -185,4 +208,17 @@ tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, in
     (void)simd;
     decode_tile(codec, &job, coarse, false);
     return job.status;
+}
+
+void tc_codec_predict(const tc_codec *codec, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
+                      tc_tile_work *work, tc_simd simd)
+{
+#if TC_AVX2
+    if (simd == TC_SIMD_AUTO && tc_have_avx2()) {
+        predict_part_avx2(codec, part, coarse, band, work);
+        return;
+    }
+#endif
+    (void)simd;
+    predict_part(codec, part, coarse, band, work);
 }

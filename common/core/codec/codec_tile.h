@@ -67,9 +67,9 @@ TC_INLINE int32_t *patch_at(tc_tile_work *w, int i, int j)
     return &w->patch[j + TC_TILE_MARGIN][i + PATCH_X];
 }
 
-/* Copies the coarser level; beyond its border it goes on in a straight line (of at most as many steps as anything that
+/* Copies the coarser level around the tile's first `rows` rows; beyond its border it goes on in a straight line (of at most as many steps as anything that
  * counts looks beyond). */
-TC_INLINE void tc_tile_load(const tc_codec *c, tc_rect tile, const tc_plane *coarse, tc_tile_work *w)
+TC_INLINE void tc_tile_load(const tc_codec *c, tc_rect tile, int rows, const tc_plane *coarse, tc_tile_work *w)
 {
     tc_rect have = tc_codec_tile_needs(c, tile);
     int i0 = (int)(have.x0 - tile.x0), i1 = (int)(have.x1 - tile.x0);
@@ -85,7 +85,7 @@ TC_INLINE void tc_tile_load(const tc_codec *c, tc_rect tile, const tc_plane *coa
             row[i] = (int32_t)((uint32_t)row[i - 1] + (i < i1 + TC_TILE_MARGIN ? right : 0));
     }
     for (int side = 0; side < 2; side++) {
-        int from = side ? j1 : j0 - 1, end = side ? TC_TILE + TC_TILE_MARGIN : -TC_TILE_MARGIN - 1,
+        int from = side ? j1 : j0 - 1, end = side ? rows + TC_TILE_MARGIN : -TC_TILE_MARGIN - 1,
             step = side ? 1 : -1;
         for (int j = from; j != end; j += step) {
             const int32_t *a = patch_at(w, -TC_TILE_MARGIN, j - step);
@@ -190,59 +190,72 @@ TC_INLINE void tc_terms_cross(const tc_tile_work *w, int i, int j, uint32_t t[TC
 
 enum { PREDICT_ROUND = 1 << (TC_PREDICT_BITS - 1) };
 
-/* HL of the tile and two columns and a row around it. The sums of tc_terms_hl(), arranged for whole rows. */
-TC_INLINE void tc_predict_hl(const tc_codec *c, tc_tile_work *w)
+/* HL of the tile's first `rows` rows, and of two columns and a row around them. The sums of tc_terms_hl(), in whole rows
+ * and in the order in which they take least: every three rows at equal distance make one sum for the two middle columns,
+ * one for the two beside them, one for the outer two. */
+TC_INLINE void tc_predict_hl(const tc_codec *c, tc_tile_work *w, int rows)
 {
     uint32_t g[TC_PREDICT_KERNEL], row[3][PATCH_STRIDE];
     for (int k = 0; k < TC_PREDICT_KERNEL; k++)
         g[k] = (uint32_t)(int32_t)c->model.predict[TC_HL][k];
-    uint32_t *r0 = row[0] + PATCH_X, *r1 = row[1] + PATCH_X, *r2 = row[2] + PATCH_X;
-    for (int j = -1; j < HL_ROWS - 1; j++) {
+    /* What r0, r1 and r2 of middle, inner and outer columns weigh; then what the row, and the two sums of rows do. */
+    const uint32_t r0[3] = {-g[0], g[0] - g[1], g[1]};
+    const uint32_t r1[3] = {g[2] - g[3], g[3] - g[4], g[4]}, r2[3] = {g[5] - g[6], g[6] - g[7], g[7]};
+    uint32_t by[3][3];
+    for (int k = 0; k < 3; k++)
+        by[k][0] = r0[k] - 2 * r1[k], by[k][1] = r1[k] - r2[k], by[k][2] = r2[k];
+    uint32_t *middle = row[0] + PATCH_X, *inner = row[1] + PATCH_X, *outer = row[2] + PATCH_X;
+    for (int j = -1; j < rows + 2; j++) {
         const uint32_t *p = (const uint32_t *)patch_at(w, 0, j);
         for (int i = -4; i < TC_TILE + 4; i++) {
-            r0[i] = p[i];
-            r1[i] = p[i - PATCH_STRIDE] + p[i + PATCH_STRIDE] - 2 * p[i];
-            r2[i] = p[i - 2 * PATCH_STRIDE] - p[i - PATCH_STRIDE] - p[i + PATCH_STRIDE] + p[i + 2 * PATCH_STRIDE];
+            uint32_t near = p[i - PATCH_STRIDE] + p[i + PATCH_STRIDE];
+            uint32_t far = p[i - 2 * PATCH_STRIDE] + p[i + 2 * PATCH_STRIDE];
+            middle[i] = by[0][0] * p[i] + by[0][1] * near + by[0][2] * far;
+            inner[i] = by[1][0] * p[i] + by[1][1] * near + by[1][2] * far;
+            outer[i] = by[2][0] * p[i] + by[2][1] * near + by[2][2] * far;
         }
         int32_t *out = &w->hl[j + 1][HL_X];
         for (int i = -2; i < TC_TILE + 1; i++) {
-            uint32_t a0 = r0[i - 2] + r0[i + 3], b0 = r0[i - 1] + r0[i + 2], c0 = r0[i] + r0[i + 1];
-            uint32_t a1 = r1[i - 2] + r1[i + 3], b1 = r1[i - 1] + r1[i + 2], c1 = r1[i] + r1[i + 1];
-            uint32_t a2 = r2[i - 2] + r2[i + 3], b2 = r2[i - 1] + r2[i + 2], c2 = r2[i] + r2[i + 1];
-            uint32_t sum = g[0] * (b0 - c0) + g[1] * (a0 - b0) + g[2] * c1 + g[3] * (b1 - c1) + g[4] * (a1 - b1) +
-                           g[5] * c2 + g[6] * (b2 - c2) + g[7] * (a2 - b2);
+            uint32_t sum = middle[i] + middle[i + 1] + inner[i - 1] + inner[i + 2] + outer[i - 2] + outer[i + 3];
             out[i] = (int32_t)(sum + PREDICT_ROUND) >> TC_PREDICT_BITS;
         }
     }
 }
 
-/* LH, once HL is reconstructed. */
-TC_INLINE void tc_predict_lh(const tc_codec *c, tc_tile_work *w)
+/* LH of the tile's first `rows` rows, once HL is reconstructed; arranged likewise: one sum for the column itself, one for
+ * the two beside it, one for the outer two. */
+TC_INLINE void tc_predict_lh(const tc_codec *c, tc_tile_work *w, int rows)
 {
-    uint32_t g[TC_PREDICT], row[3][PATCH_STRIDE];
+    uint32_t g[TC_PREDICT], row[5][PATCH_STRIDE];
     for (int k = 0; k < TC_PREDICT; k++)
         g[k] = (uint32_t)(int32_t)c->model.predict[TC_LH][k];
-    uint32_t *c0 = row[0] + PATCH_X, *c1 = row[1] + PATCH_X, *c2 = row[2] + PATCH_X;
-    for (int j = 0; j < TC_TILE; j++) {
+    /* What c0, c1 and c2 weigh at each distance; then what the near, middle and far two rows do. */
+    const uint32_t c0[3] = {-2 * g[2], g[2] - g[5], g[5]};
+    const uint32_t c1[3] = {g[0] - 2 * g[3], g[3] - g[6], g[6]}, c2[3] = {g[1] - 2 * g[4], g[4] - g[7], g[7]};
+    uint32_t by[3][3];
+    for (int k = 0; k < 3; k++)
+        by[k][0] = c0[k] - c1[k], by[k][1] = c1[k] - c2[k], by[k][2] = c2[k];
+    uint32_t *own = row[0] + PATCH_X, *inner = row[1] + PATCH_X, *outer = row[2] + PATCH_X;
+    uint32_t *beside = row[3] + PATCH_X, *off = row[4] + PATCH_X; /* of HL */
+    for (int j = 0; j < rows; j++) {
         const uint32_t *p = (const uint32_t *)patch_at(w, 0, j);
-        for (int i = -2; i < TC_TILE + 2; i++) {
-            uint32_t near = p[i] + p[i + PATCH_STRIDE], far = p[i - PATCH_STRIDE] + p[i + 2 * PATCH_STRIDE];
-            c0[i] = near;
-            c1[i] = far - near;
-            c2[i] = p[i - 2 * PATCH_STRIDE] + p[i + 3 * PATCH_STRIDE] - far;
-        }
         const uint32_t *h1 = (const uint32_t *)&w->hl[j + 1][HL_X], *h2 = h1 + HL_STRIDE;
         const uint32_t *h0 = h1 - HL_STRIDE, *h3 = h2 + HL_STRIDE;
+        for (int i = -2; i < TC_TILE + 2; i++) {
+            uint32_t near = p[i] + p[i + PATCH_STRIDE], middle = p[i - PATCH_STRIDE] + p[i + 2 * PATCH_STRIDE];
+            uint32_t far = p[i - 2 * PATCH_STRIDE] + p[i + 3 * PATCH_STRIDE];
+            own[i] = by[0][0] * near + by[0][1] * middle + by[0][2] * far;
+            inner[i] = by[1][0] * near + by[1][1] * middle + by[1][2] * far;
+            outer[i] = by[2][0] * near + by[2][1] * middle + by[2][2] * far;
+        }
+        for (int i = -2; i < TC_TILE + 1; i++) {
+            uint32_t close = h1[i] + h2[i], distant = h0[i] + h3[i];
+            beside[i] = g[8] * close + g[10] * distant, off[i] = g[9] * close + g[11] * distant;
+        }
         int32_t *out = w->pred[j];
         for (int i = 0; i < TC_TILE; i++) {
-            uint32_t sum = g[0] * c1[i] + g[1] * c2[i];
-            sum += g[2] * (c0[i - 1] - 2 * c0[i] + c0[i + 1]) + g[5] * (c0[i - 2] - c0[i - 1] - c0[i + 1] + c0[i + 2]);
-            sum += g[3] * (c1[i - 1] - 2 * c1[i] + c1[i + 1]) + g[6] * (c1[i - 2] - c1[i - 1] - c1[i + 1] + c1[i + 2]);
-            sum += g[4] * (c2[i - 1] - 2 * c2[i] + c2[i + 1]) + g[7] * (c2[i - 2] - c2[i - 1] - c2[i + 1] + c2[i + 2]);
-            sum +=
-                g[8] * (h1[i - 1] + h1[i] + h2[i - 1] + h2[i]) + g[9] * (h1[i - 2] + h1[i + 1] + h2[i - 2] + h2[i + 1]);
-            sum += g[10] * (h0[i - 1] + h0[i] + h3[i - 1] + h3[i]) +
-                   g[11] * (h0[i - 2] + h0[i + 1] + h3[i - 2] + h3[i + 1]);
+            uint32_t sum = own[i] + inner[i - 1] + inner[i + 1] + outer[i - 2] + outer[i + 2];
+            sum += beside[i - 1] + beside[i] + off[i - 2] + off[i + 1];
             out[i] = (int32_t)(sum + PREDICT_ROUND) >> TC_PREDICT_BITS;
         }
     }

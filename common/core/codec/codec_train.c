@@ -105,7 +105,7 @@ static void train_hl(trainer *t)
         tc_rect tile = tile_rect(t, k);
         int columns, rows;
         tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
-        tc_tile_load(t->codec, tile, &t->tile[k].coarse, t->work);
+        tc_tile_load(t->codec, tile, TC_TILE, &t->tile[k].coarse, t->work);
         for (int j = 0; j < rows; j += 2)
             for (int i = j / 2 % 2; i < columns; i += 2) {
                 uint32_t term[TC_PREDICT_KERNEL];
@@ -124,8 +124,8 @@ static void train_lh(trainer *t)
     for (int k = 0; k < t->tiles; k++) {
         tc_rect tile = tile_rect(t, k);
         int columns, rows;
-        tc_tile_load(t->codec, tile, &t->tile[k].coarse, t->work);
-        tc_predict_hl(t->codec, t->work);
+        tc_tile_load(t->codec, tile, TC_TILE, &t->tile[k].coarse, t->work);
+        tc_predict_hl(t->codec, t->work, TC_TILE);
         tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
         for (int j = 0; j < rows; j++)
             for (int i = 0; i < columns; i++) { /* about what the decoder will have */

@@ -194,11 +194,16 @@ static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages
     return status;
 }
 
+static uint64_t page_key(int l, const tc_pages *pages, int64_t px, int64_t py)
+{
+    return (uint64_t)l << 56 | (uint64_t)(py * pages->pages_x + px);
+}
+
 tc_status tc_packed_file_entry(tc_packed_file *f, int l, int64_t tx, int64_t ty, tc_tile_entry *entry_ret)
 {
     tc_pages pages = tc_level_pages(&f->container.level[l - 1]);
     int64_t px = tx / TC_PAGE_COLUMNS, py = ty / TC_PAGE_ROWS;
-    tc_block *block = tc_block_pin(&f->pages, (uint64_t)l << 56 | (uint64_t)(py * pages.pages_x + px));
+    tc_block *block = tc_block_pin(&f->pages, page_key(l, &pages, px, py));
     if (!block)
         return TC_ERR_MEMORY;
     page *p = (page *)block->bytes;
@@ -212,6 +217,12 @@ tc_status tc_packed_file_entry(tc_packed_file *f, int l, int64_t tx, int64_t ty,
         *entry_ret = p->entry[(ty - tiles.y0) * (tiles.x1 - tiles.x0) + tx - tiles.x0];
     tc_block_release(&f->pages, block);
     return status;
+}
+
+bool tc_packed_file_known(tc_packed_file *f, int l, int64_t tx, int64_t ty)
+{
+    tc_pages pages = tc_level_pages(&f->container.level[l - 1]);
+    return tc_block_has(&f->pages, page_key(l, &pages, tx / TC_PAGE_COLUMNS, ty / TC_PAGE_ROWS));
 }
 
 tc_status tc_packed_file_tile(tc_packed_file *f, const tc_tile_entry *entry, uint8_t *bytes, size_t room)

@@ -26,6 +26,9 @@ void tc_packed_file_close(tc_packed_file *file);
 /* Entry of tile (tx, ty) of level l. TC_ERR_FORMAT where the index is damaged there, TC_ERR_IO, TC_ERR_MEMORY. */
 tc_status tc_packed_file_entry(tc_packed_file *file, int l, int64_t tx, int64_t ty, tc_tile_entry *entry_ret);
 
+/* Whether that is at hand, without reading the file. */
+bool tc_packed_file_known(tc_packed_file *file, int l, int64_t tx, int64_t ty);
+
 /* The bytes of a tile, tc_tile_bytes(entry) of them, which must not be more than room. TC_ERR_FORMAT: damaged. */
 tc_status tc_packed_file_tile(tc_packed_file *file, const tc_tile_entry *entry, uint8_t *bytes, size_t room);
 

@@ -50,6 +50,44 @@ static void copy_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_
         copy_round(tile->correction[0], TC_TILE_SIDE, samples, width, &to->correction);
 }
 
+/* ---- Empty tiles -------------------------------------------------------------------------------------------------
+ *
+ * What a tile without a byte gives follows from the coarser level alone, so that it need neither be kept nor made as a
+ * whole: it is worked out where it is wanted. */
+
+/* The rectangle, in positions, of a tile on the turn that begins at `turn`. */
+static tc_rect tile_on_turn(const tc_level_coder *c, int64_t tx, int64_t ty, int64_t turn)
+{
+    tc_rect r = tc_level_coder_positions(c, tx, ty);
+    return (tc_rect){r.x0 + turn, r.y0, r.x1 + turn, r.y1};
+}
+
+static void clear_rect(tc_rect rect, int64_t width, const tc_plane *to)
+{
+    for (int64_t turn = tc_turn(to->rect.x0, width); turn < to->rect.x1; turn += width) {
+        tc_rect r = tc_rect_intersect((tc_rect){rect.x0 + turn, rect.y0, rect.x1 + turn, rect.y1}, to->rect);
+        for (int64_t y = r.y0; y < r.y1; y++)
+            memset(tc_plane_at(to, r.x0, y), 0, (size_t)(r.x1 - r.x0) * sizeof *to->z);
+    }
+}
+
+/* As copy_tile() of what decoding the tile would give. */
+static void predict_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_plane *coarse,
+                         const tile_planes *to, scratch *s)
+{
+    tc_rect all = to->band[0].rect;
+    int64_t cw = tc_coarse_size(c->level.width);
+    for (int64_t turn = tc_turn(all.x0, cw); turn < all.x1; turn += cw) {
+        tc_rect part = tc_rect_intersect(tile_on_turn(c, tx, ty, turn), all);
+        if (!tc_rect_empty(part))
+            tc_codec_predict(c->codec, part, coarse, to->band, s->work[0], TC_SIMD_AUTO);
+    }
+    if (c->correction)
+        clear_rect(tc_level_coder_samples(c, tx, ty), c->level.width, &to->correction);
+}
+
+/* ---- Tiles of a rectangle ---------------------------------------------------------------------------------------- */
+
 /* The least rectangle that holds both. */
 static tc_rect rect_around(tc_rect a, tc_rect b)
 {
@@ -62,7 +100,8 @@ static tc_rect rect_around(tc_rect a, tc_rect b)
 typedef struct wanted_tile {
     int64_t tx, ty;
     int64_t turn;    /* positions: where the gathering goes round, the turn on which it meets the tile first */
-    tc_block *block; /* NULL: another thread is making it */
+    bool empty;      /* a tile of details without a byte */
+    tc_block *block; /* NULL: it is empty, or another thread is making it */
 } wanted_tile;
 
 /* Columns of tiles that positions x0 .. x1 - 1 touch, each once: the first of them, on its turn; the others follow. */
@@ -81,12 +120,20 @@ static tile_columns columns_of(const tc_level_coder *c, int64_t x0, int64_t x1)
 static wanted_tile column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty)
 {
     int64_t at = t->first + n;
-    return (wanted_tile){at % t->across, ty, t->turn + at / t->across * tc_coarse_size(c->level.width), NULL};
+    return (wanted_tile){at % t->across, ty, t->turn + at / t->across * tc_coarse_size(c->level.width), false, NULL};
 }
 
 static uint64_t tile_key(int l, int64_t across, const wanted_tile *t)
 {
     return (uint64_t)l << 56 | (uint64_t)(t->ty * across + t->tx);
+}
+
+/* Whether it is known to be empty. now: without reading the file. */
+static bool is_empty(packed_pyramid *p, int l, const wanted_tile *t, bool now)
+{
+    tc_tile_entry entry;
+    return p->level[l - 1].coder.codec && (!now || tc_packed_file_known(&p->file, l, t->tx, t->ty)) &&
+           tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry) == TC_OK && tc_tile_bytes(&entry) == 0;
 }
 
 /* Reads the part of the coarser level that `need` and making the tiles take. */
@@ -166,7 +213,8 @@ static tc_status await_tile(packed_pyramid *p, int l, uint64_t key, wanted_tile 
     return status ? status : made;
 }
 
-/* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions. First it takes the
+/* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions; empty ones it works
+ * out. First it takes the
  * tiles that nobody is making, makes what is missing of them from one reading of the coarser level, and only then waits
  * for others: who waits for a tile holds no unmade one of its level or a coarser one, so that somebody always goes
  * on. */
@@ -183,10 +231,13 @@ static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect nee
     tc_status status = TC_OK;
     for (int64_t k = 0; k < all && !status; k++) {
         wanted_tile *w = &tile[count];
-        bool busy;
+        bool busy = false;
         *w = column(coder, &t, k % t.count, ty + k / t.count);
-        w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
-        if (w->block || busy)
+        if ((w->empty = is_empty(p, l, w, false)))
+            need = rect_around(need, tc_codec_tile_needs(coder->codec, positions));
+        else
+            w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
+        if (w->empty || w->block || busy)
             count++;
         else
             status = TC_ERR_MEMORY;
@@ -196,6 +247,11 @@ static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect nee
     tc_status made = make_tiles(p, l, tile, count, status ? NULL : coarse, s);
     status = status ? status : made;
     for (int n = 0; n < count; n++) {
+        if (tile[n].empty) {
+            if (!status)
+                predict_tile(coder, tile[n].tx, tile[n].ty, coarse, to, s);
+            continue;
+        }
         if (!tile[n].block && !status)
             status = await_tile(p, l, tile_key(l, across, &tile[n]), &tile[n], s);
         if (!tile[n].block)
@@ -338,15 +394,19 @@ bool tc_packed_decoded(packed_pyramid *p, int l, tc_rect rect)
         tc_rect r = positions_of(coder, rect);
         tile_columns t = columns_of(coder, r.x0, r.x1);
         int64_t y0 = r.y0 / TC_TILE, y1 = (r.y1 - 1) / TC_TILE + 1;
+        bool empty = false;
         if ((y1 - y0) * t.count > p->tiles.most / 4)
             return true;
         for (int64_t ty = y0; ty < y1; ty++)
             for (int64_t n = 0; n < t.count; n++) {
                 wanted_tile tile = column(coder, &t, n, ty);
-                if (!tc_block_has(&p->tiles, tile_key(l, t.across, &tile)))
+                if (tc_block_has(&p->tiles, tile_key(l, t.across, &tile)))
+                    continue;
+                if (!is_empty(p, l, &tile, true))
                     return false;
+                empty = true;
             }
-        rect = coarse_of(coder, rect);
+        rect = empty ? tc_codec_tile_needs(coder->codec, r) : coarse_of(coder, rect);
     }
     return tc_rect_empty(rect) || p->level[l - 1].ready;
 }

@@ -64,10 +64,12 @@ static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, ui
     return status;
 }
 
-/* Where a block from x on ends: at a multiple of `most`, but what is not longer stays whole. */
+/* Where a block from x on ends: where the details that it depends on end with a tile, or the next one's would be begun
+ * for it, and the coarser level be made around that; but what is little longer stays whole. */
 static int64_t next_cut(int64_t x, int64_t end, int64_t most)
 {
-    return end - x <= most ? end : (x + most) / most * most;
+    enum { BEFORE = 2 * TC_LIFTING_REACH };
+    return end - x <= most + most / 4 ? end : (x + BEFORE + most) / most * most - BEFORE;
 }
 
 static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
