@@ -20,8 +20,9 @@ CC ?= cc
 CXX ?= c++
 WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wvla -Werror
 WARNXX := -Wall -Wextra -Wshadow -Werror
-# -ffp-contract=off: the same heights from every compiler and on every processor.
-COMMON := -g -fPIC -pthread -ffp-contract=off -MMD -MP -I. -I$(O)/gen -DTC_VERSION='"$(VERSION)"' -DTC_PLUGIN_DIR='"$(PREFIX)/lib/terraclip"'
+# -ffp-contract=off: the same heights from every compiler and on every processor. -fno-math-errno: square roots are an
+# instruction, with the same result.
+COMMON := -g -fPIC -pthread -ffp-contract=off -fno-math-errno -MMD -MP -I. -I$(O)/gen -DTC_VERSION='"$(VERSION)"' -DTC_PLUGIN_DIR='"$(PREFIX)/lib/terraclip"'
 opt.release := -O3 -DNDEBUG
 opt.debug := -O0
 opt.sanitize := -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer

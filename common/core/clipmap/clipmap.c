@@ -147,7 +147,7 @@ tc_status tc_clipmap_create(const tc_pyramid *pyramid, const tc_clipmap_options 
                             tc_error *error)
 {
     int n = options->n ? options->n : 255;
-    if (n < 15 || n > 2047 || (n & (n + 1)) != 0)
+    if (n < 15 || n > TC_CLIPMAP_MAX_N || (n & (n + 1)) != 0)
         return tc_fail(error, TC_ERR_USAGE, "n: expected 2^k - 1 from 15 to 2047, found %d", n);
     const tc_terrain_info *info = tc_pyramid_info(pyramid);
     tc_level top = tc_pyramid_level(pyramid, info->levels);

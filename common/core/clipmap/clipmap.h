@@ -21,10 +21,10 @@
 
 typedef struct tc_clipmap tc_clipmap;
 
-enum { TC_MAX_LEVELS = 32 };
+enum { TC_MAX_LEVELS = 32, TC_CLIPMAP_MAX_N = 2047 };
 
 typedef struct tc_clipmap_options {
-    int n;          /* window size, 2^k - 1, 15 .. 2047; 0: 255 */
+    int n;          /* window size, 2^k - 1, 15 .. TC_CLIPMAP_MAX_N; 0: 255 */
     int max_levels; /* 0: as many as the pyramid needs */
     bool normals;   /* keep normals, too, at twice the resolution */
     bool holes;     /* keep the void mask, too */

@@ -132,6 +132,49 @@ static between coarse_neighbours(int64_t i, int shift, int64_t edge)
     return (between){(i - 1) / 2, (i + 1) / 2, pb > pa ? (float)(p - pa) / (float)(pb - pa) : 0.0f};
 }
 
+/* z_c of fine vertex (i, j), wherever it lies. */
+static float morph_target(between u, between v, const float (*c0)[2], const float (*c1)[2], int64_t mask)
+{
+    int64_t a = u.a & mask, b = u.b & mask;
+    if (u.t == 0 && v.t == 0)
+        return c0[a][0];
+    if (u.t == 0.5f && v.t == 0) /* the common cases, without the general one's rounding */
+        return 0.5f * (c0[a][0] + c0[b][0]);
+    if (u.t == 0 && v.t == 0.5f)
+        return 0.5f * (c0[a][0] + c1[a][0]);
+    if (u.t == 0.5f && v.t == 0.5f)
+        return 0.5f * (c0[b][0] + c1[a][0]);
+    return (float)tc_triangle_height(c0[a][0], c0[b][0], c1[a][0], c1[b][0], u.t, v.t);
+}
+
+/* `count` heights of a toroidal row from column x on, one after the other. */
+static void unwrap(const float (*row)[2], int64_t x, int64_t mask, int64_t count, float *z)
+{
+    for (int64_t k = 0; k < count;) {
+        int64_t at = (x + k) & mask, run = tc_min64(count - k, mask + 1 - at);
+        for (int64_t i = 0; i < run; i++)
+            z[k + i] = row[at + i][0];
+        k += run;
+    }
+}
+
+/* z_c of vertices x0, x0 + 1, ..., both x0 and count even, in cells that are all as wide; v is on a coarse sample or in
+ * the middle between two. In loops without conditions, unlike morph_target(), whose values these are. */
+static void even_targets(between v, const float (*c0)[2], const float (*c1)[2], int64_t mask, int64_t x0, int64_t count,
+                         float (*row)[2])
+{
+    float z0[TC_CLIPMAP_MAX_N / 2 + 2], z1[TC_CLIPMAP_MAX_N / 2 + 2];
+    unwrap(c0, x0 / 2, mask, count / 2 + 1, z0);
+    if (v.t == 0) {
+        for (int64_t k = 0; k < count / 2; k++)
+            row[2 * k][1] = z0[k], row[2 * k + 1][1] = 0.5f * (z0[k] + z0[k + 1]);
+    } else {
+        unwrap(c1, x0 / 2, mask, count / 2 + 1, z1);
+        for (int64_t k = 0; k < count / 2; k++)
+            row[2 * k][1] = 0.5f * (z0[k] + z1[k]), row[2 * k + 1][1] = 0.5f * (z0[k + 1] + z1[k]);
+    }
+}
+
 /* z_c of row j for columns x0 .. x1 - 1 into row[..][1]. */
 static void morph_targets(const tc_clip_state *s, const tc_clip_state *coarse, int64_t mask, int64_t j, int64_t x0,
                           int64_t x1, float (*row)[2])
@@ -139,23 +182,16 @@ static void morph_targets(const tc_clip_state *s, const tc_clip_state *coarse, i
     between v = coarse_neighbours(j, s->view.shift, s->view.edge_y);
     const float(*c0)[2] = coarse->heights + (v.a & mask) * (mask + 1);
     const float(*c1)[2] = coarse->heights + (v.b & mask) * (mask + 1);
-    for (int64_t i = x0; i < x1; i++) {
-        between u = coarse_neighbours(i, s->view.shift, s->view.edge_x);
-        int64_t a = u.a & mask, b = u.b & mask;
-        float z;
-        if (u.t == 0 && v.t == 0) {
-            z = c0[a][0];
-        } else if (u.t == 0.5f && v.t == 0) { /* the common cases, without the general one's rounding */
-            z = 0.5f * (c0[a][0] + c0[b][0]);
-        } else if (u.t == 0 && v.t == 0.5f) {
-            z = 0.5f * (c0[a][0] + c1[a][0]);
-        } else if (u.t == 0.5f && v.t == 0.5f) {
-            z = 0.5f * (c0[b][0] + c1[a][0]);
-        } else {
-            z = (float)tc_triangle_height(c0[a][0], c0[b][0], c1[a][0], c1[b][0], u.t, v.t);
-        }
-        row[i - x0][1] = z;
-    }
+    int64_t first = x0 + (x0 & 1); /* to `even`, both even, cells are whole */
+    int64_t even = tc_min64(x1, tc_floor_shift(s->view.edge_x, s->view.shift)) & ~(int64_t)1;
+    if (even <= first || (v.t != 0 && v.t != 0.5f))
+        first = even = x0; /* none */
+    for (int64_t i = x0; i < first; i++)
+        row[i - x0][1] = morph_target(coarse_neighbours(i, s->view.shift, s->view.edge_x), v, c0, c1, mask);
+    if (even > first)
+        even_targets(v, c0, c1, mask, first, even - first, row + (first - x0));
+    for (int64_t i = even; i < x1; i++)
+        row[i - x0][1] = morph_target(coarse_neighbours(i, s->view.shift, s->view.edge_x), v, c0, c1, mask);
 }
 
 /* Heights at twice the resolution around rect, for normals: first sample at (2 rect.x0 - 2, 2 rect.y0 - 2). */
@@ -184,33 +220,71 @@ static tc_status fine_heights(const tc_clipmap *clipmap, const tc_clip_state *s,
 }
 
 /* A normal's components with slopes times `by`. */
-static void steepen(int8_t xy[2], float by)
+static void steepen(int16_t *nx, int16_t *ny, float by)
 {
-    float x = (float)xy[0] / 127, y = (float)xy[1] / 127, z2 = 1 - x * x - y * y;
+    float x = (float)*nx / 127, y = (float)*ny / 127, z2 = 1 - x * x - y * y;
     float scale = 127 * by / sqrtf((z2 > 1e-4f ? z2 : 1e-4f) + by * by * (x * x + y * y));
-    xy[0] = (int8_t)lrintf(x * scale);
-    xy[1] = (int8_t)lrintf(y * scale);
+    *nx = (int16_t)lrintf(x * scale);
+    *ny = (int16_t)lrintf(y * scale);
 }
 
-/* The coarser level's normals below row b from texel a on, into row[..][2..3]: its texels are twice as far apart; what
- * the bilinear filter would give there. */
-static void coarse_normals(const tc_clip_state *coarse, float by, int64_t mask, int64_t a, int64_t b, int64_t count,
-                           int8_t (*row)[4])
+/* A row of normals, texels in a line: components next to each other, so that loops over them need no conditions. */
+typedef struct normal_row {
+    int16_t xy[2][2 * (TC_CLIPMAP_MAX_N + 1)];
+} normal_row;
+
+/* Sums of two toroidal rows of texels, from column x on. */
+static void unwrap_sums(const int8_t (*r0)[4], const int8_t (*r1)[4], int64_t x, int64_t mask, int64_t count,
+                        normal_row *sums)
 {
-    const int8_t(*r0)[4] = coarse->normals + (tc_floor_shift(b, 1) & mask) * (mask + 1);
-    const int8_t(*r1)[4] = coarse->normals + (tc_floor_shift(b + 1, 1) & mask) * (mask + 1);
-    for (int64_t i = 0; i < count; i++) {
-        int64_t left = tc_floor_shift(a + i, 1) & mask, right = tc_floor_shift(a + i + 1, 1) & mask;
-        for (int k = 0; k < 2; k++) {
-            int sum = r0[left][k] + r0[right][k] + r1[left][k] + r1[right][k];
-            row[i][2 + k] = (int8_t)((sum + (sum < 0 ? -2 : 2)) / 4);
+    for (int64_t k = 0; k < count;) {
+        int64_t at = (x + k) & mask, run = tc_min64(count - k, mask + 1 - at);
+        for (int64_t i = 0; i < run; i++) {
+            sums->xy[0][k + i] = (int16_t)(r0[at + i][0] + r1[at + i][0]);
+            sums->xy[1][k + i] = (int16_t)(r0[at + i][1] + r1[at + i][1]);
         }
-        if (by != 1)
-            steepen(row[i] + 2, by);
+        k += run;
     }
 }
 
-/* Normals of the texels (2 rect.x0 - 1 .. 2 rect.x1 - 1), and so in y, by central differences. */
+static inline int16_t quarter(int sum)
+{
+    return (int16_t)((sum + (sum < 0 ? -2 : 2)) / 4);
+}
+
+/* The coarser level's normals below row b from texel a on, a odd: its texels are twice as far apart; what the bilinear
+ * filter would give there. */
+static void coarse_normals(const tc_clip_state *coarse, float by, int64_t mask, int64_t a, int64_t b, int64_t count,
+                           normal_row *out)
+{
+    const int8_t(*r0)[4] = coarse->normals + (tc_floor_shift(b, 1) & mask) * (mask + 1);
+    const int8_t(*r1)[4] = coarse->normals + (tc_floor_shift(b + 1, 1) & mask) * (mask + 1);
+    normal_row sums;
+    unwrap_sums(r0, r1, tc_floor_shift(a, 1), mask, count / 2 + 2, &sums);
+    for (int k = 0; k < 2; k++) {
+        const int16_t *v = sums.xy[k];
+        int16_t *to = out->xy[k];
+        for (int64_t i = 0; i < count / 2; i++)
+            to[2 * i] = quarter(v[i] + v[i + 1]), to[2 * i + 1] = quarter(2 * v[i + 1]);
+        if (count % 2)
+            to[count - 1] = quarter(v[count / 2] + v[count / 2 + 1]);
+    }
+    for (int64_t i = 0; i < count && by != 1; i++)
+        steepen(&out->xy[0][i], &out->xy[1][i], by);
+}
+
+/* A level's own normals, by central differences of the heights c, rows `stride` apart. */
+static void own_normals(const float *c, ptrdiff_t stride, float ix, float iy, int64_t count, normal_row *out)
+{
+    for (int64_t i = 0; i < count; i++) {
+        float dx = (c[i + 1] - c[i - 1]) * ix, dy = (c[i + stride] - c[i - stride]) * iy;
+        float scale = -127 / sqrtf(1 + dx * dx + dy * dy);
+        out->xy[0][i] = (int16_t)(int)(dx * scale + (dx < 0 ? 0.5f : -0.5f));
+        out->xy[1][i] = (int16_t)(int)(dy * scale + (dy < 0 ? 0.5f : -0.5f));
+    }
+}
+
+/* Normals of the texels (2 rect.x0 - 1 .. 2 rect.x1 - 1), and so in y. */
 static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect)
 {
     const tc_clip_state *s = &clipmap->level[level - 1];
@@ -222,17 +296,19 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
     int64_t mask = 2 * (clipmap->n + 1) - 1, w = 2 * (rect.x1 - rect.x0) + 1, h = 2 * (rect.y1 - rect.y0) + 1;
     float ix = (float)(s->relief / s->view.spacing_x), iy = (float)(s->relief / s->view.spacing_y);
     int8_t(*row)[4] = (int8_t(*)[4])(clipmap->scratch + tc_fill_scratch(clipmap->n, true)) - (2 * clipmap->n + MARGIN);
+    normal_row own, coarse;
     for (int64_t j = 0; j < h; j++) {
-        const float *c = z + (j + 1) * stride + 1;
-        for (int64_t i = 0; i < w; i++) {
-            float dx = (c[i + 1] - c[i - 1]) * ix, dy = (c[i + stride] - c[i - stride]) * iy;
-            float scale = -127 / sqrtf(1 + dx * dx + dy * dy);
-            row[i][0] = row[i][2] = (int8_t)(int)(dx * scale + (dx < 0 ? 0.5f : -0.5f));
-            row[i][1] = row[i][3] = (int8_t)(int)(dy * scale + (dy < 0 ? 0.5f : -0.5f));
-        }
-        if (level > 1)
+        const normal_row *beside = &own;
+        own_normals(z + (j + 1) * stride + 1, stride, ix, iy, w, &own);
+        if (level > 1) {
+            beside = &coarse;
             coarse_normals(s - 1, (float)(s->relief / s[-1].relief), mask, 2 * rect.x0 - 1, 2 * rect.y0 - 1 + j, w,
-                           row);
+                           &coarse);
+        }
+        for (int64_t i = 0; i < w; i++) {
+            row[i][0] = (int8_t)own.xy[0][i], row[i][1] = (int8_t)own.xy[1][i];
+            row[i][2] = (int8_t)beside->xy[0][i], row[i][3] = (int8_t)beside->xy[1][i];
+        }
         store_row(s->normals + ((2 * rect.y0 - 1 + j) & mask) * (mask + 1), 2 * rect.x0 - 1, mask, row, w, sizeof *row);
     }
     return TC_OK;
