@@ -284,6 +284,52 @@ static void own_normals(const float *c, ptrdiff_t stride, float ix, float iy, in
     }
 }
 
+/* A row of what normals are made of. */
+typedef struct normal_source {
+    const float *z; /* of its first texel, at twice the resolution */
+    ptrdiff_t stride;
+    float ix, iy;                /* of the slopes */
+    const tc_clip_state *coarse; /* NULL: none */
+    float steeper;               /* than the coarser level's normals */
+    int64_t x, y, mask;          /* the first texel */
+} normal_source;
+
+static inline void make_normals(const normal_source *from, int64_t count, int8_t (*row)[4])
+{
+    normal_row own, coarse;
+    own_normals(from->z, from->stride, from->ix, from->iy, count, &own);
+    const normal_row *beside = &own;
+    if (from->coarse) {
+        beside = &coarse;
+        coarse_normals(from->coarse, from->steeper, from->mask, from->x, from->y, count, &coarse);
+    }
+    for (int64_t i = 0; i < count; i++) {
+        row[i][0] = (int8_t)own.xy[0][i], row[i][1] = (int8_t)own.xy[1][i];
+        row[i][2] = (int8_t)beside->xy[0][i], row[i][3] = (int8_t)beside->xy[1][i];
+    }
+}
+
+/* The same code, and bits, for processors with AVX2 and without. */
+#if defined __x86_64__ && defined __GNUC__
+__attribute__((target("avx2"), flatten, noinline)) static void make_normals_avx2(const normal_source *from,
+                                                                                 int64_t count, int8_t (*row)[4])
+{
+    make_normals(from, count, row);
+}
+
+static bool have_avx2(void)
+{
+    return __builtin_cpu_supports("avx2");
+}
+#else
+#define make_normals_avx2 make_normals
+
+static bool have_avx2(void)
+{
+    return false;
+}
+#endif
+
 /* Normals of the texels (2 rect.x0 - 1 .. 2 rect.x1 - 1), and so in y. */
 static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect)
 {
@@ -294,22 +340,21 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
     if (status)
         return status;
     int64_t mask = 2 * (clipmap->n + 1) - 1, w = 2 * (rect.x1 - rect.x0) + 1, h = 2 * (rect.y1 - rect.y0) + 1;
-    float ix = (float)(s->relief / s->view.spacing_x), iy = (float)(s->relief / s->view.spacing_y);
     int8_t(*row)[4] = (int8_t(*)[4])(clipmap->scratch + tc_fill_scratch(clipmap->n, true)) - (2 * clipmap->n + MARGIN);
-    normal_row own, coarse;
-    for (int64_t j = 0; j < h; j++) {
-        const normal_row *beside = &own;
-        own_normals(z + (j + 1) * stride + 1, stride, ix, iy, w, &own);
-        if (level > 1) {
-            beside = &coarse;
-            coarse_normals(s - 1, (float)(s->relief / s[-1].relief), mask, 2 * rect.x0 - 1, 2 * rect.y0 - 1 + j, w,
-                           &coarse);
-        }
-        for (int64_t i = 0; i < w; i++) {
-            row[i][0] = (int8_t)own.xy[0][i], row[i][1] = (int8_t)own.xy[1][i];
-            row[i][2] = (int8_t)beside->xy[0][i], row[i][3] = (int8_t)beside->xy[1][i];
-        }
-        store_row(s->normals + ((2 * rect.y0 - 1 + j) & mask) * (mask + 1), 2 * rect.x0 - 1, mask, row, w, sizeof *row);
+    const bool avx2 = have_avx2();
+    normal_source from = {.z = z + 1,
+                          .stride = stride,
+                          .ix = (float)(s->relief / s->view.spacing_x),
+                          .iy = (float)(s->relief / s->view.spacing_y),
+                          .coarse = level > 1 ? s - 1 : NULL,
+                          .steeper = level > 1 ? (float)(s->relief / s[-1].relief) : 1,
+                          .x = 2 * rect.x0 - 1,
+                          .y = 2 * rect.y0 - 1,
+                          .mask = mask};
+    for (int64_t j = 0; j < h; j++, from.y++) {
+        from.z += stride;
+        (avx2 ? make_normals_avx2 : make_normals)(&from, w, row);
+        store_row(s->normals + (from.y & mask) * (mask + 1), from.x, mask, row, w, sizeof *row);
     }
     return TC_OK;
 }
