@@ -190,7 +190,8 @@ static const struct row {
      {0, "stats", "FILE.json", "a file name", "write times, counts and memory", tc_read_text,
       offsetof(tc_options, stats)}},
     {ALL, TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output")},
-    {ALL, TC_SWITCH(tc_options, explain, 0, "explain", "print what the scene does not need and was left out")},
+    {ALL, TC_SWITCH(tc_options, explain, 0, "explain",
+                    "print what the scene uses, and what it does not need and was left out")},
     {ALL, TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress")},
     {ALL, TC_SWITCH(tc_options, verbose, 'v', "verbose", "how the file was understood, what it is drawn with")},
 };
