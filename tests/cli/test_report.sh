@@ -152,7 +152,8 @@ program tests/extreme_heights "printf '%s\\n' $columns heights,a,b,1,0,FAILED,c 
 page=made/report/index.html
 run sh "$report/report.sh" made quick
 [ $rc = 1 ] || fail "a report with failures ends with $rc instead of 1"
-for line in 'precision,done,0,[0-9]+,[0-9]*[.]?[0-9]*[1-9]' 'update,failed,3,.*its last line: cannot <open> it' 'space,skipped,0,.*no context' \
+for line in 'precision,done,0,[0-9]+,[0-9]*[.]?[0-9]*[1-9]' 'update,failed,3,.*its last line: cannot <open> it' \
+    'space,skipped,0,.*no context' \
     'error_time,missing,' 'explain,done,' 'extreme_heights,failed,1,'; do
     cases=$((cases + 1))
     grep -Eq "^$line" made/report/runs.csv || fail "runs.csv does not hold $line: $(cat made/report/runs.csv)"
@@ -170,7 +171,7 @@ for line in 'extreme_heights,old,.*rows of 20[0-9][0-9]-' 'extreme_sizes,skipped
     cases=$((cases + 1))
     grep -Eq "^$line" made/report/runs.csv || fail "without time runs.csv does not hold $line"
 done
-holds 'old: did not fit into the time; rows of 20' 'old rows'
+holds '<tr class="grey"><td>extreme_heights</td><td>old</td>.*did not fit into the time; rows of 20' 'old rows'
 holds '<td>FAILED</td>' 'old rows'
 run sh "$report/report.sh" made slowly
 [ $rc = 2 ] || fail "an unknown kind of report ends with $rc instead of 2"

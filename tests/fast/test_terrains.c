@@ -1,4 +1,4 @@
-/* test_terrains.c - default terrains that one test program keeps for the next. */
+/* test_terrains.c - default terrains and planets that one test program keeps for the next. */
 #include "tests/support/test.h"
 
 #include <stdio.h>
@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "tests/support/loading.h"
+#include "tests/support/planet_scene.h"
 #include "tests/support/terrains.h"
 
 enum { SIZE = 65 };
@@ -47,8 +48,36 @@ static void kept(void **state)
     tc_grid_free(&truth);
 }
 
+/* The sum of a default planet's finest heights. */
+static double planet_sum(uint64_t seed)
+{
+    tc_atlas atlas = planet_made(PLANET_DEFAULT, 64, 1e6, seed);
+    double sum = 0;
+    for (int i = 0; i < 64; i++) {
+        double z;
+        assert_int_equal(planet_atlas_height(&atlas, 0.1 * i - 3, 0.04 * i - 1.3, &z), TC_OK);
+        sum += z;
+    }
+    tc_atlas_free(&atlas);
+    return sum;
+}
+
+static void kept_planets(void **state)
+{
+    (void)state;
+    double truth = planet_sum(4);
+    setenv("TERRACLIP_TERRAINS", made_folder(), 1);
+    int before = made_folder_count();
+    assert_true(planet_sum(4) == truth);
+    assert_int_equal(made_folder_count(), before + 1);
+    assert_true(planet_sum(4) == truth);
+    assert_true(planet_sum(5) != truth);
+    assert_int_equal(made_folder_count(), before + 2);
+    unsetenv("TERRACLIP_TERRAINS");
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(kept)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(kept), cmocka_unit_test(kept_planets)};
     return cmocka_run_group_tests(tests, NULL, remove_folder);
 }

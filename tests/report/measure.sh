@@ -113,7 +113,9 @@ explain() { # TITLE COMMAND...
     explained=$((explained + 1))
     file=$out/explain/$explained.txt
     printf '%s\n$ %s\n' "$title" "$*" >"$file"
-    timeout --foreground -k 5 60 "$@" >>"$file" 2>&1 </dev/null || { echo "(exit code $?)" >>"$file"; wrong="$wrong $title;"; }
+    timeout --foreground -k 5 60 "$@" >>"$file" 2>&1 </dev/null && return
+    echo "(exit code $?)" >>"$file"
+    wrong="$wrong $title;"
 }
 
 explanations() {

@@ -43,9 +43,9 @@ function add_column(number, label, format) {
 }
 
 function row_class(verdict) {
-    if (verdict ~ /^(FAILED|failed|missed)$/)
+    if (verdict ~ /^(FAILED|failed|missed|missing)$/)
         return " class=\"bad\""
-    if (verdict ~ /^skipped/)
+    if (verdict ~ /^(skipped|old)/)
         return " class=\"grey\""
     return ""
 }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "data/synth_planet.h"
+#include "kept.h"
 
 #define DEGREE (M_PI / 180)
 
@@ -61,6 +62,22 @@ tc_atlas planet_atlas(int64_t width, double radius, planet_function height, void
     return build(&g, radius);
 }
 
+/* What makes a default planet. */
+typedef struct body {
+    int64_t width;
+    uint64_t seed;
+} body;
+
+static void make_default(void *context, float *z)
+{
+    const body *b = context;
+    tc_synth_planet *planet;
+    tc_error error;
+    must(tc_synth_planet_open(b->width, b->seed, 0, &planet, &error), &error);
+    tc_synth_planet_rows(planet, 0, b->width / 2, z);
+    tc_synth_planet_close(planet);
+}
+
 tc_atlas planet_made(planet_kind kind, int64_t width, double radius, uint64_t seed)
 {
     double relief = 3000;
@@ -69,11 +86,9 @@ tc_atlas planet_made(planet_kind kind, int64_t width, double radius, uint64_t se
     tc_grid g = empty_grid(width, radius);
     test_random r = {seed};
     if (kind == PLANET_DEFAULT) {
-        tc_synth_planet *planet;
-        tc_error error;
-        must(tc_synth_planet_open(width, seed, 0, &planet, &error), &error);
-        tc_synth_planet_rows(planet, 0, g.height, g.z);
-        tc_synth_planet_close(planet);
+        char name[128];
+        snprintf(name, sizeof name, "planet-%lld-%llu", (long long)width, (unsigned long long)seed);
+        kept_heights(name, (size_t)(width * g.height), make_default, &(body){width, seed}, g.z);
     } else
         for (int64_t j = 0; j < g.height; j++)
             for (int64_t i = 0; i < width; i++) {

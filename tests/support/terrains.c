@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "data/synth_planar.h"
+#include "kept.h"
 
 uint64_t test_random_bits(test_random *r)
 {
@@ -42,54 +43,28 @@ static float smooth(int64_t i, int64_t j)
                    250 * sin((double)(i + 2 * j) * 0.0041));
 }
 
-/* Path of a default terrain in the folder that keeps them, if there is one. */
-static bool kept_path(int64_t size, double spacing, uint64_t seed, const char *end, char *path, size_t room)
-{
-    const char *folder = getenv("TERRACLIP_TERRAINS");
-    if (!folder || !*folder)
-        return false;
-    int length = snprintf(path, room, "%s/default-%lld-%.17g-%llu%s", folder, (long long)size, spacing,
-                          (unsigned long long)seed, end);
-    return length > 0 && (size_t)length < room;
-}
+/* What makes a default terrain. */
+typedef struct landscape {
+    int64_t size;
+    tc_synth_planar_options options;
+} landscape;
 
-static bool read_kept(const char *path, float *z, size_t samples)
+static void make_default(void *context, float *z)
 {
-    FILE *f = fopen(path, "rb");
-    bool whole = f && fread(z, sizeof *z, samples, f) == samples && fgetc(f) == EOF;
-    if (f)
-        fclose(f);
-    return whole;
-}
-
-/* Where it cannot be written it is made again the next time. */
-static void keep(const char *path, const char *temporary, const float *z, size_t samples)
-{
-    FILE *f = fopen(temporary, "wb");
-    if (!f)
-        return;
-    bool whole = fwrite(z, sizeof *z, samples, f) == samples;
-    if (fclose(f) == 0 && whole)
-        rename(temporary, path);
-    else
-        remove(temporary);
-}
-
-static void make_default(int64_t size, double spacing, uint64_t seed, float *z)
-{
-    char path[4096], temporary[4096];
-    size_t samples = (size_t)(size * size);
-    bool kept = kept_path(size, spacing, seed, "", path, sizeof path) &&
-                kept_path(size, spacing, seed, ".new", temporary, sizeof temporary);
-    if (kept && read_kept(path, z, samples))
-        return;
+    const landscape *l = context;
     tc_error error;
-    if (tc_synth_planar(size, &(tc_synth_planar_options){.seed = seed, .spacing = spacing}, z, &error)) {
+    if (tc_synth_planar(l->size, &l->options, z, &error)) {
         fprintf(stderr, "default terrain: %s\n", error.text);
         exit(99);
     }
-    if (kept)
-        keep(path, temporary, z, samples);
+}
+
+static void default_terrain(int64_t size, double spacing, uint64_t seed, float *z)
+{
+    landscape l = {size, {.seed = seed, .spacing = spacing}};
+    char name[128];
+    snprintf(name, sizeof name, "default-%lld-%.17g-%llu", (long long)size, spacing, (unsigned long long)seed);
+    kept_heights(name, (size_t)(size * size), make_default, &l, z);
 }
 
 tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed)
@@ -102,7 +77,7 @@ tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double sp
     if (kind == TERRAIN_DEFAULT && width != height)
         exit(99);
     if (kind == TERRAIN_DEFAULT)
-        make_default(width, spacing, seed, g.z);
+        default_terrain(width, spacing, seed, g.z);
     g.z_min = INFINITY, g.z_max = -INFINITY;
     for (int64_t j = 0; j < height; j++)
         for (int64_t i = 0; i < width; i++) {
