@@ -10,12 +10,7 @@ static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *r
                               tc_error *error)
 {
     bool ch06 = request->scheme && strcmp(request->scheme, "rings-ch06") == 0;
-    int n_phi = request->n;
-    if (!n_phi) {
-        n_phi = tc_rings_n_phi_for(request->camera);
-        if (request->interactive && n_phi > 256)
-            n_phi = 256;
-    }
+    int n_phi = request->n ? request->n : request->interactive ? 256 : tc_rings_n_phi_for(request->camera);
     const tc_rings_options options = {.scheme = ch06 ? TC_RINGS_CH06 : TC_RINGS_EXACT,
                                       .n_phi = n_phi,
                                       .m = request->steps,

@@ -323,8 +323,7 @@ int tc_rings_steps(int n_phi)
 
 int tc_rings_n_phi_for(const tc_camera *camera)
 {
-    double steps = 2 * M_PI * tc_camera_pixel_scale(camera) / 5;
-    return (int)fmin(fmax(32 * ceil(steps / 32), 64), 2048);
+    return (int)fmax(tc_clipmap_n_for(camera) + 1, 512);
 }
 
 /* Levels of rings down to centimetres. */

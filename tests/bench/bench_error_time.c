@@ -15,7 +15,7 @@
 #include "tests/support/measured.h"
 #include "tests/support/plain_mesh.h"
 
-enum { MOST_ROWS = 64, MOST_FRAMES = 9, MOST_VALUES = MOST_FRAMES * MEASURED_PLACES };
+enum { MOST_ROWS = 64, MOST_FRAMES = 5, MOST_VALUES = MOST_FRAMES * MEASURED_PLACES };
 
 typedef struct row {
     char scene[112];
@@ -274,7 +274,7 @@ int main(int argc, char **argv)
     if (!b.context)
         return 1;
     b.clock = frame_clock_create(b.context);
-    b.places = b.options.quick ? 1 : MEASURED_PLACES, b.frames = b.options.quick ? 3 : 7;
+    b.places = b.options.quick ? 1 : MEASURED_PLACES, b.frames = b.options.quick ? 3 : 5;
     printf("error against time: %s, %s's time of a frame\n", tc_context_backend(b.context),
            b.clock.gpu ? "the GPU" : "the processor");
     measured_all(b.options.quick, measure_terrain, &b);

@@ -66,14 +66,16 @@ static void rings_are_as_fine_as_the_frame_calls_for(void **state)
     (void)state;
     measured m = {.name = "planet", .round = true};
     m.planet.atlas = planet_made(PLANET_DEFAULT, 1024, 1737400, 4);
-    tc_camera frame = measured_camera(&m, 0, 0, W, H);
+    tc_camera frame = measured_camera(&m, 0, 0, 2 * W, 2 * H);
+    frame.fov = 0.53; /* pixels as small as those of 640 and 60 degrees */
     int n_phi = tc_rings_n_phi_for(&frame);
     double worst[2] = {0};
     for (int k = 0; k < 2; k++) {
         scene s =
             measured_scene(context, &m, k ? n_phi / 64 * 32 : n_phi, &(tc_rings_options){0}, &(tc_scene_options){0});
-        for (double h = 100; h < 2e6; h *= 1.6) {
-            tc_camera c = measured_camera(&m, 1, 0, W, H);
+        for (double h = 100; h < 2e6; h *= 2.5) {
+            tc_camera c = measured_camera(&m, 1, 0, 2 * W, 2 * H);
+            c.fov = frame.fov;
             c.z += h - measured_height(&m, 1);
             worst[k] = fmax(worst[k], error_of(&s, &m, &c));
         }
@@ -85,22 +87,25 @@ static void rings_are_as_fine_as_the_frame_calls_for(void **state)
     measured_close(&m);
 }
 
-/* Steps around cover at most 5 pixels, and outwards they are as long. */
+/* Steps outwards are as long as those around, where indices allow so many. */
 static void steps_follow_from_the_frame(void **state)
 {
     (void)state;
-    for (int width = 160; width <= 3840; width *= 2)
-        for (double fov = 0.3; fov < 2.8; fov += 0.2) {
-            tc_camera c = {.fov = fov, .width = width, .height = width};
-            int n = tc_rings_n_phi_for(&c), m = tc_rings_steps(n);
-            double pixels = 2 * M_PI / n * width / (2 * tan(fov / 2));
-            assert_true(n >= 64 && n <= 2048 && n % 32 == 0 && m >= 4 && m <= 64 && m % 2 == 0);
-            assert_true((pixels <= 5 && (n == 64 || pixels * n / (n - 32) > 5)) || n == 2048);
-            assert_true((m + 1) * (n + 64) < 65535);
-            if (n <= 704)
-                assert_true(fabs(m - n / (4 * M_PI)) <= 1);
-        }
+    for (int n = 64; n <= 2048; n += 32) {
+        int m = tc_rings_steps(n);
+        assert_true(m >= 4 && m <= 64 && m % 2 == 0 && (m + 1) * (n + 64) <= 65535);
+        assert_true(fabs(m - n / (4 * M_PI)) <= 1 || (m + 3) * (n + 64) > 65535 || m == 64);
+    }
     assert_int_equal(tc_rings_steps(512), 40);
+    static const struct {
+        int width;
+        double fov;
+        int n_phi;
+    } frame[] = {{160, 90, 512}, {640, 90, 512}, {640, 60, 512}, {1280, 75, 512}, {1920, 75, 1024}, {3840, 40, 2048}};
+    for (int i = 0; i < 6; i++) {
+        tc_camera c = {.fov = frame[i].fov * M_PI / 180, .width = frame[i].width, .height = 480};
+        assert_int_equal(tc_rings_n_phi_for(&c), frame[i].n_phi);
+    }
 }
 
 int main(void)

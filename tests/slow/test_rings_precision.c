@@ -42,7 +42,7 @@ static rings_error planet(globe_function f, const char *name, double radius, tc_
 {
     enum { SIZE = 1024 };
     tc_atlas atlas = globe_atlas(f, SIZE, radius);
-    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.scheme = scheme});
+    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.scheme = scheme, .m = 20});
     rings_capture capture = rings_capture_create(&globe);
     rings_error all = {0}, by_altitude[RINGS_ALTITUDES] = {{0}};
     test_random r = {(uint64_t)radius};
@@ -120,7 +120,7 @@ static void nothing_jitters(void **state)
     enum { STEPS = 1000, MOST = 4096 };
     const double radius = 6371000;
     tc_atlas atlas = globe_atlas(globe_rough, 4096, radius);
-    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){0});
+    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.m = 20});
     rings_capture capture = rings_capture_create(&globe);
     double(*now)[2] = calloc(MOST, sizeof *now), (*before)[2] = calloc(MOST, sizeof *before), worst = 0, jump = 0;
     int64_t seen = 0;
@@ -163,7 +163,7 @@ static void capturing_changes_nothing(void **state)
 {
     (void)state;
     tc_atlas atlas = globe_atlas(globe_rough, 1024, 6371000);
-    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){0});
+    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.m = 20});
     rings_capture capture = rings_capture_create(&globe);
     test_random r = {3};
     for (int place = 0; place < RINGS_PLACES; place += 7) {
