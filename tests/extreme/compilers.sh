@@ -25,5 +25,4 @@ build() { # NAME COMPILER FLAG...
 # In the order of what is compared: the first one is what the others are held against.
 build library "${CC:-cc}" -O2
 build gcc-O0 gcc -O0
-build gcc-O2-avx2 gcc -O2 -mavx2 -mfma
 build clang-O2 clang -O2

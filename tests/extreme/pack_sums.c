@@ -8,7 +8,7 @@
 #include "common/core/packed/crc32c.h"
 #include "common/terraclip.h"
 
-enum { WIDTH = 300, HEIGHT = 210 };
+enum { WIDTH = 256, HEIGHT = 128 };
 
 static void make(float *z, bool rough)
 {
@@ -24,8 +24,8 @@ static void make(float *z, bool rough)
 
 static void pack(const char *path, const float *z, tc_pack_mode mode, tc_pack_codec codec, double error, bool planet)
 {
-    tc_pack_terrain terrain = {.width = planet ? 256 : WIDTH,
-                               .height = planet ? 128 : HEIGHT,
+    tc_pack_terrain terrain = {.width = WIDTH,
+                               .height = HEIGHT,
                                .wraps_x = planet,
                                .radius = planet ? 6371000 : 0,
                                .spacing_x = 30,
@@ -80,9 +80,9 @@ int main(int argc, char **argv)
         return 2;
     char path[4096];
     snprintf(path, sizeof path, "%s/pack_sums-%p.tclip", argv[1], (void *)path);
-    for (int k = 0; k < 14; k++) {
+    for (int k = 0; k < 7; k++) {
         make(z, k % 2);
-        pack(path, z, way[k / 2].mode, way[k / 2].codec, way[k / 2].error, way[k / 2].planet);
+        pack(path, z, way[k].mode, way[k].codec, way[k].error, way[k].planet);
         print_sum(path);
     }
     puts("");
