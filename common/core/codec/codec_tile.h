@@ -67,8 +67,8 @@ TC_INLINE int32_t *patch_at(tc_tile_work *w, int i, int j)
     return &w->patch[j + TC_TILE_MARGIN][i + PATCH_X];
 }
 
-/* Copies the coarser level around the tile's first `rows` rows; beyond its border it goes on in a straight line (of at most as many steps as anything that
- * counts looks beyond). */
+/* Copies the coarser level around the tile's first `rows` rows; beyond its border it goes on in a straight line (of at
+ * most as many steps as anything that counts looks beyond). */
 TC_INLINE void tc_tile_load(const tc_codec *c, tc_rect tile, int rows, const tc_plane *coarse, tc_tile_work *w)
 {
     tc_rect have = tc_codec_tile_needs(c, tile);
@@ -85,8 +85,7 @@ TC_INLINE void tc_tile_load(const tc_codec *c, tc_rect tile, int rows, const tc_
             row[i] = (int32_t)((uint32_t)row[i - 1] + (i < i1 + TC_TILE_MARGIN ? right : 0));
     }
     for (int side = 0; side < 2; side++) {
-        int from = side ? j1 : j0 - 1, end = side ? rows + TC_TILE_MARGIN : -TC_TILE_MARGIN - 1,
-            step = side ? 1 : -1;
+        int from = side ? j1 : j0 - 1, end = side ? rows + TC_TILE_MARGIN : -TC_TILE_MARGIN - 1, step = side ? 1 : -1;
         for (int j = from; j != end; j += step) {
             const int32_t *a = patch_at(w, -TC_TILE_MARGIN, j - step);
             const int32_t *b = j1 - j0 > 1 ? patch_at(w, -TC_TILE_MARGIN, j - 2 * step) : a;
@@ -191,9 +190,9 @@ TC_INLINE void tc_terms_cross(const tc_tile_work *w, int i, int j, uint32_t t[TC
 enum { PREDICT_ROUND = 1 << (TC_PREDICT_BITS - 1) };
 
 /* HL of the tile's first columns, a multiple of 8, and rows, and of two columns and a row around them. The sums of
- * tc_terms_hl(), in whole rows and in the order in which they take least: every three rows at equal distance make one sum
- * for the two middle columns, one for the two beside them, one for the outer two. Loops that are a multiple of 8 long
- * take less than what is needed would, and reach into the padding of rows. */
+ * tc_terms_hl(), in whole rows and in the order in which they take least: every three rows at equal distance make one
+ * sum for the two middle columns, one for the two beside them, one for the outer two. Loops that are a multiple of 8
+ * long take less than what is needed would, and reach into the padding of rows. */
 TC_INLINE void tc_predict_hl(const tc_codec *c, tc_tile_work *w, int columns, int rows)
 {
     uint32_t g[TC_PREDICT_KERNEL], row[3][PATCH_STRIDE];
