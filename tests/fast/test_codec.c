@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "common/core/base/rect.h"
+#include "common/core/codec/codec_tile.h"
 #include "tests/support/packed.h"
 #include "tests/support/terrains.h"
 
@@ -278,6 +279,65 @@ static void pairs_are_like_single_tiles(void **state)
     free(work[0]), free(work[1]);
 }
 
+/* What predicts a detail, as detail_model.h and codec_tile.h tell it: sums of the coarser level times the kernel. */
+static int32_t predicted(const tc_codec *c, tc_tile_work *w, int band, int i, int j)
+{
+    uint32_t t[TC_PREDICT], sum = PREDICT_ROUND;
+    if (band == TC_HL)
+        tc_terms_hl(w, i, j, t);
+    else
+        tc_terms_lh(w, i, j, t), tc_terms_cross(w, i, j, t + TC_PREDICT_KERNEL);
+    for (int k = 0; k < (band == TC_HL ? TC_PREDICT_KERNEL : TC_PREDICT); k++)
+        sum += t[k] * (uint32_t)(int32_t)c->model.predict[band][k];
+    return (int32_t)sum >> TC_PREDICT_BITS;
+}
+
+/* Details of empty tiles are what the kernels make of the coarser level, over any part, with AVX2 and without. */
+static void any_part_of_an_empty_tile_is_predicted(void **state)
+{
+    (void)state;
+    test_random r = {21};
+    tc_tile_work *work = malloc(tc_tile_work_bytes()), *oracle = malloc(tc_tile_work_bytes());
+    assert_true(work && oracle);
+    for (int k = 0; k < 2 * KINDS; k++) {
+        int64_t w = test_random_int(&r, 150, 420), h = test_random_int(&r, 150, 420);
+        int32_t *z = heights(&r, k % KINDS, w, h);
+        packed p = packed_new(
+            z, w, h, &(packed_options){.q = exp(test_random_range(&r, 0, 8)), .threads = 1, .training_tiles = 2});
+        const tc_codec *c = p.level[0].codec;
+        const tc_plane *coarse = &p.level[0].coarse;
+        for (int n = 0; n < 24; n++) {
+            int64_t tx = test_random_int(&r, 0, c->tiles_x - 1), ty = test_random_int(&r, 0, c->tiles_y - 1);
+            tc_rect tile = tc_codec_tile_rect(c, tx, ty, 0), part = tile;
+            part.x0 = test_random_int(&r, tile.x0, tile.x1 - 1), part.x1 = test_random_int(&r, part.x0 + 1, tile.x1);
+            part.y0 = test_random_int(&r, tile.y0, tile.y1 - 1), part.y1 = test_random_int(&r, part.y0 + 1, tile.y1);
+            tc_plane all[TC_BANDS], some[TC_BANDS];
+            for (int b = 0; b < TC_BANDS; b++)
+                all[b] = packed_plane(tile), some[b] = packed_plane(part);
+            assert_int_equal(tc_codec_decode_tile(c, tx, ty, 0, NULL, 0, coarse, all, work, TC_SIMD_AUTO), TC_OK);
+            tc_codec_predict(c, part, coarse, some, work, n % 4 ? TC_SIMD_AUTO : TC_SIMD_NONE);
+            tc_tile_load(c, tile, TC_TILE, coarse, oracle);
+            for (int j = -1; j < TC_TILE + 2; j++)
+                for (int i = -2; i < TC_TILE + 1; i++)
+                    oracle->hl[j + 1][i + HL_X] = predicted(c, oracle, TC_HL, i, j);
+            for (int64_t y = part.y0; y < part.y1; y++)
+                for (int64_t x = part.x0; x < part.x1; x++) {
+                    int i = (int)(x - tile.x0), j = (int)(y - tile.y0);
+                    int32_t wanted[TC_BANDS] = {oracle->hl[j + 1][i + HL_X], predicted(c, oracle, TC_LH, i, j), 0};
+                    for (int b = 0; b < TC_BANDS; b++) {
+                        assert_int_equal(*tc_plane_at(&all[b], x, y), wanted[b]);
+                        assert_int_equal(*tc_plane_at(&some[b], x, y), wanted[b]);
+                    }
+                }
+            for (int b = 0; b < TC_BANDS; b++)
+                free(all[b].z), free(some[b].z);
+        }
+        packed_free(&p);
+        free(z);
+    }
+    free(work), free(oracle);
+}
+
 static void damaged_tiles_do_no_harm(void **state)
 {
     (void)state;
@@ -392,6 +452,7 @@ int main(void)
         cmocka_unit_test(prices_follow_the_step),
         cmocka_unit_test(any_processor_writes_the_same_bytes),
         cmocka_unit_test(pairs_are_like_single_tiles),
+        cmocka_unit_test(any_part_of_an_empty_tile_is_predicted),
         cmocka_unit_test(damaged_tiles_do_no_harm),
     };
     return cmocka_run_group_tests_name("codec", tests, NULL, NULL);

@@ -340,11 +340,11 @@ TC_INLINE tc_status encode_tile(const tc_codec *codec, int64_t tx, int64_t ty, c
     double spare = TILE_BITS;
     cost total[TC_BANDS];
     bool coded[TC_BANDS];
-    tc_predict_hl(codec, work, TC_TILE);
+    tc_predict_hl(codec, work, TC_TILE, TC_TILE);
     if (!quantise_band(&e, TC_HL, tile, &band[TC_HL], &work->hl[1][HL_X], HL_STRIDE, &spare, &total[TC_HL],
                        &coded[TC_HL], work, simd))
         return TC_ERR_UNSUPPORTED;
-    tc_predict_lh(codec, work, TC_TILE);
+    tc_predict_lh(codec, work, TC_TILE, TC_TILE);
     if (!quantise_band(&e, TC_LH, tile, &band[TC_LH], work->pred[0], TC_TILE, &spare, &total[TC_LH], &coded[TC_LH],
                        work, simd) ||
         !quantise_band(&e, TC_HH, tile, &band[TC_HH], NULL, 0, &spare, &total[TC_HH], &coded[TC_HH], work, simd))

@@ -24,8 +24,8 @@ TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const 
 #if TC_AVX2
 enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
 
-/* Symbols of eight states and the tables' entries for them. By loads, one after the other: gathers take several times as
- * long on processors that keep them from leaking what they read. */
+/* Symbols of eight states and the tables' entries for them. By loads, one after the other: gathers take several times
+ * as long on processors that keep them from leaking what they read. */
 TC_TARGET_AVX2 static inline __m256i look_up_avx2(const tc_codec *c, __m256i slots, const uint8_t *bin, uint8_t *symbol)
 {
     _Alignas(32) uint32_t slot[8];

@@ -23,12 +23,12 @@ TC_INLINE void reconstruct(const tc_codec *c, tc_raw_reader *raw, int coded, tc_
                            const tc_plane band[TC_BANDS], tc_tile_work *w, bool simd)
 {
     tc_rect part = tc_rect_intersect(tile, band[0].rect);
-    tc_predict_hl(c, w, TC_TILE);
+    tc_predict_hl(c, w, TC_TILE, TC_TILE);
     int columns, rows;
     tc_tile_extent(c, TC_HL, tile, shift, &columns, &rows);
     for (int j = 0; j < rows && coded >> TC_HL & 1; j++)
         tc_add_row(c, raw, TC_HL, j, w, &w->hl[j + 1][HL_X], simd);
-    tc_predict_lh(c, w, TC_TILE);
+    tc_predict_lh(c, w, TC_TILE, TC_TILE);
     tc_tile_extent(c, TC_LH, tile, shift, &columns, &rows);
     for (int j = 0; j < rows && coded >> TC_LH & 1; j++)
         tc_add_row(c, raw, TC_LH, j, w, w->pred[j], simd);
@@ -106,11 +106,11 @@ TC_INLINE void decode_tile(const tc_codec *c, tc_tile_job *job, const tc_plane *
 TC_INLINE void predict_part(const tc_codec *c, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
                             tc_tile_work *w)
 {
-    int rows = (int)(part.y1 - part.y0);
+    int columns = (int)(part.x1 - part.x0 + 7) / 8 * 8, rows = (int)(part.y1 - part.y0);
     size_t size = (size_t)(part.x1 - part.x0) * sizeof(int32_t);
     tc_tile_load(c, part, rows, coarse, w);
-    tc_predict_hl(c, w, rows);
-    tc_predict_lh(c, w, rows);
+    tc_predict_hl(c, w, columns, rows);
+    tc_predict_lh(c, w, columns, rows);
     for (int j = 0; j < rows; j++) {
         memcpy(tc_plane_at(&band[TC_HL], part.x0, part.y0 + j), &w->hl[j + 1][HL_X], size);
         memcpy(tc_plane_at(&band[TC_LH], part.x0, part.y0 + j), w->pred[j], size);

@@ -67,8 +67,8 @@ TC_INLINE int32_t *patch_at(tc_tile_work *w, int i, int j)
     return &w->patch[j + TC_TILE_MARGIN][i + PATCH_X];
 }
 
-/* Copies the coarser level around the tile's first `rows` rows; beyond its border it goes on in a straight line (of at most as many steps as anything that
- * counts looks beyond). */
+/* Copies the coarser level around the tile's first `rows` rows; beyond its border it goes on in a straight line (of at
+ * most as many steps as anything that counts looks beyond). */
 TC_INLINE void tc_tile_load(const tc_codec *c, tc_rect tile, int rows, const tc_plane *coarse, tc_tile_work *w)
 {
     tc_rect have = tc_codec_tile_needs(c, tile);
@@ -85,8 +85,7 @@ TC_INLINE void tc_tile_load(const tc_codec *c, tc_rect tile, int rows, const tc_
             row[i] = (int32_t)((uint32_t)row[i - 1] + (i < i1 + TC_TILE_MARGIN ? right : 0));
     }
     for (int side = 0; side < 2; side++) {
-        int from = side ? j1 : j0 - 1, end = side ? rows + TC_TILE_MARGIN : -TC_TILE_MARGIN - 1,
-            step = side ? 1 : -1;
+        int from = side ? j1 : j0 - 1, end = side ? rows + TC_TILE_MARGIN : -TC_TILE_MARGIN - 1, step = side ? 1 : -1;
         for (int j = from; j != end; j += step) {
             const int32_t *a = patch_at(w, -TC_TILE_MARGIN, j - step);
             const int32_t *b = j1 - j0 > 1 ? patch_at(w, -TC_TILE_MARGIN, j - 2 * step) : a;
@@ -190,10 +189,11 @@ TC_INLINE void tc_terms_cross(const tc_tile_work *w, int i, int j, uint32_t t[TC
 
 enum { PREDICT_ROUND = 1 << (TC_PREDICT_BITS - 1) };
 
-/* HL of the tile's first `rows` rows, and of two columns and a row around them. The sums of tc_terms_hl(), in whole rows
- * and in the order in which they take least: every three rows at equal distance make one sum for the two middle columns,
- * one for the two beside them, one for the outer two. */
-TC_INLINE void tc_predict_hl(const tc_codec *c, tc_tile_work *w, int rows)
+/* HL of the tile's first columns, a multiple of 8, and rows, and of two columns and a row around them. The sums of
+ * tc_terms_hl(), in whole rows and in the order in which they take least: every three rows at equal distance make one
+ * sum for the two middle columns, one for the two beside them, one for the outer two. Loops that are a multiple of 8
+ * long take less than what is needed would, and reach into the padding of rows. */
+TC_INLINE void tc_predict_hl(const tc_codec *c, tc_tile_work *w, int columns, int rows)
 {
     uint32_t g[TC_PREDICT_KERNEL], row[3][PATCH_STRIDE];
     for (int k = 0; k < TC_PREDICT_KERNEL; k++)
@@ -207,7 +207,7 @@ TC_INLINE void tc_predict_hl(const tc_codec *c, tc_tile_work *w, int rows)
     uint32_t *middle = row[0] + PATCH_X, *inner = row[1] + PATCH_X, *outer = row[2] + PATCH_X;
     for (int j = -1; j < rows + 2; j++) {
         const uint32_t *p = (const uint32_t *)patch_at(w, 0, j);
-        for (int i = -4; i < TC_TILE + 4; i++) {
+        for (int i = -8; i < columns + 8; i++) {
             uint32_t near = p[i - PATCH_STRIDE] + p[i + PATCH_STRIDE];
             uint32_t far = p[i - 2 * PATCH_STRIDE] + p[i + 2 * PATCH_STRIDE];
             middle[i] = by[0][0] * p[i] + by[0][1] * near + by[0][2] * far;
@@ -215,16 +215,16 @@ TC_INLINE void tc_predict_hl(const tc_codec *c, tc_tile_work *w, int rows)
             outer[i] = by[2][0] * p[i] + by[2][1] * near + by[2][2] * far;
         }
         int32_t *out = &w->hl[j + 1][HL_X];
-        for (int i = -2; i < TC_TILE + 1; i++) {
+        for (int i = -4; i < columns + 4; i++) {
             uint32_t sum = middle[i] + middle[i + 1] + inner[i - 1] + inner[i + 2] + outer[i - 2] + outer[i + 3];
             out[i] = (int32_t)(sum + PREDICT_ROUND) >> TC_PREDICT_BITS;
         }
     }
 }
 
-/* LH of the tile's first `rows` rows, once HL is reconstructed; arranged likewise: one sum for the column itself, one for
+/* LH of the same columns and rows, once HL is reconstructed; arranged likewise: one sum for the column itself, one for
  * the two beside it, one for the outer two. */
-TC_INLINE void tc_predict_lh(const tc_codec *c, tc_tile_work *w, int rows)
+TC_INLINE void tc_predict_lh(const tc_codec *c, tc_tile_work *w, int columns, int rows)
 {
     uint32_t g[TC_PREDICT], row[5][PATCH_STRIDE];
     for (int k = 0; k < TC_PREDICT; k++)
@@ -241,19 +241,19 @@ TC_INLINE void tc_predict_lh(const tc_codec *c, tc_tile_work *w, int rows)
         const uint32_t *p = (const uint32_t *)patch_at(w, 0, j);
         const uint32_t *h1 = (const uint32_t *)&w->hl[j + 1][HL_X], *h2 = h1 + HL_STRIDE;
         const uint32_t *h0 = h1 - HL_STRIDE, *h3 = h2 + HL_STRIDE;
-        for (int i = -2; i < TC_TILE + 2; i++) {
+        for (int i = -4; i < columns + 4; i++) {
             uint32_t near = p[i] + p[i + PATCH_STRIDE], middle = p[i - PATCH_STRIDE] + p[i + 2 * PATCH_STRIDE];
             uint32_t far = p[i - 2 * PATCH_STRIDE] + p[i + 3 * PATCH_STRIDE];
             own[i] = by[0][0] * near + by[0][1] * middle + by[0][2] * far;
             inner[i] = by[1][0] * near + by[1][1] * middle + by[1][2] * far;
             outer[i] = by[2][0] * near + by[2][1] * middle + by[2][2] * far;
         }
-        for (int i = -2; i < TC_TILE + 1; i++) {
+        for (int i = -4; i < columns + 4; i++) {
             uint32_t close = h1[i] + h2[i], distant = h0[i] + h3[i];
             beside[i] = g[8] * close + g[10] * distant, off[i] = g[9] * close + g[11] * distant;
         }
         int32_t *out = w->pred[j];
-        for (int i = 0; i < TC_TILE; i++) {
+        for (int i = 0; i < columns; i++) {
             uint32_t sum = own[i] + inner[i - 1] + inner[i + 1] + outer[i - 2] + outer[i + 2];
             sum += beside[i - 1] + beside[i] + off[i - 2] + off[i + 1];
             out[i] = (int32_t)(sum + PREDICT_ROUND) >> TC_PREDICT_BITS;

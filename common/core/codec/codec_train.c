@@ -125,7 +125,7 @@ static void train_lh(trainer *t)
         tc_rect tile = tile_rect(t, k);
         int columns, rows;
         tc_tile_load(t->codec, tile, TC_TILE, &t->tile[k].coarse, t->work);
-        tc_predict_hl(t->codec, t->work, TC_TILE);
+        tc_predict_hl(t->codec, t->work, TC_TILE, TC_TILE);
         tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
         for (int j = 0; j < rows; j++)
             for (int i = 0; i < columns; i++) { /* about what the decoder will have */

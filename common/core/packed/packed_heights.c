@@ -72,8 +72,8 @@ static void clear_rect(tc_rect rect, int64_t width, const tc_plane *to)
 }
 
 /* As copy_tile() of what decoding the tile would give. */
-static void predict_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_plane *coarse,
-                         const tile_planes *to, scratch *s)
+static void predict_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_plane *coarse, const tile_planes *to,
+                         scratch *s)
 {
     tc_rect all = to->band[0].rect;
     int64_t cw = tc_coarse_size(c->level.width);

@@ -19,7 +19,7 @@ enum {
     MASK_SIDE = 2 * TC_TILE,
     MASK_BYTES = 8 << 20,
     /* Samples that are read at once: what they take fits into the second cache. */
-    BLOCK_WIDTH = 256,
+    BLOCK_WIDTH = 512,
     BLOCK_HEIGHT = 256,
     CHUNK_BYTES = 1 << 20,
     AT_ONCE = 2 /* tiles that are decoded */
