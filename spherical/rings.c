@@ -273,12 +273,12 @@ static void rings_destroy(tc_surface *surface)
     free(s);
 }
 
-/* A window holds at least twice the n_phi / 2 samples that the disc of its ring is wide: enough up to the latitude
- * where caps take over. Grids whose coarsest even width is larger need larger ones. */
+/* A window holds at least twice the n_phi / 2 samples that the disc of its ring is wide, less one: enough up to the
+ * latitude where caps take over. Grids whose coarsest even width is larger need larger ones. */
 static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_error *error)
 {
     int n = 63;
-    while (n < 2047 && (2 * (n + 1) <= s->geometry.n_phi || n < o->n))
+    while (n < TC_CLIPMAP_MAX_N && (n + 1 < s->geometry.n_phi || n < o->n))
         n = 2 * n + 1;
     if (s->atlas->chart[0].wraps && n < 255)
         n = 255; /* > TC_MOST_ODD */
@@ -323,7 +323,8 @@ int tc_rings_steps(int n_phi)
 
 int tc_rings_n_phi_for(const tc_camera *camera)
 {
-    return (int)fmax(tc_clipmap_n_for(camera) + 1, 512);
+    enum { LEAST = 512, MOST = 1024 }; /* indices leave 2048 too few steps outwards */
+    return (int)fmin(fmax(tc_clipmap_n_for(camera) + 1, LEAST), MOST);
 }
 
 /* Levels of rings down to centimetres. */

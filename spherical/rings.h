@@ -31,8 +31,8 @@ typedef struct tc_rings_options {
  * indices allow. 40 for 512. */
 int tc_rings_steps(int n_phi);
 
-/* Steps around for a frame: as many as a window of squares has samples a side (tc_clipmap_n_for(), and one more), and
- * 512 at least. So windows are no larger than shading makes them. */
+/* Steps around for a frame: as many as a window of squares has samples a side (tc_clipmap_n_for(), and one more), but
+ * 512 or 1024. So windows are no larger than shading makes them. */
 int tc_rings_n_phi_for(const tc_camera *camera);
 
 /* A surface over an atlas, which must outlive it; it makes and owns the clipmaps of the charts. */

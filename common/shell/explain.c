@@ -58,7 +58,7 @@ static void add_frame(const tc_renderer_use *use, tc_left_out *list)
             levels);
     }
     if (unseen > 0)
-        add(list, "%d of %d charts: out of sight", unseen, use->surface->charts);
+        add(list, "%d of %d charts: not in sight so far", unseen, use->surface->charts);
     if (use->textures->layers < layers)
         add(list, "%d of %d layers of vertex textures: no view has asked for them", layers - use->textures->layers,
             layers);
@@ -111,7 +111,7 @@ static void print_frame(const tc_renderer_use *use, FILE *file)
     for (int chart = 0; sphere && chart < surface->charts; chart++)
         fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, surface->layers[chart],
                 tc_clipmap_levels(surface->clipmap[chart]));
-    fprintf(file, "uses: levels: %d of %d updated\n", held, all);
+    fprintf(file, "uses: levels: %d of %d hold samples\n", held, all);
     fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "rings" : "levels", f->levels_active,
             f->levels_active + f->levels_fine + f->levels_beyond);
     fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "sectors" : "blocks", f->blocks, f->blocks_unculled);

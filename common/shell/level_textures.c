@@ -23,6 +23,8 @@ static tc_status create(const tc_gl *gl, const tc_surface *surface, int layers, 
 {
     const tc_clipmap *clipmap = surface->clipmap[0];
     int size = tc_clipmap_n(clipmap) + 1;
+    while (gl->GetError() != GL_NO_ERROR) /* what went wrong before is none of ours */
+        ;
     size_t texels = (size_t)size * (size_t)size * (size_t)layers;
     tc_level_textures t = {.heights = array_texture(gl, GL_RG32F, size, layers, GL_NEAREST),
                            .size = size,
@@ -37,9 +39,12 @@ static tc_status create(const tc_gl *gl, const tc_surface *surface, int layers, 
         t.voids = array_texture(gl, GL_R8, size, layers, GL_NEAREST);
         t.void_bytes = texels;
     }
-    *textures_ret = t;
-    if (gl->GetError() != GL_NO_ERROR)
+    if (gl->GetError() != GL_NO_ERROR) {
+        tc_level_textures_destroy(gl, &t);
+        *textures_ret = (tc_level_textures){0};
         return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", layers, size, size);
+    }
+    *textures_ret = t;
     return TC_OK;
 }
 

@@ -176,7 +176,7 @@ static const struct row {
       read_scheme, offsetof(tc_options, scheme)}},
     {GLOBE,
      {0, "n", "N", "a multiple of 32 of 64..2048",
-      "steps of a ring around the viewer (by the frame's width, at least 512; in a window on a software renderer 256)",
+      "steps of a ring around the viewer (by the frame's width, 512 or 1024; in a window on a software renderer 256)",
       read_n_phi, offsetof(tc_options, n)}},
     {GLOBE,
      {0, "steps", "M", "an even number of 4..64",

@@ -126,7 +126,7 @@ done
 accepts '' $viewer metres.tif --explain $picture
 grep -q '^left out: void mask: no holes' stdout.txt || fail "--explain prints $(cat stdout.txt)"
 for line in 'shaders: terrain: .*renderer\.frag; .*LIT' 'texture: heights: RG32F, [0-9]+ x [0-9]+ x [0-9]+, [0-9]+ bytes' \
-    'texture: normals: ' 'levels: [0-9]+ of [0-9]+ updated' 'levels: [0-9]+ of [0-9]+ drawn' \
+    'texture: normals: ' 'levels: [0-9]+ of [0-9]+ hold samples' 'levels: [0-9]+ of [0-9]+ drawn' \
     'blocks: [0-9]+ of [0-9]+ drawn' 'library: GDAL' 'threads: drawing; [0-9]+ of the driver'; do
     grep -Eq "^uses: $line" stdout.txt || fail "--explain does not tell of $line"
 done

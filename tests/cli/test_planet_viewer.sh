@@ -73,7 +73,7 @@ grep -Eq '^uses: rings: [0-9]+ of [0-9]+ drawn' stdout.txt && grep -Eq '^uses: s
 for place in '10,5,200,30,-5 1 2' '10,89.9,200,30,-5 0 2' '10,-89.9,200,30,-5 0 1'; do
     set -- $place
     run $globe globe.tif --size 96x64 -o out/picture.png --explain "--view=$1"
-    [ $rc = 0 ] && grep -q '^left out: 2 of 3 charts: out of sight' stdout.txt &&
+    [ $rc = 0 ] && grep -q '^left out: 2 of 3 charts: not in sight so far' stdout.txt &&
         [ $(grep -Ec "^uses: chart [$2$3]: 0 of" stdout.txt) = 2 ] || fail "--explain at $1: $(cat stdout.txt)"
 done
 rm -rf out && mkdir out

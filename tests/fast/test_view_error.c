@@ -101,7 +101,7 @@ static void steps_follow_from_the_frame(void **state)
         int width;
         double fov;
         int n_phi;
-    } frame[] = {{160, 90, 512}, {640, 90, 512}, {640, 60, 512}, {1280, 75, 512}, {1920, 75, 1024}, {3840, 40, 2048}};
+    } frame[] = {{160, 90, 512}, {640, 90, 512}, {640, 60, 512}, {1280, 75, 512}, {1920, 75, 1024}, {3840, 40, 1024}};
     for (int i = 0; i < 6; i++) {
         tc_camera c = {.fov = frame[i].fov * M_PI / 180, .width = frame[i].width, .height = 480};
         assert_int_equal(tc_rings_n_phi_for(&c), frame[i].n_phi);

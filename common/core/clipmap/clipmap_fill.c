@@ -291,7 +291,8 @@ typedef struct normal_source {
     float ix, iy;                /* of the slopes */
     const tc_clip_state *coarse; /* NULL: none */
     float steeper;               /* than the coarser level's normals */
-    int64_t x, y, mask;          /* the first texel */
+    int64_t x, y;                /* the first texel */
+    int64_t mask;                /* of the toroidal rows */
 } normal_source;
 
 static inline void make_normals(const normal_source *from, int64_t count, int8_t (*row)[4])

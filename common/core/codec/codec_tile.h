@@ -189,7 +189,8 @@ TC_INLINE void tc_terms_cross(const tc_tile_work *w, int i, int j, uint32_t t[TC
 
 enum { PREDICT_ROUND = 1 << (TC_PREDICT_BITS - 1) };
 
-/* HL of the tile's first columns, a multiple of 8, and rows, and of two columns and a row around them. The sums of
+/* HL of the tile's first columns, a multiple of 8, and rows, and of what LH asks of them around: columns from -2 on,
+ * rows from -1 to one behind the next. The sums of
  * tc_terms_hl(), in whole rows and in the order in which they take least: every three rows at equal distance make one
  * sum for the two middle columns, one for the two beside them, one for the outer two. Loops that are a multiple of 8
  * long take less than what is needed would, and reach into the padding of rows. */

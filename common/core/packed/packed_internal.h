@@ -18,7 +18,7 @@ enum {
     CACHE_BYTES = 32 << 20,
     MASK_SIDE = 2 * TC_TILE,
     MASK_BYTES = 8 << 20,
-    /* Samples that are read at once: what they take fits into the second cache. */
+    /* Samples that are read at once; about so many, next_cut(). */
     BLOCK_WIDTH = 512,
     BLOCK_HEIGHT = 256,
     CHUNK_BYTES = 1 << 20,

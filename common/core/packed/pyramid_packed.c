@@ -65,11 +65,14 @@ static tc_status read_block(packed_pyramid *p, int l, tc_rect rect, float *z, ui
 }
 
 /* Where a block from x on ends: where the details that it depends on end with a tile, or the next one's would be begun
- * for it, and the coarser level be made around that; but what is little longer stays whole. */
+ * for it, and the coarser level be made around that; but what is little longer stays whole, and none is narrow. */
 static int64_t next_cut(int64_t x, int64_t end, int64_t most)
 {
     enum { BEFORE = 2 * TC_LIFTING_REACH };
-    return end - x <= most + most / 4 ? end : (x + BEFORE + most) / most * most - BEFORE;
+    if (end - x <= most + most / 4)
+        return end;
+    int64_t cut = (x + BEFORE + most) / most * most - BEFORE;
+    return cut - x < most / 4 ? cut + most : cut;
 }
 
 static tc_status packed_read(const tc_pyramid *pyramid, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
