@@ -74,9 +74,7 @@ static double texel_error(const rings_surface *s, const captured_vertex *v, cons
 {
     const tc_clipmap *clipmap = s->head.clipmap[chart];
     const tc_chart *c = &s->atlas->chart[chart];
-    int first = 0, layer = (int)v->map[chart][2];
-    for (int k = 0; k < chart; k++)
-        first += tc_clipmap_levels(s->head.clipmap[k]);
+    int first = tc_surface_first_layer(&s->head, chart), layer = (int)v->map[chart][2];
     if (layer < 0)
         return 0;
     int shift = tc_clipmap_level(clipmap, layer - first + 1)->shift;
