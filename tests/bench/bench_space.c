@@ -125,13 +125,15 @@ static bool measure(const measure_options *o, const dataset *d)
                d->name, raw, packed.bytes, 8 * packed.bytes / samples, e.rms, h.levels, h.clip_heights, h.clip_normals,
                h.gpu_heights, h.gpu_normals, h.geometry, h.pyramid, h.resident_start / 1048576,
                h.resident_context / 1048576, h.resident_view / 1048576, view / raw);
-        if (o->csv)
+        if (o->csv) {
+            measure_put_text(o->csv, d->name);
             fprintf(o->csv,
-                    "%s,%lld,%lld,%d,%.0f,%.0f,%.5f,%.3f,%.2f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.5f\n",
-                    d->name, (long long)grid.width, (long long)grid.height, h.levels, raw, packed.bytes,
+                    ",%lld,%lld,%d,%.0f,%.0f,%.5f,%.3f,%.2f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.5f\n",
+                    (long long)grid.width, (long long)grid.height, h.levels, raw, packed.bytes,
                     8 * packed.bytes / samples, e.rms, e.max, h.clip_heights, h.clip_normals, h.gpu_heights,
                     h.gpu_normals, h.geometry, h.pyramid, view, h.resident_start, h.resident_context, h.resident_view,
                     view / raw);
+        }
     }
     fflush(stdout);
     tc_grid_free(&grid);
