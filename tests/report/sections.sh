@@ -102,7 +102,7 @@ part_error() {
     echo "$legend"
     panels 3 ms 'milliseconds a frame'
     echo '<p class="grey">Errors below those of all schemes are drawn at the lower edge. Times are
- medians of repeated views whose windows are held.</p>'
+ medians of repeated views whose windows are held, and their means over the places looked from.</p>'
     echo '<details><summary>The same against triangles</summary>'
     panels 6 tris 'triangles drawn'
     echo '</details><h3>The fronts</h3><p>Rows that no other row of their scene beats in both time and error. Marked: from 1 px
