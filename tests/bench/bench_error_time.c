@@ -4,8 +4,9 @@
  * Flat terrains by squares, with and without morph; planets by rings with both map transforms; and the full-resolution
  * mesh of each (plain_mesh.h), whose error is measured like the others'. From four heights, at two places (--quick:
  * one), whose pixels are counted together. Errors are view_error.h's. Frames repeat a view whose windows are held;
- * times of the first view of a new scene, and what it loads, are in frames.csv. Marked with * on the terminal: no other
- * row of the scene is both faster and nearer to the truth (99.9th percentile). */
+ * median and spread are each place's, and their means are in the tables: a spread is that of repeating, not that of
+ * views. Times of the first view of a new scene, and what it loads, are in frames.csv. Marked with * on the terminal:
+ * no other row of the scene is both faster and nearer to the truth (99.9th percentile). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +16,7 @@
 #include "tests/support/measured.h"
 #include "tests/support/plain_mesh.h"
 
-enum { MOST_ROWS = 64, MOST_FRAMES = 5, MOST_VALUES = MOST_FRAMES * MEASURED_PLACES };
+enum { MOST_ROWS = 64, MOST_FRAMES = 5 };
 
 typedef struct row {
     char scene[112];
@@ -98,10 +99,19 @@ static void first_view(scene *s, const tc_camera *c, row *r)
     } while (!v.stats.resident);
 }
 
+/* Adds a place's times to the mean of all. */
+static void add_place(const bench *b, double *ms, int count, measure_spread *mean)
+{
+    measure_spread place = measure_of(ms, count);
+    mean->median += place.median / b->places;
+    mean->low += place.low / b->places, mean->high += place.high / b->places;
+    mean->count += count;
+}
+
 /* All places from one height. */
 static void measure_row(bench *b, const measured *m, int height, scene *s, row *r)
 {
-    double ms[MOST_VALUES];
+    double ms[MOST_FRAMES];
     tc_error_stats e;
     if (tc_error_stats_init(&e))
         exit(99);
@@ -109,12 +119,12 @@ static void measure_row(bench *b, const measured *m, int height, scene *s, row *
         tc_camera c = measured_camera(m, height, p, b->width, b->height);
         scene_view v = {s, &c, scene_draw(s, &c, true)};
         add_error(m, &c, s->surface->near_plane, planet_depth(s, &c), &e);
-        frame_clock_repeat(&b->clock, draw_scene, &v, b->frames, ms + p * b->frames);
+        frame_clock_repeat(&b->clock, draw_scene, &v, b->frames, ms);
+        add_place(b, ms, b->frames, &r->frame);
         r->triangles += v.stats.triangles / b->places;
         r->draws = v.stats.draws > r->draws ? v.stats.draws : r->draws;
         r->levels = v.stats.levels_active > r->levels ? v.stats.levels_active : r->levels;
     }
-    r->frame = measure_of(ms, b->places * b->frames);
     set_error(r, &e);
 }
 
@@ -139,7 +149,7 @@ static void draw_mesh(void *context, bool finish)
 static double measure_brute(bench *b, const measured *m, int height)
 {
     const tc_gl *gl = tc_context_gl(b->context);
-    double near_plane = m->round ? 1e-3 * fmin(1, m->planet.atlas.radius * 1e-3) : 1e-4, ms[MOST_VALUES];
+    double near_plane = m->round ? 1e-3 * fmin(1, m->planet.atlas.radius * 1e-3) : 1e-4, ms[MOST_FRAMES];
     int frames = b->clock.gpu ? b->frames : b->options.quick ? 1 : 2;
     tc_error_stats e;
     if (tc_error_stats_init(&e))
@@ -159,11 +169,11 @@ static double measure_brute(bench *b, const measured *m, int height)
         mesh_view v = {gl, &mesh, &c, near_plane};
         draw_mesh(&v, true);
         add_error(m, &c, near_plane, plain_depth(gl, &mesh), &e);
-        frame_clock_repeat(&b->clock, draw_mesh, &v, frames, ms + p * frames);
+        frame_clock_repeat(&b->clock, draw_mesh, &v, frames, ms);
+        add_place(b, ms, frames, &r->frame);
         r->triangles = mesh.triangles, r->draws = mesh.strip_draws;
         plain_destroy(gl, &mesh);
     }
-    r->frame = measure_of(ms, b->places * frames);
     r->brute_ms = r->frame.median;
     set_error(r, &e);
     return r->brute_ms;

@@ -35,9 +35,11 @@ static bool measure(const measure_options *o, const dataset *d)
         printf("%-40s %5d %9g %9.3f %9.3f %9.2f %9.4f %9.3f %8.2f%s\n", d->name, l, e.spacing_m, e.rms_m, e.p999_m,
                e.max_m, e.rms_px, e.p999_px, e.max_px, within ? "" : "   <- above the bar");
         fflush(stdout);
-        if (o->csv)
-            fprintf(o->csv, "%s,%d,%g,%.3f,%.3f,%.2f,%.4f,%.3f,%.2f\n", d->name, l, e.spacing_m, e.rms_m, e.p999_m,
-                    e.max_m, e.rms_px, e.p999_px, e.max_px);
+        if (!o->csv)
+            continue;
+        measure_put_text(o->csv, d->name);
+        fprintf(o->csv, ",%d,%g,%.3f,%.3f,%.2f,%.4f,%.3f,%.2f\n", l, e.spacing_m, e.rms_m, e.p999_m, e.max_m, e.rms_px,
+                e.p999_px, e.max_px);
     }
     tc_clipmap_destroy(c);
     tc_pyramid_destroy(p);

@@ -110,7 +110,8 @@ static void write_row(const table *t, const rate_row *row, const coded *c, bool 
     fflush(stdout);
     if (!t->csv)
         return;
-    fprintf(t->csv, "%s,%s,%s", t->names[row->terrain], row->coder->name, mode_name(c));
+    measure_put_text(t->csv, t->names[row->terrain]);
+    fprintf(t->csv, ",%s,%s", row->coder->name, mode_name(c));
     csv_number(t->csv, "%.6g", row->bits), csv_number(t->csv, "%.6g", row->rms);
     csv_number(t->csv, "%.6g", row->max), csv_number(t->csv, "%.4g", row->encode);
     csv_number(t->csv, "%.4g", row->decode), csv_number(t->csv, "%.4g", row->roi);

@@ -49,11 +49,12 @@ Kind,"quick"
 Processor,"$hostile"
 END
 cat >folder/runs.csv <<END
-name,state,code,seconds,cpu_seconds,command,reason
-error_time,done,0,12,9.5,"bench_error_time --csv <file>",""
-update,failed,3,1,1,"bench_update","exit code 3; its last line: $hostile"
-scaling,skipped,0,1,1,"bench_scaling","no rows; its last line: no context"
-fidelity,missing,,0,0,"bench_fidelity","there is no program bench_fidelity"
+name,state,code,seconds,cpu_seconds,command,reason,renderer
+error_time,done,0,12,9.5,"bench_error_time --csv <file>","","egl-device, <fast>"
+update,failed,3,1,1,"bench_update","exit code 3; its last line: $hostile",""
+scaling,skipped,0,1,1,"bench_scaling","no rows; its last line: no context",""
+fidelity,missing,,0,0,"bench_fidelity","there is no program bench_fidelity",""
+left_out,done,0,1,1,"bench_left_out","","osmesa, llvmpipe"
 END
 {
     echo scene,scheme,n,triangles,frame_ms,brute_ms,err_rms_px,err_p999_px,err_max_px
@@ -85,6 +86,9 @@ printf '%s\n' "$columns" '"heights","needle, tall","cracks","0","0","passed","a 
     >folder/extreme/heights.csv
 printf '%s\n' "$columns" '"sizes","1x1","cracks","7","0","FAILED","<b>bold</b>"' \
     '"sizes","huge","refused","out of memory","out of memory","refused","x"' >folder/extreme/sizes.csv
+printf 'scene,feature,saved_ms,saved_bytes\nflat,sky,2.5,1000\n' >folder/left_out.csv
+printf '%s\n' scene,scheme,all,to_pixel,to_horizon,drawn,paper near,rings,900000,600000,500000,100000,330000 \
+    far,rings,900000,80000,70000,60000,100000 >folder/triangles.csv
 printf 'A scene\n$ viewer <file>\nleft out: <nothing>\n' >folder/explain/1.txt
 
 makes_page
@@ -102,6 +106,10 @@ holds 'Not everything was measured: update failed, fidelity missing' 'the summar
 holds '<tr class="bad"><td>sizes</td>' 'a failed case'
 holds '1 failed</b><span>1 passed, 1 refused' 'the count of cases'
 holds '<pre>\$ viewer &lt;file&gt;' '--explain'
+holds 'took 12 s, 9.5 s of processor &middot; OpenGL: egl-device, &lt;fast&gt;' 'what drew'
+holds 'milliseconds of a frame, processor time of all threads' 'the unit of what was left out'
+holds '2.50 ms, 1000 B</b><span>processor time of a frame, all threads: sky, flat' 'what was left out'
+holds '1 of 2</b><span>500,000 to the horizon, CH06&#39;s 330,000, 100,000 drawn' 'triangles to the horizon, not drawn ones'
 holds '13.3 times' 'the median against brute force' # 400 / 30
 holds '0.250 px in 30.0 ms</b><span>worst 99.9 % at n = 255' 'the worst error'
 lacks 'No plot' 'plots'
@@ -115,6 +123,12 @@ front=$(sed -n '/The fronts/,/All rows/p' "$page")
 cases=$((cases + 2))
 printf '%s' "$front" | grep -q '>127<' || fail 'a row of the front is missing'
 ! printf '%s' "$front" | grep -q '>511<' || fail 'a row that another beats in both is in the front'
+
+# A crash is no success, whatever rows it left before.
+printf '%s\n' 'extreme_planet,failed,139,1,1,"extreme_planet","exit code 139",""' >>folder/runs.csv
+rm folder/extreme/sizes.csv
+makes_page
+holds 'tile missed"><span class="label">Extreme cases</span><b>1 not finished</b>.*programs that failed: planet;' 'a crash'
 
 # What a table lacks is said, and plots without data do not stop the page.
 printf 'level,variant\n1,exact\n' >folder/precision.csv
@@ -141,25 +155,31 @@ program() { # NAME TEXT
     chmod +x "made/$1"
 }
 for name in terraclip planar-viewer planet-viewer; do program $name 'echo "$0 $*"'; done
-program tests/bench_precision 'echo "$*" >arguments.txt
+program tests/bench_precision 'echo "$*" >arguments.txt; echo "OpenGL: osmesa, soft"
+echo "$TERRACLIP_BUILD $MESA_SHADER_CACHE_DISABLE" >environment.txt
 i=0
 while [ $i -lt 300000 ]; do i=$((i + 1)); done
 printf "level,variant,err_over_radius,err_px\n1,exact,1e-7,2e-4\n" >"$3"; echo done'
 program tests/bench_update 'echo step,us >"$3"; echo "cannot <open> it" >&2; exit 3'
+program tests/bench_lod_error 'exit 137'
 program tests/bench_space 'echo terrain >"$3"; echo "skipped: no context"'
 program tests/extreme_heights "printf '%s\\n' $columns heights,a,b,1,0,FAILED,c \\
     >\"\$TERRACLIP_EXTREME/heights.csv\"; exit 1"
+program tests/extreme_depth 'exit 137' # as where memory runs out: not a lack of time
 page=made/report/index.html
 run sh "$report/report.sh" made quick
 [ $rc = 1 ] || fail "a report with failures ends with $rc instead of 1"
-for line in 'precision,done,0,[0-9]+,[0-9]*[.]?[0-9]*[1-9]' 'update,failed,3,.*its last line: cannot <open> it' \
+for line in 'precision,done,0,[0-9]+,[0-9]*[.]?[0-9]*[1-9],.*,"osmesa, soft"$' 'lod_error,failed,137,.*exit code 137' \
+    'update,failed,3,.*its last line: cannot <open> it' \
     'space,skipped,0,.*no context' \
-    'error_time,missing,' 'explain,done,' 'extreme_heights,failed,1,'; do
+    'error_time,missing,' 'explain,done,' 'extreme_heights,failed,1,' \
+    'extreme_depth,failed,137,.*exit code 137'; do
     cases=$((cases + 1))
     grep -Eq "^$line" made/report/runs.csv || fail "runs.csv does not hold $line: $(cat made/report/runs.csv)"
 done
-cases=$((cases + 2))
+cases=$((cases + 3))
 [ "$(cat arguments.txt)" = '--quick --csv made/report/precision.csv' ] || fail "arguments: $(cat arguments.txt)"
+[ "$(cat environment.txt)" = 'made true' ] || fail "environment: $(cat environment.txt)"
 [ -s made/extreme/heights.csv ] || fail 'rows of extreme cases are not kept'
 is_whole 'a measured page'
 holds 'exit code 3; its last line: cannot &lt;open&gt; it' 'a failed program'

@@ -47,9 +47,10 @@ FNR == 1 {
         }
         if (f[at["n"]] == 127)
             note("frames a second at n = 127", 1000 / ms, where)
-    } else if ("drawn" in at && ("paper" in at)) {
+    } else if ("to_horizon" in at && ("paper" in at)) {
         if (f[at["scheme"]] == "rings")
-            note("triangles " f[at["paper"]], f[at["drawn"]], "drawn, " f[at["scene"]])
+            note("triangles " f[at["paper"]], f[at["to_horizon"]],
+                 f[at["scene"]] ": down to a pixel and to the horizon; of them drawn " grouped(f[at["drawn"]]))
     }
 }
 

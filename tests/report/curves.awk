@@ -1,7 +1,7 @@
 # curves.awk - curves out of a table: awk -v group=COLUMN -v series=COLUMN[+COLUMN^] -v x=COLUMN -v y=COLUMN
-# -v out=PREFIX [-v only=COLUMN=REGEX] [-v positive=1]; COLUMN^ is its first word. For each value of `group` ("": one
-# plot of all) PREFIX.N has its curves as curves.gp wants them, sorted by x; PREFIX.list says N|number of curves|
-# largest over smallest x|the same of y|value. Rows without both numbers, or, positive, not above 0, are left out.
+# -v out=PREFIX [-v positive=1]; COLUMN^ is its first word. For each value of `group` ("": one plot of all) PREFIX.N has
+# its curves as curves.gp wants them, sorted by x; PREFIX.list says N|number of curves|largest over smallest x|the same
+# of y|value. Rows without both numbers, or, positive, not above 0, are left out.
 FNR == 1 {
     csv_header($0, at)
     parts = split(series, part, "+")
@@ -22,11 +22,6 @@ FNR == 1 {
     a = f[at[x]]; b = f[at[y]]
     if (!is_number(a) || !is_number(b) || (positive && (a + 0 <= 0 || b + 0 <= 0)))
         next
-    if (only != "") {
-        split(only, want, "=")
-        if (f[at[want[1]]] !~ want[2])
-            next
-    }
     g = group == "" ? "" : f[at[group]]
     s = ""
     for (i = 1; i <= parts; i++)

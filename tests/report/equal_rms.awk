@@ -1,5 +1,5 @@
 # equal_rms.awk - our bits at each of our rms against every other codec's there.
-FNR == 1 { csv_header($0, at); print "dataset,rms_m,bits,codec,theirs,saved"; next }
+FNR == 1 { csv_header($0, at); print "dataset,rms_m,bits,codec,theirs,difference"; next }
 /./ {
     split("", f)
     csv_split($0, f)

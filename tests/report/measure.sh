@@ -1,7 +1,8 @@
 #!/bin/sh
 # The measuring half of the report: measure.sh BUILD quick|full OUT. Runs every measurement program, one after the other
 # and whatever becomes of the one before, and leaves in OUT their CSV files and logs and
-#     runs.csv      name,state,code,seconds,cpu_seconds,command,reason     state: done, failed, missing, skipped, old
+#     runs.csv      name,state,code,seconds,cpu_seconds,command,reason,renderer
+#                   state: done, failed, missing, skipped, old; renderer: what drew, as the program says
 #     machine.csv   key,value
 #     explain/      what the viewers say they left out, a file a scene: the command, then its output
 #     extreme/      rows of the extreme cases
@@ -10,6 +11,7 @@ set -u
 build=$1 mode=$2 out=$3 here=${0%/*}
 failed=0 number=0
 trap 'echo stopped; exit 130' INT TERM
+export MESA_SHADER_CACHE_DISABLE=true TERRACLIP_BUILD="$build"
 quick= limit=1500 # seconds after which a program counts as hanging
 [ "$mode" = quick ] && quick=--quick limit=600
 all=${TERRACLIP_REPORT_SECONDS:-170} # of a quick report: what is left of them the extreme cases may take
@@ -31,8 +33,12 @@ record() { # NAME STATE CODE COMMAND REASON
     before=$cpu
     see_cpu
     processor=$(awk -v before="$before" -v after="$cpu" 'BEGIN { printf "%.1f", after - before }')
-    printf '%s,%s,%s,%s,%s,%s,%s\n' "$1" "$2" "$3" $(($(date +%s) - begin)) "$processor" "$(quoted "$4")" \
-        "$(quoted "$5")" >>"$out/runs.csv"
+    renderer=
+    case $2 in
+    'done' | failed) renderer=$(sed -n 's/^OpenGL: //p' "$out/logs/$1.log" 2>/dev/null | head -n 1) ;;
+    esac
+    printf '%s,%s,%s,%s,%s,%s,%s,%s\n' "$1" "$2" "$3" $(($(date +%s) - begin)) "$processor" "$(quoted "$4")" \
+        "$(quoted "$5")" "$(quoted "$renderer")" >>"$out/runs.csv"
     case $2 in failed | missing) failed=1 ;; esac
     printf '%s in %d s (%s s of processor)%s\n' "$2" $(($(date +%s) - begin)) "$processor" "${5:+: $5}"
 }
@@ -45,6 +51,11 @@ announce() { # NAME
 
 last_line() { # FILE
     grep -v '^[[:space:]]*$' "$1" | tail -n 1 | cut -c 1-300
+}
+
+# Whether the program was stopped for its time. The kernel, too, ends one with 137, where memory runs out.
+hung() { # CODE SECONDS
+    case $1 in 124 | 137) [ $(($(date +%s) - begin)) -ge "$2" ] ;; *) false ;; esac
 }
 
 # A program of tests/bench/, whose first table is CSV. It may write others beside it.
@@ -60,16 +71,15 @@ bench() { # NAME CSV...
     fi
     timeout --foreground -k 10 $limit "$program" $quick --csv "$out/$csv" >"$log" 2>&1 </dev/null
     code=$?
-    case $code in
-    0)
-        if [ "$(wc -l <"$out/$csv" 2>/dev/null || echo 0)" -gt 1 ]; then
-            record "$name" 'done' 0 "$command" ''
-        else
-            record "$name" skipped 0 "$command" "no rows; its last line: $(last_line "$log")"
-        fi ;;
-    124 | 137) record "$name" failed $code "$command" "stopped after $limit s" ;;
-    *) record "$name" failed $code "$command" "exit code $code; its last line: $(last_line "$log")" ;;
-    esac
+    if hung $code $limit; then
+        record "$name" failed $code "$command" "stopped after $limit s"
+    elif [ $code != 0 ]; then
+        record "$name" failed $code "$command" "exit code $code; its last line: $(last_line "$log")"
+    elif [ "$(wc -l <"$out/$csv" 2>/dev/null || echo 0)" -gt 1 ]; then
+        record "$name" 'done' 0 "$command" ''
+    else
+        record "$name" skipped 0 "$command" "no rows; its last line: $(last_line "$log")"
+    fi
 }
 
 # ---- The machine -----------------------------------------------------------------------------------------------------
@@ -85,7 +95,7 @@ machine() {
     load='what else is running makes times longer, not errors'
     echo key,value
     while IFS='|' read -r key value; do
-        echo "$key,$(quoted "${value:-unknown}")"
+        printf '%s,%s\n' "$key" "$(quoted "${value:-unknown}")"
     done <<END
 Date|$(date -u '+%Y-%m-%d %H:%M:%S UTC')
 Kind|$mode
@@ -159,8 +169,7 @@ extreme() { # PROGRAM
         TERRACLIP_EXTREME=$new timeout --foreground -k 10 $most "$1" >"$out/logs/extreme_$family.log" 2>&1 </dev/null
         code=$?
     fi
-    case $code in
-    124 | 137)
+    if hung $code $most; then
         if [ -z "$quick" ]; then
             record "extreme_$family" failed $code "$command" "stopped after $most s"
         elif [ -s "$old/$family.csv" ]; then
@@ -169,16 +178,18 @@ extreme() { # PROGRAM
         else
             record "extreme_$family" skipped '' "$command" 'did not fit into the time: make test-extreme'
         fi
-        return ;;
-    0) record "extreme_$family" 'done' 0 "$command" '' ;;
-    *) record "extreme_$family" failed $code "$command" \
-        "exit code $code; its last line: $(last_line "$out/logs/extreme_$family.log")" ;;
-    esac
+        return
+    elif [ $code = 0 ]; then
+        record "extreme_$family" 'done' 0 "$command" ''
+    else
+        record "extreme_$family" failed $code "$command" \
+            "exit code $code; its last line: $(last_line "$out/logs/extreme_$family.log")"
+    fi
     for csv in "$new"/*.csv; do [ ! -e "$csv" ] || mv "$csv" "$old/"; done
 }
 
 mkdir -p "$out/logs" || exit 1
-echo name,state,code,seconds,cpu_seconds,command,reason >"$out/runs.csv"
+echo name,state,code,seconds,cpu_seconds,command,reason,renderer >"$out/runs.csv"
 "$build/terraclip" synth --size 65 -o "$out/logs/renderer.tif" -q >/dev/null 2>&1
 timeout --foreground 60 "$build/planar-viewer" "$out/logs/renderer.tif" -v --size 16x16 -o "$out/logs/renderer.png" \
     >"$out/logs/renderer.log" 2>&1 </dev/null

@@ -34,6 +34,8 @@ ran() { # NAME
     printf '<p class="command">Again: <code>%s</code>' "$(run_field "$1" command | escaped)"
     [ -z "$state" ] || printf ' &middot; took %s s, %s s of processor' \
         "$(run_field "$1" seconds | escaped)" "$(run_field "$1" cpu_seconds | escaped)"
+    renderer=$(run_field "$1" renderer | escaped)
+    [ -z "$renderer" ] || printf ' &middot; OpenGL: %s' "$renderer"
     echo '</p>'
     case $state in
     'done') ;;

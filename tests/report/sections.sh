@@ -8,9 +8,13 @@ gp() { # TEXT: as a string of gnuplot
 
 # The papers' figures of one table, and what we have beside them.
 papers() { # PAPER TABLE
-    awk -v paper="$1" -v table="$2" -v papers="$here/papers.csv" -f "$here/csv.awk" -f "$here/compare.awk" \
-        $(for f in update error_time frames triangles space rate_distortion precision; do
-            [ ! -f "$out/$f.csv" ] || echo "$out/$f.csv"; done) "$here/papers.csv" >"$work/papers.csv"
+    of_paper=$1 of_table=$2
+    set --
+    for f in update error_time frames triangles space rate_distortion precision; do
+        [ ! -f "$out/$f.csv" ] || set -- "$@" "$out/$f.csv"
+    done
+    awk -v paper="$of_paper" -v table="$of_table" -v papers="$here/papers.csv" -f "$here/csv.awk" \
+        -f "$here/compare.awk" "$@" "$here/papers.csv" >"$work/papers.csv"
     table "$work/papers.csv" 'columns=row=Paper;value=Paper has:given;unit=Unit;ours=We have:4;
         remark=Where ours is from;where=Where the paper'"'"'s figure was found'
 }
@@ -52,7 +56,7 @@ part_summary() {
     for f in error_time fidelity lod_error precision update triangles space rate_distortion scaling left_out; do
         ! has_rows "$out/$f.csv" || set -- "$@" "$out/$f.csv"
     done
-    for f in "$out"/extreme/*.csv; do [ ! -e "$f" ] || set -- "$@" "$f"; done
+    for f in "$out"/extreme/*.csv "$out/runs.csv"; do [ ! -e "$f" ] || set -- "$@" "$f"; done
     awk -f "$here/csv.awk" -f "$here/rates.awk" -f "$here/headlines.awk" "$@" /dev/null
     echo '</div>'
     wrong=$(awk -f "$here/csv.awk" -f "$here/wrong.awk" "$out/runs.csv" 2>/dev/null)
@@ -98,7 +102,7 @@ part_error() {
     echo "$legend"
     panels 3 ms 'milliseconds a frame'
     echo '<p class="grey">Errors below those of all schemes are drawn at the lower edge. Times are
- medians of repeated views whose windows are held.</p>'
+ medians of repeated views whose windows are held, and their means over the places looked from.</p>'
     echo '<details><summary>The same against triangles</summary>'
     panels 6 tris 'triangles drawn'
     echo '</details><h3>The fronts</h3><p>Rows that no other row of their scene beats in both time and error. Marked: from 1 px
@@ -121,7 +125,6 @@ on.</p>'
 curves() { # ID FILE GROUP SERIES X Y XLABEL YLABEL [NAME=VALUE of curves.awk...] -- [NAME=VALUE of curves.gp...]
     id=$1 file=$2 group=$3 series=$4 x=$5 y=$6 xlabel=$7 ylabel=$8
     shift 8
-    set -- "$@"
     awk_settings=
     while [ "$1" != -- ]; do awk_settings="$awk_settings -v $1"; shift; done
     shift
@@ -184,7 +187,8 @@ part_space() {
     section space 'LH04 table 3: space'
     measured space space.csv || return
     echo '<p>What it takes to show a view with n = 255 from a packed file, which a fresh process opens. "View" is the
-packed file, clipmap, vertex textures and geometry; textures live in main memory on a software renderer.</p>'
+packed file, clipmap, vertex textures, geometry and the caches of what was read and decoded; textures live in
+main memory on a software renderer.</p>'
     table "$out/space.csv" 'columns=terrain=Terrain;width=Samples x:int;height=Samples y:int;
         raw_bytes=Raw (16 bits):bytes;packed_bytes=Packed:bytes;bits_per_sample=Bits a sample:3;rms_m=rms, m:3;
         max_error_m=Largest, m:3;view_bytes=View:bytes;view_over_raw=View / raw:3'
@@ -216,8 +220,8 @@ part_ch06() {
         table "$out/triangles.csv" 'columns=scene=View;scheme=Scheme;all=All levels:int;
             to_pixel=down to a pixel:int;to_horizon=and to the horizon:int;drawn=Drawn:int;paper=CH06:int'
         papers CH06 'section 5.2'
-        echo '<p>CH06 has no culling by direction and 16 levels, to about a metre; ours go on to centimetres, so that
-all levels together are more and what is drawn is what counts.</p>'
+        echo '<p>CH06 has 16 levels, to about a metre, and no culling by direction: its figures compare with those to the
+horizon. Ours go on to centimetres. "Drawn" is what is left of them by direction.</p>'
     fi
     echo '<h3>Precision by level (CH06 figure 12)</h3>'
     measured precision precision.csv || return
@@ -256,7 +260,7 @@ part_compression() {
     echo '<h3>Bytes at equal error</h3><p>Ours against the other codec’s at the rms of ours, interpolated between its
 two nearest points in logarithms; rows where it has none on both sides are left out.</p>'
     table "$work/equal_rms.csv" 'columns=dataset=Terrain;rms_m=rms, m:3;bits=Ours, bits:4;codec=Against;
-        theirs=Its bits:4;saved=Our bytes, %:3' group=1
+        theirs=Its bits:4;difference=Ours against its, %:3' group=1
     echo '<h3>Speed and regions</h3>'
     table "$out/rate_distortion.csv" 'columns=dataset=Terrain;codec=Codec;mode=Mode;bits_per_sample=Bits:4;
         rms_m=rms, m:3;max_error_m=Largest, m:3;encode_msps=Encoding, million samples/s:3;
@@ -300,8 +304,12 @@ part_extreme() {
 part_left_out() {
     section left_out 'What scenes did not pay for'
     if measured left_out left_out.csv; then
-        echo '<p>What each thing would have cost, had it been forced upon the scene: milliseconds of a frame (of
-libraries and threads: once), median of differences, and bytes. Below zero is noise.</p>'
+        clock='the time that passed'
+        case $(run_field left_out renderer) in
+        *llvmpipe* | *softpipe* | *swrast*) clock='processor time of all threads' ;;
+        esac
+        echo "<p>What each thing would have cost, had it been forced upon the scene: milliseconds of a frame, $clock
+(of libraries and threads: once), median of differences, and bytes. Below zero is noise.</p>"
         table "$out/left_out.csv" 'columns=scene=Scene;feature=Left out;saved_ms=Saved, ms:3;
             saved_bytes=Saved, bytes:bytes' group=1
     fi
@@ -328,5 +336,5 @@ part_runs() {
 runs_table() { # REGEX of their names
     sed '1s/state/verdict/' "$out/runs.csv" >"$work/runs.csv"
     table "$work/runs.csv" "only=name=$1" 'columns=name=Name;verdict=State;seconds=Seconds:int;
-        cpu_seconds=of processor:4;command=Command;reason=Reason'
+        cpu_seconds=of processor:4;renderer=OpenGL;command=Command;reason=Reason'
 }

@@ -69,6 +69,21 @@ FILE *measure_beside(const measure_options *options, const char *name, const cha
     return begin_table(path, header);
 }
 
+void measure_put_text(FILE *csv, const char *text)
+{
+    if (!strpbrk(text, ",\"\n\r")) {
+        fputs(text, csv);
+        return;
+    }
+    fputc('"', csv);
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', csv);
+        fputc(*text == '\n' || *text == '\r' ? ' ' : *text, csv);
+    }
+    fputc('"', csv);
+}
+
 int measure_end(measure_options *options)
 {
     bool failed = options->csv && (ferror(options->csv) || fclose(options->csv));

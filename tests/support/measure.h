@@ -28,6 +28,9 @@ measure_options measure_begin(int argc, char **argv, const char *header);
 /* One more table in the folder of the first; NULL where that was not asked for. Closed as a FILE. */
 FILE *measure_beside(const measure_options *options, const char *name, const char *header);
 
+/* A field of such a table: quoted where it holds what a table minds. */
+void measure_put_text(FILE *csv, const char *text);
+
 /* Closes the file. The program's exit code: 1, with a line on stderr, where a row could not be written. */
 int measure_end(measure_options *options);
 

@@ -19,15 +19,12 @@ static void must(tc_status status, const tc_error *error)
     }
 }
 
-/* The file's name without folder and end, and without what a CSV file minds. */
+/* The file's name without what a CSV file minds. With its end: a folder may hold one terrain in two formats. */
 static void set_name(measured *m, const char *file)
 {
     snprintf(m->name, sizeof m->name, "%s", file);
-    char *dot = strrchr(m->name, '.');
-    if (dot && dot > m->name)
-        *dot = 0;
     for (char *c = m->name; *c; c++)
-        if (*c == ',' || *c == '"' || *c == ' ')
+        if (*c == ',' || *c == '"' || *c == ' ' || (unsigned char)*c < ' ')
             *c = '_';
 }
 
@@ -63,7 +60,7 @@ measured measured_default_planet(void)
     return m;
 }
 
-int measured_all(bool quick, void (*measure)(void *context, const measured *m), void *context)
+void measured_all(bool quick, void (*measure)(void *context, const measured *m), void *context)
 {
     dataset list[DATASETS_MAX];
     int count = dataset_list(list, DATASETS_MAX), flat = 0, round = 0;
@@ -93,7 +90,6 @@ int measured_all(bool quick, void (*measure)(void *context, const measured *m), 
         measure(context, &m);
         measured_close(&m);
     }
-    return 2 + flat + round;
 }
 
 /* ---- Views ------------------------------------------------------------------------------------------------------- */

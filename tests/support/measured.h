@@ -8,15 +8,15 @@
 #include "planet_scene.h"
 
 typedef struct measured {
-    char name[64]; /* file name without its end; "default", "default-planet" */
+    char name[64]; /* file name; "default", "default-planet" */
     bool round;
     tc_pyramid *pyramid; /* flat */
     tc_planet planet;    /* round */
 } measured;
 
 /* Calls measure with the default terrain, the default planet and what TERRACLIP_DATA holds: whole globes as planets,
- * all else flat. quick: with no more than one flat and one round one of them. Returns how many. */
-int measured_all(bool quick, void (*measure)(void *context, const measured *m), void *context);
+ * all else flat. quick: with no more than one flat and one round one of them. */
+void measured_all(bool quick, void (*measure)(void *context, const measured *m), void *context);
 
 measured measured_default_planet(void);
 void measured_close(measured *m);

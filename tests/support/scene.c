@@ -7,13 +7,24 @@
 
 #include "planar/square.h"
 
+/* Says, once, what draws: the report takes the line for its sections. */
+static tc_context *announced(tc_context *context)
+{
+    static bool said;
+    if (!said)
+        printf("OpenGL: %s, %s\n", tc_context_backend(context),
+               (const char *)tc_context_gl(context)->GetString(GL_RENDERER));
+    said = true;
+    return context;
+}
+
 tc_context *scene_context(void)
 {
     tc_context *context;
     tc_error error;
     if (tc_context_create(TC_BACKEND_OSMESA, &context, &error) == TC_OK ||
         tc_context_create(TC_BACKEND_AUTO, &context, &error) == TC_OK)
-        return context;
+        return announced(context);
     printf("no OpenGL context: %s\n", error.text);
     return NULL;
 }
@@ -24,7 +35,7 @@ tc_context *scene_context_fastest(void)
     tc_error error;
     if (tc_context_create(TC_BACKEND_EGL, &context, &error) == TC_OK) {
         if (strcmp(tc_context_backend(context), "egl-device") == 0) /* which none that draws in software gets to be */
-            return context;
+            return announced(context);
         tc_context_destroy(context);
     }
     return scene_context();

@@ -13,7 +13,7 @@ typedef struct scene {
 } scene;
 
 /* An offscreen context (OSMesa where there is one: the reference); NULL, with the reason printed, where none can be
- * had. */
+ * had. The first one is named on stdout. */
 tc_context *scene_context(void);
 
 /* The same for measurements: on a GPU where there is one. */
