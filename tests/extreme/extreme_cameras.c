@@ -62,6 +62,7 @@ static const limits ordinary = {0.02, 0.5, FULL}, telescope = {0.5, 2, FULL}, na
 static void rows(const char *name, const drawn_figures *f, limits limit)
 {
     bool seen = limit.sees == FULL || limit.sees == NARROW;
+    bool corners = limit.sees == FULL || f->vertices; /* between the corners of a triangle a line of pixels may lie */
     if (limit.sees == FULL)
         extreme_at_most(name, "cracks, pixels", extreme_of(f->terrain, (double)f->cracks), 0,
                         "%lld pixels of terrain in %d views", (long long)f->terrain, f->views);
@@ -73,7 +74,7 @@ static void rows(const char *name, const drawn_figures *f, limits limit)
         extreme_at_most(name, "pixels of terrain a view, where less than one is to be seen",
                         (double)f->terrain / f->views, limit.sees == SPECK ? 1 : 0,
                         "nothing but numbers is looked at in what else there is of %d views", f->views);
-    if (seen || f->vertices)
+    if (corners)
         extreme_at_most(name, "vertices off, pixels", extreme_of(f->vertices, f->vertex_px), limit.vertices, "of %lld",
                         (long long)f->vertices);
     if (seen || f->depths)
