@@ -233,6 +233,7 @@ terrain_error coded_error(coded *c)
         for (int64_t i = 0; i < count; i++) {
             /* As floats, which the heights are: a codec that keeps integers is not blamed for their rounding. */
             double d = (double)(float)(c->base + c->unit * number(samples, c->type, i)) - g->z[i];
+            d = isnan(d) ? INFINITY : d; /* which fmax() would leave out */
             e.rms += d * d, e.max = fmax(e.max, fabs(d));
         }
         e.rms = sqrt(e.rms / (double)count);

@@ -13,10 +13,10 @@ build() { # NAME COMPILER FLAG...
         return
     fi
     program=$folder/pack-sums-$name
-    if [ ! -x "$program" ] || [ -n "$(find common "$here/pack_sums.c" "$0" -newer "$program")" ]; then
-        # shellcheck disable=SC2046
+    if [ ! -x "$program" ] || [ -n "$(find common "$here/pack_sums.c" "$0" "$library" -newer "$program")" ]; then
+        set -- "$@" "$here/pack_sums.c"
+        if [ "$name" = library ]; then set -- "$@" "$library"; else set -- "$@" common/core/*/*.c; fi
         "$compiler" -std=c11 -D_GNU_SOURCE -pthread -ffp-contract=off -I. -DTC_VERSION='"test"' -w "$@" \
-            "$here/pack_sums.c" $([ "$name" = library ] && echo "$library" || ls common/core/*/*.c) \
             -o "$program" -lm || { echo "$name: cannot be built"; return; }
     fi
     echo "$name: $("$program" "$folder")"

@@ -1,9 +1,9 @@
 /* extreme_cameras.c - views from places and with frames that nobody would choose: drawn, or refused in words.
  *
- * Limits. Cracks: none. Numbers handed to OpenGL and put out by the vertex stage: all finite. Vertices within the frame
- * are held against long double; what they may be off is the rounding of positions to floats relative to the eye, 6e-8
- * of the distance, which a field of view of a radian makes 1e-4 pixels of, and narrow fields and wide frames more: a
- * fiftieth of a pixel on ordinary frames. Depths: half a pixel (extreme_heights.c).
+ * Limits. Cracks: none in what is seen. Numbers handed to OpenGL and put out by the vertex stage: all finite. Vertices
+ * within the frame are held against long double; what they may be off is the rounding of positions to floats relative
+ * to the eye, 6e-8 of the distance, which a field of view of a radian makes 1e-4 pixels of, and narrow fields and wide
+ * frames more: a fiftieth of a pixel on ordinary frames. Depths: half a pixel (extreme_heights.c).
  */
 #include <math.h>
 #include <stdio.h>
@@ -42,23 +42,46 @@ static void stage_destroy(stage *s)
     tc_pyramid_destroy(s->pyramid);
 }
 
+/* What of the terrain a view is meant to see. */
+typedef enum sight {
+    FULL,
+    NARROW, /* terrain in a frame too narrow to have terrain on all sides of a pixel, which cracks are told by */
+    SPECK,  /* less than a pixel */
+    NONE
+} sight;
+
 /* Pixels that a picture may be off: far away through a narrow field floats are nearly as far apart as pixels, places
  * by half of it and depths, which are off along the line of sight, by more. */
 typedef struct limits {
     double vertices, depths;
+    sight sees;
 } limits;
-static const limits ordinary = {0.02, 0.5}, telescope = {0.5, 2};
+static const limits ordinary = {0.02, 0.5, FULL}, telescope = {0.5, 2, FULL}, narrow = {0.02, 0.5, NARROW},
+                    speck = {0.02, 0.5, SPECK}, none = {0.02, 0.5, NONE};
 
 static void rows(const char *name, const drawn_figures *f, limits limit)
 {
-    extreme_at_most(name, "cracks, pixels", (double)f->cracks, 0, "%lld pixels of terrain in %d views",
-                    (long long)f->terrain, f->views);
-    if (f->vertices)
-        extreme_at_most(name, "vertices off, pixels", f->vertex_px, limit.vertices, "of %lld", (long long)f->vertices);
-    if (f->depths)
-        extreme_at_most(name, "depth off the surface, pixels", f->depth_px, limit.depths, "of %lld pixels",
-                        (long long)f->depths);
-    extreme_at_most(name, "numbers not finite", (double)f->not_finite, 0, "of %lld", (long long)f->numbers);
+    bool seen = limit.sees == FULL || limit.sees == NARROW;
+    bool corners = limit.sees == FULL || f->vertices; /* between the corners of a triangle a line of pixels may lie */
+    if (limit.sees == FULL)
+        extreme_at_most(name, "cracks, pixels", extreme_of(f->terrain, (double)f->cracks), 0,
+                        "%lld pixels of terrain in %d views", (long long)f->terrain, f->views);
+    else if (limit.sees == NARROW)
+        extreme_at_most(name, "no terrain to be seen", f->terrain == 0, 0,
+                        "%lld pixels of terrain; cracks are not looked for in so narrow a frame",
+                        (long long)f->terrain);
+    else
+        extreme_at_most(name, "pixels of terrain a view, where less than one is to be seen",
+                        (double)f->terrain / f->views, limit.sees == SPECK ? 1 : 0,
+                        "nothing but numbers is looked at in what else there is of %d views", f->views);
+    if (corners)
+        extreme_at_most(name, "vertices off, pixels", extreme_of(f->vertices, f->vertex_px), limit.vertices, "of %lld",
+                        (long long)f->vertices);
+    if (seen || f->depths)
+        extreme_at_most(name, "depth off the surface, pixels", extreme_of(f->depths, f->depth_px), limit.depths,
+                        "of %lld pixels", (long long)f->depths);
+    extreme_at_most(name, "numbers not finite", extreme_of(f->numbers, (double)f->not_finite), 0, "of %lld",
+                    (long long)f->numbers);
 }
 
 static double ground(const stage *s, double x, double y)
@@ -104,8 +127,10 @@ static void below(stage *s)
         scene_draw(&s->scene, &c, true);
         drawn_vertices(&s->drawn, &c, &s->options.frame, &f);
     }
-    extreme_at_most("below the ground", "vertices off, pixels", f.vertex_px, 0.02, "of %lld", (long long)f.vertices);
-    extreme_at_most("below the ground", "numbers not finite", (double)f.not_finite, 0, "of %lld", (long long)f.numbers);
+    extreme_at_most("below the ground", "vertices off, pixels", extreme_of(f.vertices, f.vertex_px), 0.02, "of %lld",
+                    (long long)f.vertices);
+    extreme_at_most("below the ground", "numbers not finite", extreme_of(f.numbers, (double)f.not_finite), 0, "of %lld",
+                    (long long)f.numbers);
 }
 
 /* Outside the terrain, looking back at its middle. */
@@ -129,26 +154,26 @@ static void outside(stage *s, const char *name, double away, double fov, limits 
 }
 
 /* One view of the usual place, with the direction, field and frame given. */
-static void one(stage *s, const char *name, double pitch, double fov, int width, int height)
+static void one(stage *s, const char *name, double pitch, double fov, int width, int height, limits limit)
 {
     drawn_figures f = {0};
     tc_camera c = {
         .x = 11000, .y = 12000, .heading = 0.7, .pitch = pitch, .fov = fov, .width = width, .height = height};
     c.z = ground(s, c.x, c.y) + 300;
     drawn_look(&s->drawn, &c, &s->options, &f);
-    rows(name, &f, ordinary);
+    rows(name, &f, limit);
 }
 
 static void directions_and_fields(stage *s)
 {
-    one(s, "straight down", -M_PI / 2, 1.2, WIDTH, HEIGHT);
-    one(s, "straight up, where there is no terrain", M_PI / 2, 1.2, WIDTH, HEIGHT);
-    one(s, "field of 1 degree", -0.3, 1 * DEGREE, WIDTH, HEIGHT);
-    one(s, "field of 170 degrees", -0.3, 170 * DEGREE, WIDTH, HEIGHT);
-    one(s, "field of 170 degrees, straight down", -M_PI / 2, 170 * DEGREE, WIDTH, HEIGHT);
-    one(s, "frame of 1x1 pixel", -0.6, 1.2, 1, 1);
-    one(s, "frame of 1x16384 pixels", -0.6, 1e-3, 1, 16384);
-    one(s, "frame of 16384x1 pixels", -0.6, 1.2, 16384, 1);
+    one(s, "straight down", -M_PI / 2, 1.2, WIDTH, HEIGHT, ordinary);
+    one(s, "straight up, where there is no terrain", M_PI / 2, 1.2, WIDTH, HEIGHT, none);
+    one(s, "field of 1 degree", -0.3, 1 * DEGREE, WIDTH, HEIGHT, ordinary);
+    one(s, "field of 170 degrees", -0.3, 170 * DEGREE, WIDTH, HEIGHT, ordinary);
+    one(s, "field of 170 degrees, straight down", -M_PI / 2, 170 * DEGREE, WIDTH, HEIGHT, ordinary);
+    one(s, "frame of 1x1 pixel", -0.6, 1.2, 1, 1, narrow);
+    one(s, "frame of 1x16384 pixels", -0.6, 1e-3, 1, 16384, narrow);
+    one(s, "frame of 16384x1 pixels", -0.6, 1.2, 16384, 1, narrow);
 }
 
 /* As large a window as such a frame calls for; the view is full of terrain. */
@@ -157,7 +182,7 @@ static void large_frame(const tc_context *context)
     const tc_camera c = {.fov = 75 * DEGREE, .width = 7680, .height = 4320};
     stage s;
     stage_create(&s, context, terrain_pyramid(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 7), tc_clipmap_n_for(&c));
-    one(&s, "frame of 7680x4320 pixels", -0.9, c.fov, c.width, c.height);
+    one(&s, "frame of 7680x4320 pixels", -0.9, c.fov, c.width, c.height, ordinary);
     stage_destroy(&s);
 }
 
@@ -224,13 +249,13 @@ int main(void)
     heights(&s, "1 m above the ground", 1, 1, ordinary);
     heights(&s, "100 m above the ground", 100, 1, ordinary);
     heights(&s, "1,000,000 m above the ground", 1e6, 2 * DEGREE, ordinary);
-    heights(&s, "1,000,000,000 m above the ground", 1e9, 1 * DEGREE, ordinary);
+    heights(&s, "1,000,000,000 m above the ground", 1e9, 1 * DEGREE, speck);
     /* A field that the programs do not offer: at 1e9 m floats are 64 m apart, and a pixel is 200 m wide. */
     heights(&s, "1,000,000,000 m above the ground, through a telescope", 1e9, 6.4e-5, telescope);
     below(&s);
     outside(&s, "100 km outside", 1e5, 20 * DEGREE, ordinary);
     outside(&s, "1,000 km outside", 1e6, 2 * DEGREE, ordinary);
-    outside(&s, "1,000,000 km outside", 1e9, 60 * DEGREE, ordinary);
+    outside(&s, "1,000,000 km outside", 1e9, 60 * DEGREE, speck);
     outside(&s, "1,000,000 km outside, through a telescope", 1e9, 6.4e-5, telescope);
     directions_and_fields(&s);
     stage_destroy(&s);

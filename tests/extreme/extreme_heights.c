@@ -229,7 +229,7 @@ static void packed_lossless(const terrain *t, const tc_grid *grid)
     char name[128];
     snprintf(name, sizeof name, "%s, lossless", t->name);
     if (!t->lossless) { /* on no lattice that the format has */
-        extreme_refused(name, status, TC_ERR_UNSUPPORTED, status ? error.text + strlen(made_folder()) + 1 : "");
+        extreme_refused(name, status, TC_ERR_UNSUPPORTED, status ? error.text : "");
         return;
     }
     must(status, &error);
@@ -324,12 +324,13 @@ static void draw(const tc_context *context, const terrain *t, const tc_pyramid *
     if (options.holes) {
         extreme_at_most(name, "voids of the windows that differ, samples", (double)differ, 0, "in %d views", VIEWS);
     } else {
-        extreme_at_most(name, "cracks, pixels", (double)f.cracks, 0, "%lld pixels of terrain in %d views",
-                        (long long)f.terrain, f.views);
-        extreme_at_most(name, "depth off the surface, pixels", f.depth_px, t->depth_limit > 0 ? t->depth_limit : 0.5,
-                        "of %lld pixels", (long long)f.depths);
+        extreme_at_most(name, "cracks, pixels", extreme_of(f.terrain, (double)f.cracks), 0,
+                        "%lld pixels of terrain in %d views", (long long)f.terrain, f.views);
+        extreme_at_most(name, "depth off the surface, pixels", extreme_of(f.depths, f.depth_px),
+                        t->depth_limit > 0 ? t->depth_limit : 0.5, "of %lld pixels", (long long)f.depths);
     }
-    extreme_at_most(name, "numbers not finite", (double)f.not_finite, 0, "of %lld", (long long)f.numbers);
+    extreme_at_most(name, "numbers not finite", extreme_of(f.numbers, (double)f.not_finite), 0, "of %lld",
+                    (long long)f.numbers);
     drawn_destroy(&d);
     scene_destroy(&s);
 }
@@ -362,7 +363,7 @@ static void refused(const char *name, double value, tc_status expected)
     tc_grid grid;
     tc_error error;
     tc_status status = load(z, 0, &grid, &error);
-    extreme_refused(name, status, expected, status ? error.text + strlen(made_folder()) + 1 : "");
+    extreme_refused(name, status, expected, status ? error.text : "");
     if (!status)
         tc_grid_free(&grid);
     free(z);

@@ -57,7 +57,7 @@ static void places_of(place p[PLACES])
 typedef struct sight {
     rings_error error, deep; /* deep: of levels from DEEP on */
     int views, finest;
-    int64_t not_finite, holes, sure;
+    int64_t not_finite, terrain, sure, holes, suspects, cracks; /* pixels as globe_holes.h has them */
 } sight;
 
 static void add(rings_error *to, const rings_error *e)
@@ -74,7 +74,8 @@ static void look_for_holes(globe_scene *globe, const tc_camera *camera, sight *s
     scene drawn = {.clipmap = globe->surface->clipmap[0], .surface = globe->surface, .renderer = globe->renderer};
     globe_scene_frame(globe, &c, true);
     globe_holes h = globe_holes_of(&drawn, &c, 200);
-    s->holes += h.holes + h.cracks, s->sure += h.sure;
+    s->terrain += h.terrain, s->sure += h.sure, s->holes += h.holes;
+    s->suspects += h.suspects, s->cracks += h.cracks;
     float *depth = planet_depth(&drawn, &c);
     for (int i = 0; i < c.width * c.height; i++)
         s->not_finite += !isfinite(depth[i]) || depth[i] < 0 || depth[i] > 1;
@@ -97,14 +98,22 @@ static void view(rings_capture *capture, const tc_camera *c, sight *s)
     s->views++;
 }
 
+static void background_row(const char *name, const sight *s)
+{
+    extreme_at_most(name, "background through it and numbers not finite",
+                    extreme_of(s->terrain, (double)(s->holes + s->cracks + s->not_finite)), 0,
+                    "%lld pixels of the planet, of %lld surely its %lld are holes, of %lld suspects %lld are cracks, "
+                    "%lld numbers",
+                    (long long)s->terrain, (long long)s->sure, (long long)s->holes, (long long)s->suspects,
+                    (long long)s->cracks, (long long)s->not_finite);
+}
+
 static void rows(const char *name, const sight *s, double pixels)
 {
     extreme_at_most(name, "vertices off by, pixels", s->error.seen ? s->error.pixels : NAN, pixels,
                     "%d views, %lld of %lld vertices in frames, levels of rings up to %d", s->views,
                     (long long)s->error.seen, (long long)s->error.vertices, s->finest);
-    extreme_at_most(name, "background through it and numbers not finite", (double)(s->holes + s->not_finite), 0,
-                    "%lld holes in %lld pixels surely of the planet, %lld numbers", (long long)s->holes,
-                    (long long)s->sure, (long long)s->not_finite);
+    background_row(name, s);
 }
 
 typedef struct planet {
@@ -179,36 +188,6 @@ static void altitudes(void)
     planet_drop(&body);
 }
 
-/* A tenth of the disc too small: the same views must show it. */
-static void holes_are_found(void)
-{
-    place p[PLACES];
-    planet body;
-    places_of(p);
-    planet_make(&body, globe_rough, 1e6);
-    const rings_geometry *g = &((const rings_surface *)body.globe.surface)->geometry;
-    tc_renderer_destroy(body.globe.renderer);
-    for (int i = 0; i < g->levels; i++) {
-        float(*v)[4] = (float(*)[4])body.globe.surface->geometry.vertices + tc_rings_fill_base(g, i);
-        for (int k = 0; k <= g->n_phi; k++)
-            v[k][0] *= 0.9f, v[k][1] *= 0.9f;
-    }
-    tc_scene_options look = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
-    tc_error error;
-    if (tc_renderer_create(body.globe.gl, body.globe.surface, &look, &body.globe.renderer, &error))
-        exit(99);
-    test_random r = {5};
-    sight s = {0};
-    for (int k = 0; k < PLACES; k++) {
-        tc_camera c = rings_view_at(&body.atlas, p[k].longitude, p[k].latitude, rings_altitude(k, 1e6), &r);
-        c.pitch = -M_PI / 2;
-        look_for_holes(&body.globe, &c, &s);
-    }
-    extreme_at_most("a disc smaller than its hole", "not found", s.holes < 20, 0, "%lld holes in %d views",
-                    (long long)s.holes, PLACES);
-    planet_drop(&body);
-}
-
 /* ---- Relief ------------------------------------------------------------------------------------------------------ */
 
 static double share; /* of the radius, of what follows */
@@ -239,9 +218,40 @@ static void tall(globe_function f, double part, const char *name)
         s.not_finite += rings_capture_not_finite(&body.capture, &c);
         look_for_holes(&body.globe, &c, &s);
     }
-    extreme_at_most(name, "background through it and numbers not finite", (double)(s.holes + s.not_finite), 0,
-                    "%lld holes in %lld pixels surely of the planet, %lld numbers", (long long)s.holes,
-                    (long long)s.sure, (long long)s.not_finite);
+    background_row(name, &s);
+    planet_drop(&body);
+}
+
+/* A tenth of the disc too small: from above it must be seen, as holes where relief is small and as cracks where it is
+ * so large that next to nothing of what is seen is surely the planet. */
+static void open_disc(globe_function f, double radius, const char *name, bool as_cracks)
+{
+    place p[PLACES];
+    planet body;
+    places_of(p);
+    planet_make(&body, f, radius);
+    const rings_geometry *g = &((const rings_surface *)body.globe.surface)->geometry;
+    tc_renderer_destroy(body.globe.renderer);
+    for (int i = 0; i < g->levels; i++) {
+        float(*v)[4] = (float(*)[4])body.globe.surface->geometry.vertices + tc_rings_fill_base(g, i);
+        for (int k = 0; k <= g->n_phi; k++)
+            v[k][0] *= 0.9f, v[k][1] *= 0.9f;
+    }
+    tc_scene_options look = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
+    tc_error error;
+    if (tc_renderer_create(body.globe.gl, body.globe.surface, &look, &body.globe.renderer, &error))
+        exit(99);
+    test_random r = {5};
+    sight s = {0};
+    for (int k = 0; k < PLACES; k++) {
+        tc_camera c = rings_view_at(&body.atlas, p[k].longitude, p[k].latitude,
+                                    as_cracks ? radius * pow(10, 0.5 - k % 5) : rings_altitude(k, radius), &r);
+        c.pitch = -M_PI / 2;
+        look_for_holes(&body.globe, &c, &s);
+    }
+    extreme_at_most(name, as_cracks ? "cracks not found" : "holes not found", (as_cracks ? s.cracks : s.holes) < 20, 0,
+                    "%lld holes, %lld cracks of %lld suspects in %d views", (long long)s.holes, (long long)s.cracks,
+                    (long long)s.suspects, PLACES);
     planet_drop(&body);
 }
 
@@ -315,9 +325,11 @@ static void refusals(void)
     for (size_t k = 0; k < sizeof relief / sizeof *relief; k++) {
         tc_grid g = grid_of(EARTH, relief[k].low, relief[k].high);
         snprintf(name, sizeof name, "relief %s, heights in memory", relief[k].name);
+        error = (tc_error){0};
         tc_status status = tc_atlas_build(&g, EARTH, 1, &atlas, &error);
         extreme_refused(name, status, TC_ERR_FORMAT, error.text);
         snprintf(name, sizeof name, "relief %s, packed", relief[k].name);
+        error = (tc_error){0};
         status = packed(made_path("tall.tclip"), EARTH, relief[k].low, relief[k].high, &error);
         extreme_refused(name, status, TC_ERR_FORMAT, error.text);
     }
@@ -325,14 +337,17 @@ static void refusals(void)
     if (packed(path, EARTH, -0.001, 0.001, &error))
         exit(99);
     shrink(path, 1000);
+    error = (tc_error){0};
     extreme_refused("a packed planet whose head has a radius of 1 km", tc_atlas_open(path, NULL, &atlas, &error),
                     TC_ERR_FORMAT, error.text);
+    error = (tc_error){0};
     tc_planet loaded;
     extreme_refused("the same, as the viewer opens it",
                     tc_planet_open(path, &(tc_source_options){0}, 0, 1, &loaded, &error), TC_ERR_FORMAT, error.text);
     static const double none[] = {0, -1, NAN, INFINITY};
     for (int k = 0; k < 4; k++) {
         tc_grid g = grid_of(EARTH, 0, 0.001);
+        error = (tc_error){0};
         snprintf(name, sizeof name, "a radius of %g m", none[k]);
         extreme_refused(name, tc_atlas_build(&g, none[k], 1, &atlas, &error), TC_ERR_USAGE, error.text);
     }
@@ -346,8 +361,9 @@ int main(void)
     if (context) {
         radii();
         altitudes();
-        holes_are_found();
+        open_disc(globe_rough, 1e6, "a disc smaller than its hole", false);
         tall(hills, 0.99, "hills and valleys of 0.99 radii");
+        open_disc(hills, EARTH, "a disc smaller than its hole on such hills", true);
         tall(needles, 0.5, "needles of half a radius");
         tc_context_destroy(context);
     } else {

@@ -1,10 +1,13 @@
 /* extreme.c - the rows of `make test-extreme`. */
 #include "extreme.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "made_files.h"
 
 static struct {
     const char *family;
@@ -72,10 +75,16 @@ void extreme_at_most(const char *name, const char *figure, double value, double 
     run.failed += !passed;
 }
 
+double extreme_of(int64_t count, double value)
+{
+    return count > 0 ? value : NAN;
+}
+
 void extreme_refused(const char *name, tc_status status, tc_status expected, const char *text)
 {
     bool passed = status == expected && *text && !strchr(text, '\n');
-    row(name, "refused", tc_status_text(status), tc_status_text(expected), passed ? "refused" : "FAILED", text);
+    row(name, "refused", tc_status_text(status), tc_status_text(expected), passed ? "refused" : "FAILED",
+        made_name(text));
     run.passed += passed;
     run.failed += !passed;
 }

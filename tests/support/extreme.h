@@ -15,8 +15,11 @@ void extreme_begin(const char *family);
 void extreme_at_most(const char *name, const char *figure, double value, double limit, const char *note, ...)
     __attribute__((format(printf, 5, 6)));
 
-/* A case that must be refused: passes where it failed with `expected` and the text, which the row quotes, is one line
- * that is not empty. */
+/* A value that was measured on so many; NAN where on none, since what has looked at nothing has not passed. */
+double extreme_of(int64_t count, double value);
+
+/* A case that must be refused: passes where it failed with `expected` and the text, which the row quotes without
+ * the tests' own folder (made_files.h), is one line that is not empty. */
 void extreme_refused(const char *name, tc_status status, tc_status expected, const char *text);
 
 /* A case that cannot be run here, and why. Shown, not counted as passed. */

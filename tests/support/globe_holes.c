@@ -65,24 +65,33 @@ static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
     return false;
 }
 
-/* Whether the ray passes from above to below the drawn surface by more than a quarter of a pixel. */
+/* Where the ray is within the sphere of the highest height; false where it never is ahead of the eye. */
+static bool ray_within(const rings_surface *s, const tc_camera *c, const double d[3], double *from_ret, double *to_ret)
+{
+    double eye = s->atlas->radius + c->z, nearest = -eye * d[2], high = s->atlas->radius + s->z_hi;
+    double half = high * high - eye * eye * (1 - d[2] * d[2]);
+    if (half <= 0)
+        return false;
+    half = sqrt(half);
+    *from_ret = fmax(nearest - half, 0.01), *to_ret = nearest + half;
+    return *to_ret > *from_ret;
+}
+
+/* Whether the ray passes from above to below the drawn surface by more than a quarter of a pixel. From far away a
+ * fraction of the way is many of a small planet's radii: a thousandth of what the ray has in front of it at most. */
 static bool ray_crosses(const rings_surface *s, const tc_camera *c, const double d[3])
 {
-    double radius = s->atlas->radius, margin = 0.25 / tc_camera_pixel_scale(c), far = 2 * (radius + fabs(c->z));
-    bool above = false, below = false;
-    for (double t = 0.01; t < far && !(above && below); t += 0.002 * t) {
+    double radius = s->atlas->radius, margin = 0.25 / tc_camera_pixel_scale(c), from, to;
+    if (!ray_within(s, c, d, &from, &to))
+        return false;
+    bool above = c->z > s->z_hi, below = false;
+    for (double t = from; t < to && !(above && below); t += fmin(0.002 * t, 1e-3 * (to - from))) {
         double p[3], from_eye[3] = {t * d[0], t * d[1], t * d[2]}, z;
         tc_view_globe_place(c, radius, from_eye, p);
-        if (p[2] > s->z_hi + margin * t) {
-            above = true;
-            if (d[2] * t > -(radius + c->z) * d[2] * d[2])
-                break; /* on its way out */
-            continue;
-        }
         if (!s->head.drawn_height((tc_surface *)&s->head, c, &(tc_frame_options){0}, p[0], p[1], &z))
             continue;
-        above |= p[2] > z + margin * t;
-        below |= p[2] < z - margin * t;
+        above = above || p[2] > z + margin * t;
+        below = below || p[2] < z - margin * t;
     }
     return above && below;
 }

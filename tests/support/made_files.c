@@ -38,6 +38,12 @@ const char *made_path(const char *name)
     return path;
 }
 
+const char *made_name(const char *text)
+{
+    size_t length = strlen(folder);
+    return length && strncmp(text, folder, length) == 0 && text[length] == '/' ? text + length + 1 : text;
+}
+
 /* Deletes the folder's files where asked to; the number of them. */
 static int each_file(bool unlinked)
 {

@@ -11,6 +11,8 @@
 const char *made_folder(void);
 const char *made_path(const char *name);
 void made_folder_remove(void);
+/* What follows the folder in a text that begins with it, as messages about its files do; else the text. */
+const char *made_name(const char *text);
 
 /* Number of files in the folder. */
 int made_folder_count(void);

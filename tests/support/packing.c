@@ -171,6 +171,7 @@ void packing_error(const float *z, const float *truth, const uint8_t *voids, int
     for (int64_t i = 0; i < count; i++)
         if (!voids[i]) {
             double e = fabs((double)z[i] - truth[i]);
+            e = isnan(e) ? INFINITY : e; /* which fmax() would leave out */
             sum += e * e, *most_ret = fmax(*most_ret, e), valid++;
         }
     *rms_ret = valid ? sqrt(sum / (double)valid) : 0;

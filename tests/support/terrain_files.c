@@ -235,6 +235,7 @@ terrain_error terrain_compare(const tc_grid *grid, const char *path)
         if (voids[i])
             continue;
         double d = (double)z[i] - grid->z[i];
+        d = isnan(d) ? INFINITY : d; /* which fmax() would leave out */
         e.rms += d * d, e.max = fmax(e.max, fabs(d)), valid++;
     }
     e.rms = sqrt(e.rms / (double)valid);

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "common/core/clipmap/camera.h"
+#include "common/core/clipmap/view_error.h"
 
 tc_scene_options watertight_options(void)
 {
@@ -89,26 +90,42 @@ static bool terrain_towards(const picture *f, int x, int y, double vx, double vy
     return false;
 }
 
-/* Whether the ray through the middle of pixel (x, y) goes through the drawn surface. */
+/* Where along the ray from the camera the terrain's box lies, a cell and its relief larger; false: nowhere. */
+static bool ray_within(const tc_pyramid *p, const tc_camera *camera, const double d[3], double *from_ret,
+                       double *to_ret)
+{
+    tc_level finest = finest_of(p);
+    const tc_terrain_info *info = tc_pyramid_info(p);
+    const double eye[3] = {camera->x, camera->y, camera->z}, relief = (double)info->z_max - info->z_min + 1;
+    const double lo[3] = {-finest.spacing_x, -finest.spacing_y, info->z_base + info->z_min - relief};
+    const double hi[3] = {(double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y,
+                          info->z_base + info->z_max + relief};
+    double from = 0, to = INFINITY;
+    for (int i = 0; i < 3; i++) {
+        double a = (lo[i] - eye[i]) / d[i], b = (hi[i] - eye[i]) / d[i];
+        if (d[i] == 0 && (eye[i] < lo[i] || eye[i] > hi[i]))
+            return false;
+        if (d[i] != 0)
+            from = fmax(from, fmin(a, b)), to = fmin(to, fmax(a, b));
+    }
+    *from_ret = from, *to_ret = to;
+    return from < to;
+}
+
+/* Whether the ray through the middle of pixel (x, y) goes through the drawn surface. Steps are a fraction of the way
+ * from the eye, and far from a small terrain of the way across it. */
 static bool ray_crosses(scene *s, const tc_camera *camera, const tc_frame_options *options, int x, int y)
 {
-    tc_basis b = tc_camera_basis(camera);
-    double tx, ty, d[3], length = 0, margin = 0.25 / tc_camera_pixel_scale(camera);
-    tc_camera_tangents(camera, &tx, &ty);
-    double u = ((x + 0.5) / camera->width * 2 - 1) * tx, v = (1 - (y + 0.5) / camera->height * 2) * ty;
-    for (int i = 0; i < 3; i++) {
-        d[i] = b.forward[i] + u * b.right[i] + v * b.up[i];
-        length += d[i] * d[i];
-    }
-    length = sqrt(length);
-    bool above = false, below = false;
     tc_level finest = finest_of(s->pyramid);
+    double d[3], from, to, margin = 0.25 / tc_camera_pixel_scale(camera);
     double step = fmin(finest.spacing_x, finest.spacing_y);
-    double x_max = (double)finest.width * finest.spacing_x, y_max = (double)finest.height * finest.spacing_y;
-    double far = 4 * (x_max + y_max) + 4 * fabs(camera->z) + 2 * hypot(camera->x, camera->y);
-    for (double t = fmin(0.01, 3e-4 * step); t < far && !(above && below);
-         t += fmax(0.002 * t, fmin(0.1 * step, 0.1 * t))) {
-        double p[3] = {camera->x + t * d[0] / length, camera->y + t * d[1] / length, camera->z + t * d[2] / length}, z;
+    tc_view_ray(camera, x + 0.5, y + 0.5, d);
+    if (!ray_within(s->pyramid, camera, d, &from, &to))
+        return false;
+    bool above = false, below = false;
+    for (double t = fmax(from, fmin(0.01, 3e-4 * step)); t < to && !(above && below);
+         t += fmin(1e-3 * (to - from), fmax(0.002 * t, fmin(0.1 * step, 0.1 * t)))) {
+        double p[3] = {camera->x + t * d[0], camera->y + t * d[1], camera->z + t * d[2]}, z;
         if (!s->surface->drawn_height(s->surface, camera, options, p[0], p[1], &z))
             continue;
         above = above || p[2] - z > margin * t;
