@@ -220,9 +220,9 @@ static void write_rows(bench *b)
 
 static void measure_flat(bench *b, const measured *m, int height, double brute_ms)
 {
-    static const int all[] = {31, 63, 127, 255, 511}, few[] = {63, 127, 255};
+    static const int all[] = {31, 63, 127, 255, 511}, few[] = {63, 255};
     const int *n = b->options.quick ? few : all;
-    for (int i = 0; i < (b->options.quick ? 3 : 5); i++) {
+    for (int i = 0; i < (b->options.quick ? 2 : 5); i++) {
         tc_scene_options options = {0};
         scene s = measured_scene(b->context, m, n[i], NULL, &options);
         row *morph = new_row(b, m, height, "", "square", n[i]), *no_morph;
