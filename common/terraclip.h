@@ -231,8 +231,8 @@ tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, con
 tc_status tc_packer_put(tc_packer *packer, tc_rect rect, const float *z, const uint8_t *voids, ptrdiff_t stride,
                         tc_error *error);
 
-/* Packs and puts the file in its place; TC_ERR_FORMAT where all samples are void, or a planet's heights reach its centre
- * or a radius beyond its sphere. On failure the packer can only be destroyed. Destroying it without this leaves
+/* Packs and puts the file in its place; TC_ERR_FORMAT where all samples are void, or a planet's heights reach its
+ * centre or a radius beyond its sphere. On failure the packer can only be destroyed. Destroying it without this leaves
  * everything as it was. */
 tc_status tc_packer_finish(tc_packer *packer, tc_pack_result *result_ret, tc_error *error);
 void tc_packer_destroy(tc_packer *packer);

@@ -215,8 +215,8 @@ static tc_status await_tile(packed_pyramid *p, int l, uint64_t key, wanted_tile 
 
 /* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions; empty ones it works
  * out. First it takes the tiles that nobody is making, makes what is missing of them from one reading of the coarser
- * level, and only then waits for others: who waits for a tile holds no unmade one of its level or a coarser one, so that
- * somebody always goes on. */
+ * level, and only then waits for others: who waits for a tile holds no unmade one of its level or a coarser one, so
+ * that somebody always goes on. */
 static tc_status gather(packed_pyramid *p, int l, tc_rect positions, tc_rect need, const tile_planes *to,
                         tc_plane *coarse, scratch *s)
 {
