@@ -14,6 +14,7 @@
 #include "common/core/pyramid/filter.h"
 #include "common/core/base/mesh.h"
 #include "common/core/base/rect.h"
+#include "common/core/base/simd.h"
 
 enum { MARGIN = 8 };
 
@@ -310,26 +311,12 @@ static inline void make_normals(const normal_source *from, int64_t count, int8_t
     }
 }
 
-/* The same code, and bits, for processors with AVX2 and without. */
-#if defined __x86_64__ && defined __GNUC__
-__attribute__((target("avx2"), flatten, noinline)) static void make_normals_avx2(const normal_source *from,
-                                                                                 int64_t count, int8_t (*row)[4])
+/* The same code, and bits, for processors with AVX2. */
+TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void make_normals_avx2(const normal_source *from,
+                                                                                int64_t count, int8_t (*row)[4])
 {
     make_normals(from, count, row);
 }
-
-static bool have_avx2(void)
-{
-    return __builtin_cpu_supports("avx2");
-}
-#else
-#define make_normals_avx2 make_normals
-
-static bool have_avx2(void)
-{
-    return false;
-}
-#endif
 
 /* Normals of the texels (2 rect.x0 - 1 .. 2 rect.x1 - 1), and so in y. */
 static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect)
@@ -342,7 +329,7 @@ static tc_status fill_normals(const tc_clipmap *clipmap, int level, tc_rect rect
         return status;
     int64_t mask = 2 * (clipmap->n + 1) - 1, w = 2 * (rect.x1 - rect.x0) + 1, h = 2 * (rect.y1 - rect.y0) + 1;
     int8_t(*row)[4] = (int8_t(*)[4])(clipmap->scratch + tc_fill_scratch(clipmap->n, true)) - (2 * clipmap->n + MARGIN);
-    const bool avx2 = have_avx2();
+    const bool avx2 = tc_have_avx2();
     normal_source from = {.z = z + 1,
                           .stride = stride,
                           .ix = (float)(s->relief / s->view.spacing_x),

@@ -5,18 +5,10 @@
 #define TC_CODEC_AVX2_H
 
 #include "codec_tile.h"
+#include "common/core/base/simd.h"
 
-#if defined __x86_64__ && defined __GNUC__
-#define TC_AVX2 1
+#if TC_AVX2
 #include <immintrin.h>
-
-#define TC_TARGET_AVX2 __attribute__((target("avx2,bmi,bmi2,popcnt")))
-
-static inline bool tc_have_avx2(void)
-{
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-           __builtin_cpu_supports("popcnt");
-}
 
 /* ---- Curvatures ---------------------------------------------------------------------------------------------- */
 
@@ -199,8 +191,6 @@ TC_TARGET_AVX2 static inline bool show_symbols_avx2(const uint8_t bin[HALF], con
     return plain;
 }
 
-#else
-#define TC_AVX2 0
 #endif
 
 #endif
