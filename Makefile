@@ -35,23 +35,31 @@ LDFLAGS_ALL = -pthread $(filter -fsanitize%,$(opt.$(config))) $(LDFLAGS)
 LIBS := -lm -ldl
 comma := ,
 
-CORE := $(wildcard common/core/*/*.c)
-PLUGIN_SRC := $(wildcard common/shell/plugin_*.c common/shell/plugin_*.cpp)
-SHELL_SRC := $(filter-out $(PLUGIN_SRC),$(wildcard common/shell/*.c))
-PLANAR := $(filter-out planar/main.c,$(wildcard planar/*.c))
-SPHERICAL := $(filter-out spherical/main.c,$(wildcard spherical/*.c))
+# Rooms in the order in which data flows; a file includes its own room and rooms before it (tests/cli/test_structure.sh).
+# The core has no OpenGL; drawing has; what is left are the programs' own: files of the world, command lines, windows.
+CORE_ROOMS := base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file packed/read \
+              packed/write map view window content measure
+DRAW_ROOMS := gl render
+APP_ROOMS := input app
+
+PLUGIN_SRC := $(wildcard common/*/plugin_*.c common/*/plugin_*.cpp)
+sources = $(filter-out $(PLUGIN_SRC) %/main.c,$(wildcard $(addsuffix /*.c,$(1))))
+CORE := $(call sources,$(addprefix common/,$(CORE_ROOMS)))
+DRAW := $(call sources,$(addprefix common/,$(DRAW_ROOMS)) planar spherical)
+APP := $(call sources,$(addprefix common/,$(APP_ROOMS)))
 DATA := $(filter-out data/main.c,$(wildcard data/*.c))
 SHADERS := $(wildcard shaders/*.glsl shaders/*.vert shaders/*.frag)
 
 obj = $(patsubst %,$(OBJ)/%.o,$(basename $(1)))
 
 LIBRARY := $(O)/libterraclip.a
-SHELL_LIBRARY := $(OBJ)/shell.a
+DRAW_LIBRARY := $(O)/libterraclip-draw.a
+APP_LIBRARY := $(OBJ)/app.a
 PROGRAMS := $(O)/terraclip $(O)/planar-viewer $(O)/planet-viewer
 PLUGINS := $(O)/terraclip-gdal.so $(O)/terraclip-oiio.so $(O)/terraclip-window.so
 
 .PHONY: all
-all: $(PROGRAMS) $(PLUGINS) $(LIBRARY)
+all: $(PROGRAMS) $(PLUGINS) $(LIBRARY) $(DRAW_LIBRARY)
 
 # make V=1 shows the commands.
 Q := $(if $(V),,@)
@@ -97,35 +105,39 @@ $(OBJ)/gen/shaders.o: $(O)/gen/shaders.c | build/.packages
 	@echo "  CC    $<"
 	$(Q)$(CC) $(CFLAGS_ALL) -c $< -o $@
 
+.PHONY: print-core
+print-core: # for tests/extreme/compilers.sh
+	@echo $(CORE)
+
 CORE_OBJ := $(call obj,$(CORE))
-SHELL_OBJ := $(call obj,$(SHELL_SRC)) $(OBJ)/gen/shaders.o
-PLANAR_OBJ := $(call obj,$(PLANAR))
-SPHERICAL_OBJ := $(call obj,$(SPHERICAL))
+DRAW_OBJ := $(call obj,$(DRAW)) $(OBJ)/gen/shaders.o
+APP_OBJ := $(call obj,$(APP))
 DATA_OBJ := $(call obj,$(DATA))
 
 $(LIBRARY): $(CORE_OBJ)
-$(SHELL_LIBRARY): $(SHELL_OBJ)
-$(LIBRARY) $(SHELL_LIBRARY):
+$(DRAW_LIBRARY): $(DRAW_OBJ)
+$(APP_LIBRARY): $(APP_OBJ)
+$(LIBRARY) $(DRAW_LIBRARY) $(APP_LIBRARY):
 	@echo "  AR    $@"
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 
-$(O)/terraclip: $(OBJ)/data/main.o $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+$(O)/terraclip: $(OBJ)/data/main.o $(DATA_OBJ) $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/planar-viewer: $(OBJ)/planar/main.o $(PLANAR_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+$(O)/planar-viewer: $(OBJ)/planar/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/planet-viewer: $(OBJ)/spherical/main.o $(SPHERICAL_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+$(O)/planet-viewer: $(OBJ)/spherical/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/terraclip-gdal.so: $(OBJ)/common/shell/plugin_gdal.o $(OBJ)/common/shell/plugin_gdal_write.o \
-                        $(OBJ)/common/core/base/status.o
+$(O)/terraclip-gdal.so: $(OBJ)/common/input/plugin_gdal.o $(OBJ)/common/input/plugin_gdal_write.o \
+                        $(OBJ)/common/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
-$(O)/terraclip-oiio.so: $(OBJ)/common/shell/plugin_oiio.o $(OBJ)/common/core/base/status.o
+$(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -lOpenImageIO -lOpenImageIO_Util
-$(O)/terraclip-window.so: $(OBJ)/common/shell/plugin_window.o $(OBJ)/common/core/base/status.o
+$(O)/terraclip-window.so: $(OBJ)/common/app/plugin_window.o $(OBJ)/common/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs glfw3)
 
@@ -139,7 +151,7 @@ SLOW := $(patsubst tests/slow/%.c,$(O)/tests/%,$(wildcard tests/slow/test_*.c))
 EXTREME := $(patsubst tests/extreme/%.c,$(O)/tests/%,$(wildcard tests/extreme/extreme_*.c))
 BENCH := $(patsubst tests/bench/%.c,$(O)/tests/%,$(wildcard tests/bench/bench_*.c))
 SUPPORT_OBJ := $(call obj,$(wildcard tests/support/*.c))
-TEST_OBJ := $(SUPPORT_OBJ) $(PLANAR_OBJ) $(SPHERICAL_OBJ) $(DATA_OBJ) $(SHELL_LIBRARY) $(LIBRARY)
+TEST_OBJ := $(SUPPORT_OBJ) $(DATA_OBJ) $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 
 define test_rule
 $(O)/tests/%: $(OBJ)/tests/$(1)/%.o $(TEST_OBJ)
@@ -171,7 +183,7 @@ $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_fil
 	$(LINK)
 
 # Compares the samples of two of them.
-$(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(SHELL_LIBRARY) $(LIBRARY)
+$(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	@mkdir -p $(@D)
 	$(LINK)
 
@@ -203,7 +215,7 @@ FUZZ_O := build/fuzz
 FUZZ_CC ?= clang
 FUZZ_CFLAGS := -std=c11 -D_GNU_SOURCE -g -O1 -pthread -ffp-contract=off -MMD -MP -I. -DTC_VERSION='"$(VERSION)"' \
                -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all -fno-omit-frame-pointer
-FUZZ_OBJ := $(patsubst %.c,$(FUZZ_O)/%.o,$(filter-out common/core/packed/crc32c.c,$(CORE)) tests/fuzz/no_crc.c)
+FUZZ_OBJ := $(patsubst %.c,$(FUZZ_O)/%.o,$(filter-out common/base/crc32c.c,$(CORE)) tests/fuzz/no_crc.c)
 FUZZERS := $(FUZZ_O)/reader $(FUZZ_O)/tile
 
 $(FUZZ_O)/%.o: %.c

@@ -90,7 +90,7 @@ void tc_grid_free(tc_grid *grid);
 
 /* ---- Pyramid: prefiltered levels ------------------------------------------------------------------------------ */
 
-typedef struct tc_pyramid tc_pyramid;
+typedef struct tc_field tc_field;
 
 /* One level of a pyramid. */
 typedef struct tc_level {
@@ -106,40 +106,39 @@ typedef struct tc_terrain_info {
         z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there */
     int64_t void_count; /* of the finest level */
     bool other_body;    /* georeferenced on a body that is not the Earth */
-    bool wraps_x;       /* the finest level wraps; tc_pyramid_wraps() says which coarser ones do */
+    bool wraps_x;       /* the finest level wraps; tc_field_wraps() says which coarser ones do */
 } tc_terrain_info;
 
 /* Builds the pyramid of *grid in memory and takes the grid over (it is zeroed, also on failure freed).
  * threads: 0 as many as there are processors. The result does not depend on it. */
-tc_status tc_pyramid_build(tc_grid *grid, int threads, tc_pyramid **pyramid_ret, tc_error *error);
-void tc_pyramid_destroy(tc_pyramid *pyramid);
+tc_status tc_field_build(tc_grid *grid, int threads, tc_field **field_ret, tc_error *error);
+void tc_field_destroy(tc_field *field);
 
-const tc_terrain_info *tc_pyramid_info(const tc_pyramid *pyramid);
+const tc_terrain_info *tc_field_info(const tc_field *field);
 
 /* level in 1..levels. */
-tc_level tc_pyramid_level(const tc_pyramid *pyramid, int level);
+tc_level tc_field_level(const tc_field *field, int level);
 
 /* Whether column `width` of the level is column 0: where the terrain wraps and the finest width is a multiple of
  * 2^(m - level), so that all halvings on the way were even. */
-bool tc_pyramid_wraps(const tc_pyramid *pyramid, int level);
+bool tc_field_wraps(const tc_field *field, int level);
 
 /* Copies the samples of rect, which must lie within the level (on a level that wraps: its rows), to z[(j - rect.y0) *
  * stride + (i - rect.x0)], metres above z_base. voids, where not NULL, gets 1 for void and 0 for valid samples in the
  * same layout. Thread-safe. */
-tc_status tc_pyramid_read(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids,
-                          ptrdiff_t stride);
+tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
 
 /* Lower and upper bound of the level's heights over rect (cut to the level where that does not wrap; metres above
  * z_base). Conservative:
  * may be wider than the truth, never narrower. Thread-safe, takes no time to speak of. */
-void tc_pyramid_bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
+void tc_field_range(const tc_field *field, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
 
 /* Bytes of memory held. */
-size_t tc_pyramid_bytes(const tc_pyramid *pyramid);
+size_t tc_field_bytes(const tc_field *field);
 
 /* Height of the finest level at (x, y) metres, on its mesh of triangles, in metres above z_base; outside the terrain
  * that of the nearest border point, where the terrain does not wrap. */
-tc_status tc_pyramid_height(const tc_pyramid *pyramid, double x, double y, double *z_ret);
+tc_status tc_field_height(const tc_field *field, double x, double y, double *z_ret);
 
 /* ---- Packed terrains ------------------------------------------------------------------------------------------ */
 
@@ -266,7 +265,7 @@ typedef struct tc_open_options {
 } tc_open_options;
 
 /* Opens a packed terrain; reads its header only. A file that was cut short opens with the levels that are whole. */
-tc_status tc_pyramid_open(const char *path, const tc_open_options *options, tc_pyramid **pyramid_ret, tc_error *error);
+tc_status tc_field_open(const char *path, const tc_open_options *options, tc_field **field_ret, tc_error *error);
 
 /* Where a packed terrain's bytes come from, if not from a file: an archive, a server that gives ranges. */
 typedef struct tc_byte_source {
@@ -279,16 +278,16 @@ typedef struct tc_byte_source {
 } tc_byte_source;
 
 /* The same from any bytes; name is what errors call it. */
-tc_status tc_pyramid_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
-                                tc_pyramid **pyramid_ret, tc_error *error);
+tc_status tc_field_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                              tc_field **field_ret, tc_error *error);
 
 /* NULL for a pyramid that is not packed; lives as long as the pyramid. */
-const tc_packed_info *tc_pyramid_packed_info(const tc_pyramid *pyramid);
-tc_packed_level tc_pyramid_packed_level(const tc_pyramid *pyramid, int level);
+const tc_packed_info *tc_field_packed_info(const tc_field *field);
+tc_packed_level tc_field_packed_level(const tc_field *field, int level);
 
 /* Tiles found damaged so far, which were read from the next coarser level, and bytes of tiles decoded so far. */
-int64_t tc_pyramid_damaged(const tc_pyramid *pyramid);
-int64_t tc_pyramid_bytes_decoded(const tc_pyramid *pyramid);
+int64_t tc_field_damaged(const tc_field *field);
+int64_t tc_field_bytes_decoded(const tc_field *field);
 
 /* ---- Camera ------------------------------------------------------------------------------------------------- */
 

@@ -16,7 +16,7 @@
  * m = 1/2 because a square root is rounded alike everywhere, and pow() is not. */
 #include "erosion.h"
 
-#include "common/core/base/parallel.h"
+#include "common/base/parallel.h"
 #include "noise.h"
 
 #include <math.h>

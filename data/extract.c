@@ -4,13 +4,13 @@
  * their height, so that tiles are decoded once. */
 #include "extract.h"
 
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
-#include "common/shell/arguments.h"
-#include "common/shell/interrupt.h"
-#include "common/shell/numbers.h"
-#include "common/core/base/outfile.h"
-#include "common/shell/terrain.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/app/arguments.h"
+#include "common/app/interrupt.h"
+#include "common/app/numbers.h"
+#include "common/base/outfile.h"
+#include "common/app/terrain.h"
 #include "progress.h"
 
 #include <inttypes.h>
@@ -91,7 +91,7 @@ static tc_status check_together(const struct arguments *a, tc_error *error)
 enum { STRIP_ROWS = 256, STRIP_BYTES = 48 << 20 };
 
 typedef struct job {
-    const tc_pyramid *pyramid;
+    const tc_field *field;
     tc_progress *progress;
     int level;
     tc_rect rect; /* rows from the south */
@@ -173,7 +173,7 @@ static bool fits_integer(tc_sample_type type, double value)
 static void choose_storage(job *j, const tc_packed_info *packed, bool finest)
 {
     const tc_pack_terrain *t = &packed->terrain;
-    const tc_terrain_info *info = tc_pyramid_info(j->pyramid);
+    const tc_terrain_info *info = tc_field_info(j->field);
     tc_tiff_options *o = &j->tiff;
     j->stored = finest && packed->mode == TC_PACK_LOSSLESS;
     j->z_base = t->z_base;
@@ -215,7 +215,7 @@ static tc_status read_strip(job *j, int64_t y)
     tc_rect strip = j->rect;
     strip.y0 = tc_max64(j->rect.y0, y / j->strip_rows * j->strip_rows);
     strip.y1 = tc_min64(j->rect.y1, strip.y0 / j->strip_rows * j->strip_rows + j->strip_rows);
-    tc_status status = tc_pyramid_read(j->pyramid, j->level, strip, j->z, j->voids, strip.x1 - strip.x0);
+    tc_status status = tc_field_read(j->field, j->level, strip, j->z, j->voids, strip.x1 - strip.x0);
     j->from = strip.y0;
     j->to = status == TC_OK ? strip.y1 : strip.y0;
     return status;
@@ -291,7 +291,7 @@ static tc_status write(const struct arguments *a, job *j, tc_error *error)
     snprintf(text, sizeof text, "level %d, %" PRId64 " x %" PRId64 " samples, %s", j->level, j->tiff.width,
              j->tiff.height, j->stored ? "stored values of the source" : "metres as float32");
     tc_progress_say(j->progress, false, text);
-    int64_t damaged = tc_terrain_damaged(j->pyramid);
+    int64_t damaged = tc_terrain_damaged(j->field);
     if (damaged > 0)
         return tc_fail(error, TC_ERR_FORMAT,
                        "%s: damaged: %" PRId64 " tiles could not be read; %s was written with the next coarser level "
@@ -302,13 +302,13 @@ static tc_status write(const struct arguments *a, job *j, tc_error *error)
 
 static tc_status extract(const struct arguments *a, const tc_terrain *terrain, tc_progress *progress, tc_error *error)
 {
-    const tc_pyramid *pyramid = terrain->pyramid;
-    const tc_packed_info *packed = tc_pyramid_packed_info(pyramid);
-    int levels = tc_pyramid_info(pyramid)->levels;
+    const tc_field *field = terrain->field;
+    const tc_packed_info *packed = tc_field_packed_info(field);
+    int levels = tc_field_info(field)->levels;
     if (a->level > levels)
         return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
-    job j = {.pyramid = pyramid, .progress = progress, .level = a->level ? a->level : levels};
-    const tc_level level = tc_pyramid_level(pyramid, j.level);
+    job j = {.field = field, .progress = progress, .level = a->level ? a->level : levels};
+    const tc_level level = tc_field_level(field, j.level);
     tc_status status = settle_rect(a, level, &j, error);
     if (status != TC_OK)
         return status;

@@ -8,13 +8,13 @@
  * map that was not packed as one goes straight to the row's mean, at the pole. */
 #include "height.h"
 
-#include "common/core/atlas/atlas_packed.h"
-#include "common/core/base/mesh.h"
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
-#include "common/shell/arguments.h"
-#include "common/shell/numbers.h"
-#include "common/shell/terrain.h"
+#include "common/map/atlas_packed.h"
+#include "common/base/mesh.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/app/arguments.h"
+#include "common/app/numbers.h"
+#include "common/app/terrain.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -120,12 +120,12 @@ static bool locate(const place *p, double x, double y, double *u, double *v)
 {
     const tc_terrain *t = p->terrain;
     if (!t->georef.known) {
-        const tc_level level = tc_pyramid_level(t->pyramid, p->level);
+        const tc_level level = tc_field_level(t->field, p->level);
         *u = x / level.spacing_x * p->stride_x;
         *v = y / level.spacing_y * p->stride_y;
         return inside(p, *u, *v);
     }
-    if (tc_pyramid_info(t->pyramid)->wraps_x) {
+    if (tc_field_info(t->field)->wraps_x) {
         to_samples(p, x, y, u, v);
         *u -= floor(*u / (double)t->width) * (double)t->width;
         return p->atlas->charts ? fabs(y) <= 90 : *v >= -tolerance && *v <= (double)(t->height - 1) + tolerance;
@@ -154,18 +154,18 @@ static double seam_share(const place *p, int64_t width, double u)
 }
 
 /* A cell from the last column, a rectangle, to the first one. */
-static tc_status read_seam(const tc_pyramid *pyramid, int level, tc_rect last, float z[4], uint8_t voids[4])
+static tc_status read_seam(const tc_field *field, int level, tc_rect last, float z[4], uint8_t voids[4])
 {
-    tc_status status = tc_pyramid_read(pyramid, level, last, z, voids, 2);
-    return status ? status : tc_pyramid_read(pyramid, level, (tc_rect){0, last.y0, 1, last.y1}, z + 1, voids + 1, 2);
+    tc_status status = tc_field_read(field, level, last, z, voids, 2);
+    return status ? status : tc_field_read(field, level, (tc_rect){0, last.y0, 1, last.y1}, z + 1, voids + 1, 2);
 }
 
 /* Height of a level's mesh at a point in its samples; beyond its last samples that of the nearest point. NaN where a
  * void is left out. */
-static tc_status read_mesh(const place *p, const tc_pyramid *pyramid, int level, double u, double v, double *z_ret)
+static tc_status read_mesh(const place *p, const tc_field *field, int level, double u, double v, double *z_ret)
 {
-    const tc_level l = tc_pyramid_level(pyramid, level);
-    bool wraps = tc_pyramid_wraps(pyramid, level);
+    const tc_level l = tc_field_level(field, level);
+    bool wraps = tc_field_wraps(field, level);
     double share = seam_share(p, l.width, u);
     u = wraps ? fmax(u, 0) : fmin(fmax(u, 0), (double)(l.width - 1));
     v = fmin(fmax(v, 0), (double)(l.height - 1));
@@ -178,13 +178,13 @@ static tc_status read_mesh(const place *p, const tc_pyramid *pyramid, int level,
     tc_status status;
     if (share > 0) {
         i = l.width - 1, tx = share;
-        status = read_seam(pyramid, level, (tc_rect){i, cell.y0, i + 1, cell.y1}, z, voids);
+        status = read_seam(field, level, (tc_rect){i, cell.y0, i + 1, cell.y1}, z, voids);
     } else {
-        status = tc_pyramid_read(pyramid, level, cell, z, voids, 2);
+        status = tc_field_read(field, level, cell, z, voids, 2);
     }
     if (status != TC_OK)
         return status;
-    *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], tx, ty) + tc_pyramid_info(pyramid)->z_base;
+    *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], tx, ty) + tc_field_info(field)->z_base;
     /* Of the triangle's corners, those that have a share. */
     bool lower = tx + ty <= 1;
     const double shares[4] = {lower ? 1 - tx - ty : 0, lower ? tx : 1 - ty, lower ? ty : 1 - tx,
@@ -200,29 +200,29 @@ static tc_status read_cap(const place *p, double longitude, double latitude, dou
 {
     const double degree = 3.141592653589793 / 180;
     const tc_chart *cap = &p->atlas->chart[latitude > 0 ? 1 : 2];
-    int levels = tc_pyramid_info(cap->pyramid)->levels, missing = tc_pyramid_packed_info(cap->pyramid)->levels_missing;
+    int levels = tc_field_info(cap->field)->levels, missing = tc_field_packed_info(cap->field)->levels_missing;
     int level = (int)tc_clamp64(levels + missing - (int)lrint(log2(p->stride_y)), 1, levels);
     double r = 2 * tan(0.5 * (90 - fabs(latitude)) * degree), spacing = ldexp(cap->dx, levels - level);
-    return read_mesh(p, cap->pyramid, level, (r * cos(longitude * degree) - cap->x0) / spacing,
+    return read_mesh(p, cap->field, level, (r * cos(longitude * degree) - cap->x0) / spacing,
                      (r * sin(longitude * degree) - cap->y0) / spacing, z_ret);
 }
 
 /* Mean height of the level's first or last row; NaN where all of it are voids that are left out. */
 static tc_status read_row_mean(const place *p, int64_t row, double *z_ret)
 {
-    const tc_pyramid *pyramid = p->terrain->pyramid;
-    const tc_level l = tc_pyramid_level(pyramid, p->level);
+    const tc_field *field = p->terrain->field;
+    const tc_level l = tc_field_level(field, p->level);
     int64_t columns = tc_min64(l.width, (int64_t)ceil((double)p->around / p->stride_x)), count = 0;
     float *z = malloc((size_t)columns * sizeof *z);
     uint8_t *voids = malloc((size_t)columns);
     tc_rect rect = {0, row, columns, row + 1};
-    tc_status status = z && voids ? tc_pyramid_read(pyramid, p->level, rect, z, voids, columns) : TC_ERR_MEMORY;
+    tc_status status = z && voids ? tc_field_read(field, p->level, rect, z, voids, columns) : TC_ERR_MEMORY;
     double sum = 0;
     for (int64_t i = 0; i < columns && status == TC_OK; i++)
         if (p->terrain->voids != TC_VOIDS_HOLE || !voids[i])
             sum += (double)z[i], count++;
     free(z), free(voids);
-    *z_ret = count > 0 ? sum / (double)count + tc_pyramid_info(pyramid)->z_base : NAN;
+    *z_ret = count > 0 ? sum / (double)count + tc_field_info(field)->z_base : NAN;
     return status;
 }
 
@@ -230,7 +230,7 @@ static tc_status read_row_mean(const place *p, int64_t row, double *z_ret)
 static tc_status read_to_pole(const place *p, int64_t row, double u, double beyond, double gap, double *z_ret)
 {
     double z = 0, pole = 0, share = fmin(beyond / gap, 1);
-    tc_status status = read_mesh(p, p->terrain->pyramid, p->level, u / p->stride_x, (double)row, &z);
+    tc_status status = read_mesh(p, p->terrain->field, p->level, u / p->stride_x, (double)row, &z);
     if (status == TC_OK)
         status = read_row_mean(p, row, &pole);
     *z_ret = share < 1 ? z + share * (pole - z) : pole;
@@ -242,12 +242,12 @@ static tc_status read_height(const place *p, double x, double y, double u, doubl
 {
     double beyond = fmax(-v, v - (double)(p->terrain->height - 1)), gap = v < 0 ? p->south : p->north;
     if (beyond > 0 && gap > tolerance) {
-        int64_t last = tc_pyramid_level(p->terrain->pyramid, p->level).height - 1;
+        int64_t last = tc_field_level(p->terrain->field, p->level).height - 1;
         return read_to_pole(p, v < 0 ? 0 : last, u, beyond, gap, z_ret);
     }
     if (beyond > 0 && p->atlas->charts == TC_MAX_CHARTS)
         return read_cap(p, x, y, z_ret);
-    return read_mesh(p, p->terrain->pyramid, p->level, u / p->stride_x, v / p->stride_y, z_ret);
+    return read_mesh(p, p->terrain->field, p->level, u / p->stride_x, v / p->stride_y, z_ret);
 }
 
 static void print_height(double z)
@@ -338,7 +338,7 @@ static void find_around(place *p)
     const tc_terrain *t = p->terrain;
     const double *g = t->georef.transform;
     if (!t->georef.known || !t->georef.geographic || g[2] != 0 || g[4] != 0 || !(g[1] > 0 && g[5] < 0) ||
-        tc_pyramid_info(t->pyramid)->wraps_x)
+        tc_field_info(t->field)->wraps_x)
         return;
     int64_t columns = (int64_t)fmin((double)t->width, floor(360 / g[1] + 0.5));
     if (!tc_atlas_around(columns, 360 / g[1]))
@@ -352,18 +352,18 @@ static void find_around(place *p)
 static tc_status tell(const struct arguments *a, const tc_terrain *terrain, const tc_atlas *atlas, double x, double y,
                       tc_error *error)
 {
-    int levels = tc_pyramid_info(terrain->pyramid)->levels;
+    int levels = tc_field_info(terrain->field)->levels;
     if (a->level > levels)
         return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
     place p = {.terrain = terrain, .atlas = atlas, .level = a->level ? a->level : levels};
-    const tc_level level = tc_pyramid_level(terrain->pyramid, p.level);
+    const tc_level level = tc_field_level(terrain->field, p.level);
     p.stride_x = rint(level.spacing_x / terrain->spacing_x);
     p.stride_y = rint(level.spacing_y / terrain->spacing_y);
     find_around(&p);
     tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
-    int64_t damaged = tc_terrain_damaged(terrain->pyramid);
+    int64_t damaged = tc_terrain_damaged(terrain->field);
     for (int c = 1; c < atlas->charts; c++)
-        damaged += tc_terrain_damaged(atlas->chart[c].pyramid);
+        damaged += tc_terrain_damaged(atlas->chart[c].field);
     if (status == TC_OK && damaged > 0)
         status = tc_fail(error, TC_ERR_FORMAT,
                          "%s: damaged: %" PRId64 " tiles could not be read; the next coarser level stood in", a->file,
@@ -390,7 +390,7 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
     a.source.say_context = &a;
     tc_terrain terrain = {0};
     status = tc_terrain_open(a.file, &a.source, 0, &terrain, error);
-    const tc_packed_info *packed = status == TC_OK ? tc_pyramid_packed_info(terrain.pyramid) : NULL;
+    const tc_packed_info *packed = status == TC_OK ? tc_field_packed_info(terrain.field) : NULL;
     const tc_open_options how = {
         .has_policy = a.source.has_voids, .voids = a.source.voids, .void_constant = a.source.void_constant};
     tc_atlas atlas = {0};

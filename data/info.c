@@ -1,12 +1,12 @@
 /* info.c - `terraclip info`: what a packed terrain holds, from its header alone. */
 #include "info.h"
 
-#include "common/core/atlas/atlas_packed.h"
-#include "common/core/base/status.h"
-#include "common/core/packed/packed_file.h"
-#include "common/shell/arguments.h"
-#include "common/shell/json.h"
-#include "common/shell/terrain.h"
+#include "common/map/atlas_packed.h"
+#include "common/base/status.h"
+#include "common/packed/file/packed_file.h"
+#include "common/app/arguments.h"
+#include "common/app/json.h"
+#include "common/app/terrain.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -50,7 +50,7 @@ static const char *const type_names[] = {"uint8",  "int8",  "uint16",  "int16", 
 
 /* All that is told. */
 typedef struct facts {
-    const tc_pyramid *pyramid;
+    const tc_field *field;
     const tc_atlas *atlas; /* of a planet; else zero */
     const tc_packed_info *packed;
     const tc_terrain_info *info;
@@ -67,14 +67,11 @@ static void name_crs(const char *wkt, char *name, size_t capacity)
     snprintf(name, capacity, "%.*s", length, start ? start + 1 : "");
 }
 
-static facts gather(const tc_pyramid *pyramid, const tc_atlas *atlas)
+static facts gather(const tc_field *field, const tc_atlas *atlas)
 {
-    facts f = {.pyramid = pyramid,
-               .atlas = atlas,
-               .packed = tc_pyramid_packed_info(pyramid),
-               .info = tc_pyramid_info(pyramid)};
+    facts f = {.field = field, .atlas = atlas, .packed = tc_field_packed_info(field), .info = tc_field_info(field)};
     const tc_pack_terrain *t = &f.packed->terrain;
-    f.finest = tc_pyramid_packed_level(pyramid, f.info->levels);
+    f.finest = tc_field_packed_level(field, f.info->levels);
     f.bits = 8 * (double)f.packed->bytes / ((double)t->width * (double)t->height);
     name_crs(t->georef.crs_wkt, f.crs, sizeof f.crs);
     return f;
@@ -100,14 +97,14 @@ static void print_planet_json(const facts *f)
     print_key("radius_m", f->packed->terrain.radius);
     printf("  \"charts\": [");
     for (int c = 0; c < f->atlas->charts; c++) {
-        const tc_pyramid *chart = f->atlas->chart[c].pyramid;
-        const tc_pack_terrain *t = &tc_pyramid_packed_info(chart)->terrain;
-        int levels = tc_pyramid_info(chart)->levels;
+        const tc_field *chart = f->atlas->chart[c].field;
+        const tc_pack_terrain *t = &tc_field_packed_info(chart)->terrain;
+        int levels = tc_field_info(chart)->levels;
         printf("%s\n    {\"chart\": \"%s\", \"width\": %" PRId64 ", \"height\": %" PRId64 ", \"bytes\": %" PRId64
                ", \"levels\": %d, \"levels_missing\": %d, \"rms_m\": ",
                c ? "," : "", chart_names[c], t->width, t->height, tc_packed_chart_bytes(chart), levels,
-               tc_pyramid_packed_info(chart)->levels_missing);
-        tc_json_number(tc_pyramid_packed_level(chart, levels).rms, stdout);
+               tc_field_packed_info(chart)->levels_missing);
+        tc_json_number(tc_field_packed_level(chart, levels).rms, stdout);
         printf("}");
     }
     printf("\n  ],\n");
@@ -121,8 +118,8 @@ static void print_json(const facts *f)
         print_planet_json(f);
     printf("  \"levels\": [\n");
     for (int l = 1; l <= f->info->levels; l++) {
-        const tc_level level = tc_pyramid_level(f->pyramid, l);
-        const tc_packed_level packed = tc_pyramid_packed_level(f->pyramid, l);
+        const tc_level level = tc_field_level(f->field, l);
+        const tc_packed_level packed = tc_field_packed_level(f->field, l);
         printf("    {\"level\": %d, \"width\": %" PRId64 ", \"height\": %" PRId64 ", \"spacing_m\": ", l, level.width,
                level.height);
         tc_json_number(0.5 * (level.spacing_x + level.spacing_y), stdout);
@@ -196,11 +193,11 @@ static void print_planet(const facts *f)
     printf("  planet         radius %.10g m, %s\n", f->packed->terrain.radius,
            f->packed->terrain.wraps_x ? "once around" : "a part of it");
     for (int c = 1; c < f->atlas->charts; c++) {
-        const tc_pyramid *chart = f->atlas->chart[c].pyramid;
-        const tc_pack_terrain *t = &tc_pyramid_packed_info(chart)->terrain;
+        const tc_field *chart = f->atlas->chart[c].field;
+        const tc_pack_terrain *t = &tc_field_packed_info(chart)->terrain;
         printf("  %s      %" PRId64 " x %" PRId64 " samples, ", chart_names[c], t->width, t->height);
         print_bytes(tc_packed_chart_bytes(chart));
-        printf(", rms %.4g m\n", tc_pyramid_packed_level(chart, tc_pyramid_info(chart)->levels).rms);
+        printf(", rms %.4g m\n", tc_field_packed_level(chart, tc_field_info(chart)->levels).rms);
     }
 }
 
@@ -229,8 +226,8 @@ static void print_table(const facts *f, const char *path)
         printf(", nodata %.10g", t->nodata);
     printf("\n\n  level      width x height       spacing m          bytes     rms m   max m\n");
     for (int l = f->info->levels; l >= 1; l--) {
-        const tc_level level = tc_pyramid_level(f->pyramid, l);
-        const tc_packed_level packed = tc_pyramid_packed_level(f->pyramid, l);
+        const tc_level level = tc_field_level(f->field, l);
+        const tc_packed_level packed = tc_field_packed_level(f->field, l);
         if (packed.bytes == 0 && l < f->info->levels) {
             printf("  %5d and coarser: made from level %d\n", l, l + 1);
             break;
@@ -260,13 +257,13 @@ tc_status tc_info_main(int argc, char **argv, tc_error *error)
     if (status != TC_OK)
         return status;
     tc_atlas atlas = {0};
-    if (tc_pyramid_packed_info(terrain.pyramid)->terrain.radius > 0)
+    if (tc_field_packed_info(terrain.field)->terrain.radius > 0)
         status = tc_atlas_open(a.file, NULL, &atlas, error);
     if (status != TC_OK) {
         tc_terrain_close(&terrain);
         return status;
     }
-    const facts f = gather(terrain.pyramid, &atlas);
+    const facts f = gather(terrain.field, &atlas);
     if (a.json)
         print_json(&f);
     else

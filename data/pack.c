@@ -4,13 +4,13 @@
  * read. The inputs stream through in bands of rows; what is packed lies beside the output until it is whole. */
 #include "pack.h"
 
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
-#include "common/shell/arguments.h"
-#include "common/shell/interrupt.h"
-#include "common/shell/json.h"
-#include "common/shell/mosaic.h"
-#include "common/shell/numbers.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/app/arguments.h"
+#include "common/app/interrupt.h"
+#include "common/app/json.h"
+#include "common/input/mosaic.h"
+#include "common/app/numbers.h"
 #include "pack_planet.h"
 #include "progress.h"
 

@@ -2,11 +2,11 @@
  * halved often enough. Rows are resampled whole: those of several files lie in a temporary file until all are there. */
 #include "pack_planet.h"
 
-#include "common/core/atlas/atlas.h"
-#include "common/core/atlas/row_resample.h"
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
-#include "common/core/packed/spool.h"
+#include "common/map/atlas.h"
+#include "common/chart/row_resample.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/packed/write/spool.h"
 
 #include <inttypes.h>
 #include <math.h>

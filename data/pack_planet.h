@@ -2,8 +2,8 @@
 #ifndef TC_PACK_PLANET_H
 #define TC_PACK_PLANET_H
 
-#include "common/shell/mosaic.h"
-#include "common/shell/planet_place.h"
+#include "common/input/mosaic.h"
+#include "common/map/planet_place.h"
 
 /* How a mosaic becomes a planet. */
 typedef struct tc_planet_input {

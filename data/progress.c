@@ -1,7 +1,7 @@
 /* progress.c - see progress.h. */
 #include "progress.h"
 
-#include "common/shell/clock.h"
+#include "common/app/clock.h"
 
 #include <math.h>
 #include <stdio.h>

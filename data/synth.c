@@ -4,11 +4,11 @@
  * nobody should wait that long to read that a folder does not exist. */
 #include "synth.h"
 
-#include "common/core/base/status.h"
-#include "common/shell/arguments.h"
-#include "common/shell/numbers.h"
-#include "common/core/base/outfile.h"
-#include "common/shell/source.h"
+#include "common/base/status.h"
+#include "common/app/arguments.h"
+#include "common/app/numbers.h"
+#include "common/base/outfile.h"
+#include "common/input/source.h"
 #include "synth_planar.h"
 #include "synth_planet.h"
 

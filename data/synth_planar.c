@@ -13,9 +13,9 @@
  * not depend on threads. */
 #include "synth_planar.h"
 
-#include "common/core/base/parallel.h"
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
+#include "common/base/parallel.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
 #include "erosion.h"
 #include "noise.h"
 

@@ -11,9 +11,9 @@
  * differ between machines, so that there is one here. */
 #include "synth_planet.h"
 
-#include "common/core/base/parallel.h"
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
+#include "common/base/parallel.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
 #include "noise.h"
 #include "plates.h"
 

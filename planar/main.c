@@ -1,8 +1,8 @@
 /* main.c - planar-viewer: a terrain as a flat map of square nested grids. */
 #include "square.h"
 
-#include "common/shell/flight.h"
-#include "common/shell/viewer.h"
+#include "common/view/flight.h"
+#include "common/app/viewer.h"
 
 static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *request, tc_surface **surface_ret,
                               tc_error *error)
@@ -17,7 +17,7 @@ static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *r
             options.n = 255;
     }
     tc_clipmap *clipmap;
-    tc_status status = tc_clipmap_create(atlas->chart[0].pyramid, &options, &clipmap, error);
+    tc_status status = tc_clipmap_create(atlas->chart[0].field, &options, &clipmap, error);
     return status ? status : tc_square_create(clipmap, surface_ret, error);
 }
 

@@ -9,10 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/core/pyramid/pyramid.h"
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
+#include "common/view/camera.h"
+#include "common/field/field.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
 #include "square_internal.h"
 
 typedef struct square_surface {
@@ -30,7 +30,7 @@ typedef struct square_surface {
 typedef struct assembly {
     square_surface *s;
     const tc_clipmap *clipmap;
-    const tc_pyramid *pyramid;
+    const tc_field *field;
     square_viewer viewer; /* of the camera drawn */
     tc_frustum frustum;   /* of the camera culled for */
     double eye[3];        /* of the camera culled for; x, y relative to viewer's snapped sample, z above z_base */
@@ -45,9 +45,9 @@ typedef struct assembly {
 /* Bounds of a level's vertices over cells x0 .. x1, y0 .. y1. A vertex on the terrain's edge beyond the last sample
  * goes on in the straight line of the last two samples, less than one step of it: on one axis by at most their range r;
  * on both by r and then by the range that has become 3 r, together 4 r. */
-static void vertex_bounds(const assembly *a, int pyramid_level, tc_rect cells, double *lo_ret, double *hi_ret)
+static void vertex_bounds(const assembly *a, int field_level, tc_rect cells, double *lo_ret, double *hi_ret)
 {
-    tc_level size = tc_pyramid_level(a->pyramid, pyramid_level);
+    tc_level size = tc_field_level(a->field, field_level);
     tc_rect samples = {cells.x0, cells.y0, cells.x1 + 1, cells.y1 + 1};
     int beyond = 0;
     if (samples.x1 > size.width) {
@@ -59,7 +59,7 @@ static void vertex_bounds(const assembly *a, int pyramid_level, tc_rect cells, d
         beyond++;
     }
     float lo, hi;
-    tc_pyramid_bounds(a->pyramid, pyramid_level, samples, &lo, &hi);
+    tc_field_range(a->field, field_level, samples, &lo, &hi);
     double more = beyond == 0 ? 0 : beyond == 1 ? 1 : 4;
     *lo_ret = lo - more * ((double)hi - lo);
     *hi_ret = hi + more * ((double)hi - lo);
@@ -68,7 +68,7 @@ static void vertex_bounds(const assembly *a, int pyramid_level, tc_rect cells, d
 /* Bounds of everything drawn over the cells: the level's own heights and the morph's targets. */
 static void height_bounds(const assembly *a, tc_rect cells, double *lo_ret, double *hi_ret)
 {
-    int pl = tc_clipmap_pyramid_level(a->clipmap, a->level);
+    int pl = tc_clipmap_field_level(a->clipmap, a->level);
     vertex_bounds(a, pl, cells, lo_ret, hi_ret);
     if (a->level > 1) {
         double lo, hi;
@@ -274,19 +274,19 @@ static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_
 {
     square_surface *s = (square_surface *)surface;
     const tc_clipmap *clipmap = surface->clipmap[0];
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    const tc_field *field = tc_clipmap_field(clipmap);
     const tc_camera *cull = options->cull_camera ? options->cull_camera : camera;
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     assembly a = {.s = s,
                   .clipmap = clipmap,
-                  .pyramid = pyramid,
+                  .field = field,
                   .viewer = tc_square_viewer(clipmap, camera),
                   .frustum = tc_camera_frustum(cull),
                   .spacing = {finest.spacing_x, finest.spacing_y},
                   .no_cull = options->no_cull};
     a.eye[0] = cull->x - (double)a.viewer.snap_x * finest.spacing_x;
     a.eye[1] = cull->y - (double)a.viewer.snap_y * finest.spacing_y;
-    a.eye[2] = cull->z - tc_pyramid_info(pyramid)->z_base;
+    a.eye[2] = cull->z - tc_field_info(field)->z_base;
 
     int active = 0;
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) { /* nearest first */
@@ -348,8 +348,8 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
         tc_clipmap_destroy(clipmap);
         return status;
     }
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    const tc_field *field = tc_clipmap_field(clipmap);
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     s->wide = edge >= (int64_t)1 << 30;
     s->head =
         (tc_surface){.name = "square",

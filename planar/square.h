@@ -2,7 +2,7 @@
 #ifndef TC_SQUARE_H
 #define TC_SQUARE_H
 
-#include "common/core/clipmap/surface.h"
+#include "common/render/surface.h"
 
 /* A surface over the clipmap, which it takes over, also on failure. */
 tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);

@@ -7,7 +7,7 @@
  * south-east to north-west (mesh.h), and triangles are clockwise from above. */
 #include <stdlib.h>
 
-#include "common/core/base/status.h"
+#include "common/base/status.h"
 #include "square_internal.h"
 
 static uint16_t *strip(uint16_t *out, int w, int h, int stride)

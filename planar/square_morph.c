@@ -9,8 +9,8 @@
  * level by then. */
 #include <math.h>
 
-#include "common/core/base/mesh.h"
-#include "common/core/base/rect.h"
+#include "common/base/mesh.h"
+#include "common/base/rect.h"
 #include "square_internal.h"
 
 static const double DROP_HEIGHT = 0.8;  /* of n g_l above ground: a level is dropped (LH04 section 5: 0.4) */
@@ -21,17 +21,17 @@ static const double CLEAR = 0.25;       /* cells between a ramp's start and the 
 
 square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera)
 {
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    const tc_field *field = tc_clipmap_field(clipmap);
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     square_viewer v;
     v.snap_x = (int64_t)fmin(fmax(floor(camera->x / finest.spacing_x + 0.5), 0), (double)(finest.width - 1));
     v.snap_y = (int64_t)fmin(fmax(floor(camera->y / finest.spacing_y + 0.5), 0), (double)(finest.height - 1));
     v.rest_x = camera->x - (double)v.snap_x * finest.spacing_x;
     v.rest_y = camera->y - (double)v.snap_y * finest.spacing_y;
     double ground = 0;
-    if (tc_pyramid_height(pyramid, camera->x, camera->y, &ground))
-        ground = tc_pyramid_info(pyramid)->z_min;
-    v.height = fabs(camera->z - tc_pyramid_info(pyramid)->z_base - ground);
+    if (tc_field_height(field, camera->x, camera->y, &ground))
+        ground = tc_field_info(field)->z_min;
+    v.height = fabs(camera->z - tc_field_info(field)->z_base - ground);
     return v;
 }
 
@@ -107,8 +107,8 @@ square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_
     if (level == 1 || options->no_stitch)
         return m;
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    const tc_field *field = tc_clipmap_field(clipmap);
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     double cell = ldexp(1, l->shift);
     tc_rect fine = {1, 1, 0, 0};
     if (level < tc_clipmap_levels(clipmap) && !tc_rect_empty(tc_clipmap_level(clipmap, level + 1)->active))
@@ -160,8 +160,8 @@ static int64_t find_cell(double p, int shift, int64_t edge, double *t_ret)
 bool tc_square_drawn_height(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options,
                             double x, double y, double *z_ret)
 {
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    const tc_field *field = tc_clipmap_field(clipmap);
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     square_viewer viewer = tc_square_viewer(clipmap, camera);
     double px = x / finest.spacing_x, py = y / finest.spacing_y;
     if (!(px >= 0 && py >= 0 && px <= (double)(finest.width - 1) && py <= (double)(finest.height - 1)))
@@ -177,7 +177,7 @@ bool tc_square_drawn_height(const tc_clipmap *clipmap, const tc_camera *camera, 
         double z10 = vertex_height(clipmap, level, &m, &viewer, i + 1, j);
         double z01 = vertex_height(clipmap, level, &m, &viewer, i, j + 1);
         double z11 = vertex_height(clipmap, level, &m, &viewer, i + 1, j + 1);
-        *z_ret = tc_triangle_height(z00, z10, z01, z11, tx, ty) + tc_pyramid_info(pyramid)->z_base;
+        *z_ret = tc_triangle_height(z00, z10, z01, z11, tx, ty) + tc_field_info(field)->z_base;
         return true;
     }
     return false;

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Prints C source that holds the named shader files as strings: tc_shader_files[] of {name, text}, ended by NULL.
 echo '/* made by shaders/embed.sh */'
-echo '#include "common/shell/program.h"'
+echo '#include "common/gl/program.h"'
 echo 'const struct tc_shader_file tc_shader_files[] = {'
 for f; do
     printf '{"%s",\n' "${f##*/}"

@@ -1,4 +1,4 @@
-// frame.glsl - what every stage of a frame knows; laid out as frame_uniforms in common/shell/renderer.c.
+// frame.glsl - what every stage of a frame knows; laid out as frame_uniforms in common/render/renderer.c.
 layout(std140, binding = 0) uniform Frame {
     mat4 view_projection;  // from positions relative to the eye
     vec4 surface[13];      // the surface's own

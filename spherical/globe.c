@@ -7,20 +7,20 @@
 
 #include <math.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/shell/flight.h"
+#include "common/view/camera.h"
+#include "common/view/flight.h"
 
 #define DEGREE (M_PI / 180)
 
-static void settle(tc_view *view)
+static void settle(tc_pose *view)
 {
     view->y = fmax(-M_PI / 2, fmin(M_PI / 2, view->y));
     view->x = remainder(view->x, 2 * M_PI);
-    view->z = fmax(-TC_VIEW_LIMIT, fmin(TC_VIEW_LIMIT, view->z));
+    view->z = fmax(-TC_POSE_LIMIT, fmin(TC_POSE_LIMIT, view->z));
 }
 
 /* Moves the foot point by an angle along a great circle that starts out east and north in this proportion. */
-static void go(tc_view *view, double east, double north, double angle)
+static void go(tc_pose *view, double east, double north, double angle)
 {
     double length = hypot(east, north);
     if (!(length > 0) || angle == 0)
@@ -43,7 +43,7 @@ static void go(tc_view *view, double east, double north, double angle)
     settle(view);
 }
 
-static double highest_ground(const tc_ground *ground, const tc_view *view)
+static double highest_ground(const tc_ground *ground, const tc_pose *view)
 {
     double d = ground->clearance / ground->radius;
     return tc_highest_ground(ground, view->x, view->y, d / fmax(cos(view->y), 1e-3), d);
@@ -51,7 +51,7 @@ static double highest_ground(const tc_ground *ground, const tc_view *view)
 
 static void step(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground)
 {
-    tc_view *view = &flight->view;
+    tc_pose *view = &flight->view;
     view->heading = fmod(view->heading + input->turn, 2 * M_PI);
     view->pitch = fmax(-M_PI / 2, fmin(M_PI / 2, view->pitch + input->tilt));
     double top = highest_ground(ground, view), height = fmax(view->z - top, 5 * ground->clearance);
@@ -77,14 +77,14 @@ static void step(tc_flight *flight, const tc_flight_input *input, const tc_groun
 
 /* The globe from where its disc fills most of the frame, over the middle of what there is; a smaller part of one from
  * the south of its middle, near enough to fill the frame. */
-static tc_view whole(const tc_flight_box *box, double fov, int width, int height)
+static tc_pose whole(const tc_flight_box *box, double fov, int width, int height)
 {
     double tx = tan(fov / 2), half = atan(tx * fmin(1, (double)height / width));
     double top = box->radius + fmax(box->z_max, 0);
     double wide = box->east - box->west, tall = box->north - box->south, middle = 0.5 * (box->south + box->north);
     double across = wide * cos(middle);
     bool around = wide > 2 * M_PI - 0.1, poles = tall > M_PI - 0.1;
-    tc_view view = {.x = around ? 20 * DEGREE : 0.5 * (box->west + box->east), .y = middle, .pitch = -M_PI / 2};
+    tc_pose view = {.x = around ? 20 * DEGREE : 0.5 * (box->west + box->east), .y = middle, .pitch = -M_PI / 2};
     if (around && poles)
         view.y = 25 * DEGREE;
     else if (around && fabs(middle) > 0.2) /* all of it is about one pole */

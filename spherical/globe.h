@@ -2,7 +2,7 @@
 #ifndef TC_GLOBE_H
 #define TC_GLOBE_H
 
-#include "common/shell/navigation.h"
+#include "common/view/navigation.h"
 
 extern const tc_navigation tc_globe_navigation;
 

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "common/shell/viewer.h"
+#include "common/app/viewer.h"
 
 static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *request, tc_surface **surface_ret,
                               tc_error *error)

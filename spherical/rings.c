@@ -8,10 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/base/status.h"
-#include "common/core/clipmap/camera.h"
-#include "common/core/pyramid/pyramid.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/view/camera.h"
+#include "common/field/field.h"
 #include "rings_internal.h"
 
 #define DEGREE (M_PI / 180)
@@ -293,16 +293,15 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
                                    .relief = RELIEF,
                                    .spacing_x = c->dx * s->atlas->radius,
                                    .spacing_y = c->dy * s->atlas->radius};
-        tc_status status = tc_clipmap_create(c->pyramid, &clip, &s->head.clipmap[chart], error);
+        tc_status status = tc_clipmap_create(c->field, &clip, &s->head.clipmap[chart], error);
         if (status)
             return status;
         s->head.charts = chart + 1;
         s->head.layers[chart] = tc_clipmap_levels(s->head.clipmap[chart]);
-        for (int l = tc_clipmap_pyramid_level(s->head.clipmap[chart], 1); l <= tc_pyramid_info(c->pyramid)->levels;
-             l++) {
-            tc_level size = tc_pyramid_level(c->pyramid, l);
+        for (int l = tc_clipmap_field_level(s->head.clipmap[chart], 1); l <= tc_field_info(c->field)->levels; l++) {
+            tc_level size = tc_field_level(c->field, l);
             float lo, hi;
-            tc_pyramid_bounds(c->pyramid, l, (tc_rect){0, 0, size.width, size.height}, &lo, &hi);
+            tc_field_range(c->field, l, (tc_rect){0, 0, size.width, size.height}, &lo, &hi);
             s->z_lo = fmin(s->z_lo, lo), s->z_hi = fmax(s->z_hi, hi);
         }
     }
@@ -354,7 +353,7 @@ tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options
     bool ch06 = options->scheme == TC_RINGS_CH06;
     s->atlas = atlas;
     s->scheme = options->scheme;
-    s->outside = -tc_pyramid_info(atlas->chart[0].pyramid)->z_base;
+    s->outside = -tc_field_info(atlas->chart[0].field)->z_base;
     s->geometry = (rings_geometry){.levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2};
     /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 4: steps around are up to pi / 2 samples
      * long, and as long outwards with as many as tc_rings_steps() says. CH06 section 4.2 has n_phi / 8. */

@@ -10,7 +10,7 @@
 #ifndef TC_RINGS_H
 #define TC_RINGS_H
 
-#include "common/core/clipmap/surface.h"
+#include "common/render/surface.h"
 
 typedef enum tc_rings_scheme {
     TC_RINGS_EXACT,

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/status.h"
+#include "common/base/status.h"
 #include "rings_internal.h"
 
 enum { SECTORS = 16, PAD = 64 };

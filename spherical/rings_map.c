@@ -3,8 +3,8 @@
  * The oracle of shaders/rings.glsl, which does the same in float. */
 #include <math.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/pyramid/pyramid.h"
+#include "common/base/rect.h"
+#include "common/field/field.h"
 #include "rings_internal.h"
 
 /* Longitude and colatitude relative to the viewer's, without cancellation (the design, section 7). */
@@ -86,7 +86,7 @@ rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int c
 rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level)
 {
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-    tc_level size = tc_pyramid_level(tc_clipmap_pyramid(clipmap), tc_clipmap_pyramid_level(clipmap, level));
+    tc_level size = tc_field_level(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, level));
     bool wraps = l->extent.x0 < 0;
     int64_t x1 = wraps ? l->clip.x1 : tc_min64(l->clip.x1, size.width), y1 = tc_min64(l->clip.y1, size.height);
     return (rings_extent){(double)l->clip.x0, (double)l->clip.y0, (double)x1 - 1, (double)y1 - 1};
@@ -111,7 +111,7 @@ bool tc_rings_partial(const rings_surface *s)
 rings_extent tc_rings_sides(const rings_surface *s, const rings_view *view, bool *south_ret, bool *north_ret)
 {
     const tc_chart *c = &s->atlas->chart[0];
-    tc_level size = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
+    tc_level size = tc_field_level(c->field, tc_field_info(c->field)->levels);
     double x = view->place[0].x, y = view->place[0].y, rows = (double)(size.height - 1);
     *south_ret = c->y0 - 1.01 * c->dy < -M_PI / 2;
     *north_ret = c->y0 + (rows + 1.01) * c->dy > M_PI / 2;
@@ -227,6 +227,6 @@ bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const t
     mesh_vertex(s, &view, inner, w1, column + 1, p[3]);
     double r0 = meet(d, p[0], p[1], p[2], &in[0]);
     double r1 = inner > 0 ? meet(d, p[1], p[3], p[2], &in[1]) : (in[1] = -INFINITY, 0);
-    *z_ret = (in[0] >= in[1] ? r0 : r1) - view.radius + tc_pyramid_info(s->atlas->chart[0].pyramid)->z_base;
+    *z_ret = (in[0] >= in[1] ? r0 : r1) - view.radius + tc_field_info(s->atlas->chart[0].field)->z_base;
     return isfinite(*z_ret);
 }

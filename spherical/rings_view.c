@@ -3,9 +3,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/clipmap/camera.h"
-#include "common/core/pyramid/pyramid.h"
+#include "common/base/rect.h"
+#include "common/view/camera.h"
+#include "common/field/field.h"
 #include "rings_internal.h"
 
 #define DEGREE (M_PI / 180)
@@ -16,7 +16,7 @@ static rings_place place_lonlat(const rings_surface *s, int chart, const tc_came
 {
     const tc_chart *c = &s->atlas->chart[chart];
     rings_place at = {.x = (camera->x - c->x0) / c->dx, .y = (camera->y - c->y0) / c->dy, .near = true};
-    tc_level size = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
+    tc_level size = tc_field_level(c->field, tc_field_info(c->field)->levels);
     double middle = 0.5 * (double)(size.width - 1), period = 2 * M_PI / c->dx;
     if (c->wraps) { /* the number of the viewer's column that is next to what is held already */
         const tc_clip_level *l = tc_clipmap_level(s->head.clipmap[chart], 1);
@@ -61,7 +61,7 @@ static double finer_detail(const rings_surface *s, double latitude)
 
 static rings_view place(const rings_surface *s, const tc_camera *camera)
 {
-    double z_base = tc_pyramid_info(s->atlas->chart[0].pyramid)->z_base;
+    double z_base = tc_field_info(s->atlas->chart[0].field)->z_base;
     rings_view v = {.theta = M_PI / 2 - camera->y, .radius = s->atlas->radius + z_base, .z_eye = camera->z - z_base};
     v.sin_theta = fmax(cos(camera->y), 0), v.cos_theta = sin(camera->y);
     v.detail = finer_detail(s, camera->y);
@@ -109,17 +109,17 @@ static rings_near near_of(const float *z, int64_t w, int64_t h, int64_t stride, 
 static rings_near read_near(const rings_surface *s, const rings_view *v, int chart)
 {
     const tc_clipmap *clipmap = s->head.clipmap[chart];
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    const tc_field *field = tc_clipmap_field(clipmap);
     int levels = tc_clipmap_levels(clipmap), shift = tc_clipmap_level(clipmap, levels)->shift;
-    int level = tc_clipmap_pyramid_level(clipmap, levels);
+    int level = tc_clipmap_field_level(clipmap, levels);
     double x = ldexp(v->place[chart].x, -shift), y = ldexp(v->place[chart].y, -shift);
-    tc_level size = tc_pyramid_level(pyramid, level);
+    tc_level size = tc_field_level(field, level);
     bool wraps = s->atlas->chart[chart].wraps;
     tc_rect r = {(int64_t)floor(x) - AROUND + 1, (int64_t)floor(y) - AROUND + 1, (int64_t)floor(x) + AROUND + 1,
                  (int64_t)floor(y) + AROUND + 1};
     tc_rect there = tc_rect_intersect(r, (tc_rect){wraps ? r.x0 : 0, 0, wraps ? r.x1 : size.width, size.height});
     float z[BLOCK * BLOCK];
-    if (!v->place[chart].near || tc_rect_empty(there) || tc_pyramid_read(pyramid, level, there, z, NULL, BLOCK))
+    if (!v->place[chart].near || tc_rect_empty(there) || tc_field_read(field, level, there, z, NULL, BLOCK))
         return (rings_near){.shift = -1};
     return near_of(z, there.x1 - there.x0, there.y1 - there.y0, BLOCK, x - (double)there.x0, y - (double)there.y0,
                    shift);
@@ -215,7 +215,7 @@ static void widen(double *lo, double *hi, double a, double b)
 static void chart_bounds(const rings_surface *s, const rings_view *v, int chart, rings_extent e, double *lo, double *hi)
 {
     const tc_clipmap *clipmap = s->head.clipmap[chart];
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
+    const tc_field *field = tc_clipmap_field(clipmap);
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
         int shift = tc_clipmap_level(clipmap, level)->shift;
         if (ldexp(fmax(e.x1 - e.x0, e.y1 - e.y0), -shift) > 2.0 * tc_clipmap_n(clipmap))
@@ -224,7 +224,7 @@ static void chart_bounds(const rings_surface *s, const rings_view *v, int chart,
         tc_rect r = {(int64_t)floor(ldexp(x + e.x0, -shift)) - 1, (int64_t)floor(ldexp(y + e.y0, -shift)) - 1,
                      (int64_t)ceil(ldexp(x + e.x1, -shift)) + 2, (int64_t)ceil(ldexp(y + e.y1, -shift)) + 2};
         float a, b;
-        tc_pyramid_bounds(pyramid, tc_clipmap_pyramid_level(clipmap, level), r, &a, &b);
+        tc_field_range(field, tc_clipmap_field_level(clipmap, level), r, &a, &b);
         widen(lo, hi, a, b);
     }
 }
@@ -339,7 +339,7 @@ static int64_t turns_back(const rings_surface *s, const rings_view *v, int chart
 static void turn_back(const tc_clipmap *clipmap, int64_t turns, tc_rect *wanted)
 {
     for (int level = 1; level <= tc_clipmap_levels(clipmap) && turns != 0; level++) {
-        tc_level size = tc_pyramid_level(tc_clipmap_pyramid(clipmap), tc_clipmap_pyramid_level(clipmap, level));
+        tc_level size = tc_field_level(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, level));
         tc_rect *r = &wanted[level - 1];
         if (!tc_rect_empty(*r))
             r->x0 -= turns * size.width, r->x1 -= turns * size.width;

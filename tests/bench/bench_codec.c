@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "tests/support/datasets.h"
 #include "tests/support/packed.h"
 #include "tests/support/terrain_files.h"

@@ -160,7 +160,7 @@ static double measure_brute(bench *b, const measured *m, int height)
         tc_camera c = measured_camera(m, height, p, b->width, b->height);
         plain_mesh mesh;
         bool done =
-            m->round ? plain_brute_globe(gl, &m->planet.atlas, &c, &mesh) : plain_brute_flat(gl, m->pyramid, &c, &mesh);
+            m->round ? plain_brute_globe(gl, &m->planet.atlas, &c, &mesh) : plain_brute_flat(gl, m->field, &c, &mesh);
         if (!done) {
             tc_error_stats_free(&e);
             return NAN;

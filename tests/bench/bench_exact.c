@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/codec/codec_correction.h"
-#include "common/core/codec/codec_exact.h"
+#include "common/base/rect.h"
+#include "common/codec/lifting/codec_correction.h"
+#include "common/codec/exact/codec_exact.h"
 #include "tests/support/datasets.h"
 #include "tests/support/packed.h"
 #include "tests/support/terrain_files.h"

@@ -8,8 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/pyramid/filter.h"
-#include "common/core/base/rect.h"
+#include "common/field/filter.h"
+#include "common/base/rect.h"
 #include "tests/support/datasets.h"
 
 enum { MOST = 1400, ITERATIONS = 40 };

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/shell/clock.h"
+#include "common/app/clock.h"
 #include "planar/square_internal.h"
 #include "tests/support/measure.h"
 #include "tests/support/plain_mesh.h"
@@ -35,7 +35,7 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
     square_viewer viewer = tc_square_viewer(s->clipmap, camera);
     int count = frame.strip_draws + frame.list_draws;
     int64_t mask = tc_clipmap_n(s->clipmap);
-    tc_level finest = tc_pyramid_level(s->pyramid, tc_pyramid_info(s->pyramid)->levels);
+    tc_level finest = tc_field_level(s->field, tc_field_info(s->field)->levels);
     float(*positions)[3] = malloc((size_t)count * (size_t)g->vertex_count * sizeof *positions);
     tc_draw *draws = malloc((size_t)count * sizeof *draws);
     size_t used = 0;
@@ -93,7 +93,7 @@ static double ratio(const tc_gl *gl, scene *s, const plain_mesh *m, const tc_cam
 }
 
 /* A square of `size` samples around the middle of a terrain repeated in mirror images. */
-static tc_pyramid *cut_out(const tc_grid *from, int64_t size)
+static tc_field *cut_out(const tc_grid *from, int64_t size)
 {
     tc_grid g = {.width = size,
                  .height = size,
@@ -109,8 +109,8 @@ static tc_pyramid *cut_out(const tc_grid *from, int64_t size)
             x = x < from->width ? x : period - x, y = y < from->height ? y : period - y;
             g.z[j * size + i] = from->z[y * from->width + x];
         }
-    tc_pyramid *p;
-    if (tc_pyramid_build(&g, 0, &p, NULL))
+    tc_field *p;
+    if (tc_field_build(&g, 0, &p, NULL))
         exit(99);
     return p;
 }
@@ -119,14 +119,14 @@ static void sizes(const tc_context *context, const tc_grid *terrain)
 {
     const int64_t size[3] = {1025, 4097, 8193};
     tc_scene_options options = {.background_set = true};
-    tc_pyramid *p[3];
+    tc_field *p[3];
     scene s[3];
     tc_camera camera[3];
     for (int k = 0; k < 3; k++) {
         p[k] = cut_out(terrain, size[k]);
         s[k] = scene_create(context, p[k], 255, &options);
         double middle = (double)(size[k] - 1) / 2 * terrain->spacing_x, ground;
-        tc_pyramid_height(p[k], middle, middle, &ground);
+        tc_field_height(p[k], middle, middle, &ground);
         camera[k] = (tc_camera){.x = middle,
                                 .y = middle - 2000,
                                 .z = 4200,
@@ -149,7 +149,7 @@ static void sizes(const tc_context *context, const tc_grid *terrain)
                (long long)size[k], measure_of(ms[k], PAIRS).median, (long long)stats.triangles,
                measure_of(r[k], PAIRS).median);
         scene_destroy(&s[k]);
-        tc_pyramid_destroy(p[k]);
+        tc_field_destroy(p[k]);
     }
 }
 
@@ -160,9 +160,9 @@ int main(void)
         return 1;
     const tc_gl *gl = tc_context_gl(context);
     tc_grid terrain = terrain_grid(TERRAIN_DEFAULT, 4097, 4097, 30, 1);
-    tc_pyramid *p = cut_out(&terrain, 4097);
+    tc_field *p = cut_out(&terrain, 4097);
     double middle = 2048 * 30, ground;
-    tc_pyramid_height(p, middle, middle, &ground);
+    tc_field_height(p, middle, middle, &ground);
     tc_camera camera = {.x = middle,
                         .y = middle,
                         .z = ground + 30,
@@ -202,7 +202,7 @@ int main(void)
         }
         scene_destroy(&s);
     }
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     sizes(context, &terrain);
     tc_grid_free(&terrain);
     tc_context_destroy(context);

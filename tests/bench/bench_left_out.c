@@ -14,10 +14,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/packed/prefetch.h"
-#include "common/shell/clock.h"
-#include "common/shell/plugin.h"
+#include "common/base/rect.h"
+#include "common/packed/read/prefetch.h"
+#include "common/app/clock.h"
+#include "common/input/plugin.h"
 #include "spherical/rings_internal.h"
 #include "tests/support/lean_scenes.h"
 #include "tests/support/measure.h"
@@ -42,7 +42,7 @@ static void forced_wanted(tc_surface *surface, const tc_camera *camera, tc_rect 
     tc_camera c = *camera;
     double ground = 0;
     if (forced.what == ALL_LEVELS) {
-        c.z = tc_pyramid_info(tc_clipmap_pyramid(surface->clipmap[0]))->z_base;
+        c.z = tc_field_info(tc_clipmap_field(surface->clipmap[0]))->z_base;
         if (forced.own.drawn_height(surface, camera, &(tc_frame_options){0}, c.x, c.y, &ground))
             c.z = ground;
     }
@@ -206,7 +206,7 @@ static void measure_parts(const tc_scene_options *own)
     unsigned needs = bench.l->needs;
     tc_scene_options o = *own;
     tc_scene_needs more =
-        tc_scene_needs_of(own, tc_pyramid_info(bench.as_is.scene.pyramid), bench.as_is.scene.surface->sphere);
+        tc_scene_needs_of(own, tc_field_info(bench.as_is.scene.field), bench.as_is.scene.surface->sphere);
     if (!(needs & LEAN_LIGHT)) {
         o.unlit = false;
         measure_pair("normals and light", &o, NULL, NULL, NULL, NOTHING);

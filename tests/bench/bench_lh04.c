@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "tests/support/datasets.h"
 #include "tests/support/lh04_packed.h"
 #include "tests/support/terrain_files.h"

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "common/core/clipmap/clipmap.h"
-#include "common/core/clipmap/lod_error.h"
+#include "common/window/clipmap.h"
+#include "common/measure/lod_error.h"
 #include "tests/support/flat_data.h"
 #include "tests/support/measure.h"
 
@@ -15,20 +15,19 @@ enum { WINDOW = 255, FRAME = 640, QUICK = 4000000 };
 static bool measure(const measure_options *o, const dataset *d)
 {
     tc_grid grid;
-    tc_pyramid *p;
+    tc_field *p;
     tc_clipmap *c;
     tc_error error;
     if (!flat_data_load(d, o->quick ? QUICK : 0, &grid))
         return true;
-    if (tc_pyramid_build(&grid, 0, &p, &error) ||
-        tc_clipmap_create(p, &(tc_clipmap_options){.n = WINDOW}, &c, &error)) {
+    if (tc_field_build(&grid, 0, &p, &error) || tc_clipmap_create(p, &(tc_clipmap_options){.n = WINDOW}, &c, &error)) {
         fprintf(stderr, "%s: %s\n", d->name, error.text);
         return false;
     }
     bool measured = true;
     for (int l = 1; l < tc_clipmap_levels(c) && measured; l++) { /* the finest has no error */
         tc_lod_error e;
-        measured = tc_lod_error_measure(p, tc_clipmap_pyramid_level(c, l), WINDOW, FRAME, M_PI / 2, 0, &e) == TC_OK;
+        measured = tc_lod_error_measure(p, tc_clipmap_field_level(c, l), WINDOW, FRAME, M_PI / 2, 0, &e) == TC_OK;
         if (!measured)
             break;
         bool within = e.rms_px < 0.2 && e.p999_px < 1;
@@ -42,7 +41,7 @@ static bool measure(const measure_options *o, const dataset *d)
                 e.p999_px, e.max_px);
     }
     tc_clipmap_destroy(c);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     return measured;
 }
 

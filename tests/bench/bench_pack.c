@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "coders.h"
 #include "tests/support/curves.h"
 #include "tests/support/made_files.h"
@@ -268,11 +268,11 @@ static void read_whole(const both *b, double *ours_ret, double *opened_ret, doub
     *ours_ret = *opened_ret = *j2k_ret = INFINITY;
     for (int n = 0; n < RUNS; n++) {
         double start = terrain_cpu();
-        tc_pyramid *pyramid = terrain_open(b->ours);
+        tc_field *field = terrain_open(b->ours);
         double opened = terrain_cpu();
-        terrain_read(pyramid, z, NULL);
+        terrain_read(field, z, NULL);
         double end = terrain_cpu();
-        tc_pyramid_destroy(pyramid);
+        tc_field_destroy(field);
         *ours_ret = fmin(*ours_ret, end - opened), *opened_ret = fmin(*opened_ret, end - start);
         start = terrain_cpu();
         must_decode(b->j2k, (tc_rect){0, 0, b->grid.width, b->grid.height}, v);
@@ -286,9 +286,9 @@ typedef struct region_times {
     double cold, opened, resident, j2k; /* opened: cold with opening; resident: the coarser level was read before */
 } region_times;
 
-static void must_read(const tc_pyramid *pyramid, int level, tc_rect rect, float *z)
+static void must_read(const tc_field *field, int level, tc_rect rect, float *z)
 {
-    terrain_must(tc_pyramid_read(pyramid, level, rect, z, NULL, rect.x1 - rect.x0), &(tc_error){.text = "reading"});
+    terrain_must(tc_field_read(field, level, rect, z, NULL, rect.x1 - rect.x0), &(tc_error){.text = "reading"});
 }
 
 static region_times read_regions(const both *b)
@@ -300,24 +300,24 @@ static region_times read_regions(const both *b)
     for (int n = 0; n < PLACES; n++) {
         tc_rect rect = terrain_place(&random, b->grid.width, b->grid.height, SIDE);
         double start = terrain_cpu();
-        tc_pyramid *pyramid = terrain_open(b->ours);
-        int finest = tc_pyramid_info(pyramid)->levels;
+        tc_field *field = terrain_open(b->ours);
+        int finest = tc_field_info(field)->levels;
         double begin = terrain_cpu();
-        must_read(pyramid, finest, rect, z);
+        must_read(field, finest, rect, z);
         double end = terrain_cpu();
         cold[n] = 1e3 * (end - begin), opened[n] = 1e3 * (end - start);
-        tc_pyramid_destroy(pyramid);
+        tc_field_destroy(field);
 
-        pyramid = terrain_open(b->ours);
-        tc_level coarser = tc_pyramid_level(pyramid, finest - 1);
+        field = terrain_open(b->ours);
+        tc_level coarser = tc_field_level(field, finest - 1);
         tc_rect half = {tc_max64(rect.x0 / 2 - 8, 0), tc_max64(rect.y0 / 2 - 8, 0),
                         tc_min64(rect.x1 / 2 + 8, coarser.width), tc_min64(rect.y1 / 2 + 8, coarser.height)};
         static float around[SIDE * SIDE];
-        must_read(pyramid, finest - 1, half, around);
+        must_read(field, finest - 1, half, around);
         start = terrain_cpu();
-        must_read(pyramid, finest, rect, z);
+        must_read(field, finest, rect, z);
         resident[n] = 1e3 * (terrain_cpu() - start);
-        tc_pyramid_destroy(pyramid);
+        tc_field_destroy(field);
         if (n < J2K_PLACES) {
             start = terrain_cpu();
             must_decode(b->j2k, rect, v);

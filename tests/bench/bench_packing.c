@@ -16,7 +16,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packed.h"
 #include "tests/support/terrain_files.h"
@@ -204,16 +204,16 @@ static double resident_mebibytes(void)
 static int child_main(const char *path, bool reads)
 {
     double before = resident_mebibytes(), start = terrain_wall();
-    tc_pyramid *pyramid = terrain_open(path);
-    int levels = tc_pyramid_info(pyramid)->levels;
+    tc_field *field = terrain_open(path);
+    int levels = tc_field_info(field)->levels;
     double ms = 1e3 * (terrain_wall() - start), opened = resident_mebibytes();
     static float z[1024 * 1024];
     for (int l = 1; l <= levels && reads; l++) {
-        tc_level level = tc_pyramid_level(pyramid, l);
+        tc_level level = tc_field_level(field, l);
         for (int64_t y = 0; y < level.height; y += 1024)
             for (int64_t x = 0; x < level.width; x += 1024) {
                 tc_rect r = {x, y, tc_min64(x + 1024, level.width), tc_min64(y + 1024, level.height)};
-                terrain_must(tc_pyramid_read(pyramid, l, r, z, NULL, 1024), &(tc_error){.text = "reading"});
+                terrain_must(tc_field_read(field, l, r, z, NULL, 1024), &(tc_error){.text = "reading"});
             }
     }
     double read = resident_mebibytes();
@@ -306,8 +306,8 @@ static void upsample_section(void)
     tc_grid grid = terrain_grid(TERRAIN_SMOOTH, SIZE, SIZE, 30, 1);
     terrain_pack(&grid, &file, &(tc_pack_options){.mode = TC_PACK_RMS, .error = 0.5}, path);
     tc_grid_free(&grid);
-    tc_pyramid *pyramid = terrain_open(path);
-    int finest = tc_pyramid_info(pyramid)->levels;
+    tc_field *field = terrain_open(path);
+    int finest = tc_field_info(field)->levels;
     for (int n = 0; n < RUNS; n++) {
         double t = terrain_wall();
         memcpy(to, from, sizeof to);
@@ -320,7 +320,7 @@ static void upsample_section(void)
         tc_codec_read(codec, &coarse, no_tile, NULL, &fine, scratch, NULL, TC_SIMD_AUTO);
         up[n] = terrain_wall() - t;
         t = terrain_wall();
-        terrain_must(tc_pyramid_read(pyramid, finest, rect, to, NULL, SIDE), &(tc_error){.text = "reading"});
+        terrain_must(tc_field_read(field, finest, rect, to, NULL, SIDE), &(tc_error){.text = "reading"});
         whole[n] = terrain_wall() - t;
     }
     double c = 1e6 * least(copy, RUNS), f = 1e6 * least(filter, RUNS), u = 1e6 * least(up, RUNS);
@@ -329,8 +329,8 @@ static void upsample_section(void)
            "the codec's step with tiles that are empty %.1f us, %.1f times; read from a packed terrain, through all of "
            "its\n"
            "levels (%" PRId64 " bytes in the finest) %.1f us, %.1f times\n",
-           SIDE, SIDE, RUNS, c, f, f / c, u, u / c, tc_pyramid_packed_level(pyramid, finest).bytes, w, w / c);
-    tc_pyramid_destroy(pyramid);
+           SIDE, SIDE, RUNS, c, f, f / c, u, u / c, tc_field_packed_level(field, finest).bytes, w, w / c);
+    tc_field_destroy(field);
     unlink(path);
     free(codec), free(scratch), free(fine.z), free(coarse.z);
 }

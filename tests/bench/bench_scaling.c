@@ -19,9 +19,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/base/parallel.h"
-#include "common/core/base/rect.h"
-#include "common/shell/clock.h"
+#include "common/base/parallel.h"
+#include "common/base/rect.h"
+#include "common/app/clock.h"
 #include "planar/square.h"
 #include "tests/support/frame_clock.h"
 #include "tests/support/made_files.h"
@@ -120,7 +120,7 @@ static double pack(const bench *b, int64_t size, int threads, const char *path)
     return ms;
 }
 
-static tc_pyramid *in_memory(const bench *b, int64_t size)
+static tc_field *in_memory(const bench *b, int64_t size)
 {
     tc_grid g = {.width = size,
                  .height = size,
@@ -128,26 +128,26 @@ static tc_pyramid *in_memory(const bench *b, int64_t size)
                  .spacing_y = spacing,
                  .z_min = b->base.z_min,
                  .z_max = b->base.z_max};
-    tc_pyramid *p;
+    tc_field *p;
     tc_error error;
     g.z = malloc((size_t)(size * size) * sizeof *g.z);
     terrain_must(g.z ? TC_OK : TC_ERR_MEMORY, &(tc_error){.text = "not enough memory"});
     for (int64_t j = 0; j < size; j++)
         for (int64_t i = 0; i < size; i++)
             g.z[j * size + i] = b->base.z[mirrored(j) * BASE + mirrored(i)];
-    terrain_must(tc_pyramid_build(&g, 0, &p, &error), &error);
+    terrain_must(tc_field_build(&g, 0, &p, &error), &error);
     return p;
 }
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-static scene open_scene(const bench *b, const tc_pyramid *pyramid, int n, int max_levels, int64_t budget)
+static scene open_scene(const bench *b, const tc_field *field, int n, int max_levels, int64_t budget)
 {
     const tc_scene_options look = {.unlit = true, .background_set = true, .budget = budget};
-    scene s = {.pyramid = pyramid};
+    scene s = {.field = field};
     tc_error error;
     tc_clipmap_options clip = {.n = n, .max_levels = max_levels};
-    terrain_must(tc_clipmap_create(pyramid, &clip, &s.clipmap, &error), &error);
+    terrain_must(tc_clipmap_create(field, &clip, &s.clipmap, &error), &error);
     terrain_must(tc_square_create(s.clipmap, &s.surface, &error), &error);
     terrain_must(tc_renderer_create(tc_context_gl(b->context), s.surface, &look, &s.renderer, &error), &error);
     return s;
@@ -203,15 +203,15 @@ static void sizes(bench *b)
     for (int64_t size = 1025; size <= (b->options.quick ? 4097 : 16385); size = 2 * size - 1) {
         const char *path = made_path("size.tclip");
         pack(b, size, 0, path);
-        tc_pyramid *p = terrain_open(path);
+        tc_field *p = terrain_open(path);
         figures f = held_view(b, open_scene(b, p, N, 0, -1), (double)(size / 2));
         put_row(b, "size", (double)size, &f);
-        tc_pyramid_destroy(p);
+        tc_field_destroy(p);
         unlink(path);
     }
 }
 
-static void levels_and_windows(bench *b, const tc_pyramid *p, double middle)
+static void levels_and_windows(bench *b, const tc_field *p, double middle)
 {
     scene all = open_scene(b, p, N, 0, -1);
     int levels = tc_clipmap_levels(all.clipmap);
@@ -228,9 +228,9 @@ static void levels_and_windows(bench *b, const tc_pyramid *p, double middle)
 
 /* Frames of a viewer that moves; step: samples between them, negative for places at random. Whole frames with their
  * updates, by the clock on the wall. */
-static void moving(bench *b, const tc_pyramid *p, const char *what, double step)
+static void moving(bench *b, const tc_field *p, const char *what, double step)
 {
-    int64_t size = tc_pyramid_level(p, tc_pyramid_info(p)->levels).width;
+    int64_t size = tc_field_level(p, tc_field_info(p)->levels).width;
     int moves = b->options.quick ? 25 : 80;
     double ms[MOST_MOVES], update[MOST_MOVES], samples[MOST_MOVES], bytes[MOST_MOVES], far = 0;
     double x = (double)size / 3, y = (double)size / 2, way = 1, margin = 300;
@@ -267,16 +267,16 @@ static void moving(bench *b, const tc_pyramid *p, const char *what, double step)
     scene_destroy(&s);
 }
 
-static void speeds(bench *b, const tc_pyramid *p, const char *path)
+static void speeds(bench *b, const tc_field *p, const char *path)
 {
     static const double steps[] = {0, 1, 4, 16, 64, 256};
     for (int i = 0; i < 6; i++)
         moving(b, p, "speed", steps[i]);
     moving(b, p, "teleport", -1);
     for (int i = b->options.quick ? 1 : 0; i < 6; i += b->options.quick ? 2 : 1) {
-        tc_pyramid *packed = terrain_open(path); /* with nothing decoded */
+        tc_field *packed = terrain_open(path); /* with nothing decoded */
         moving(b, packed, "speed_packed", steps[i]);
-        tc_pyramid_destroy(packed);
+        tc_field_destroy(packed);
     }
 }
 
@@ -285,17 +285,17 @@ static void speeds(bench *b, const tc_pyramid *p, const char *path)
 enum { BLOCK = 256, REPEATS = 3 };
 
 typedef struct reading {
-    const tc_pyramid *p;
+    const tc_field *p;
     int64_t across;
 } reading;
 
 static void read_block(void *context, int64_t k)
 {
     const reading *r = context;
-    int finest = tc_pyramid_info(r->p)->levels;
+    int finest = tc_field_info(r->p)->levels;
     int64_t x = k % r->across * BLOCK, y = k / r->across * BLOCK;
     float *z = malloc(sizeof *z * BLOCK * BLOCK);
-    if (!z || tc_pyramid_read(r->p, finest, (tc_rect){x, y, x + BLOCK, y + BLOCK}, z, NULL, BLOCK))
+    if (!z || tc_field_read(r->p, finest, (tc_rect){x, y, x + BLOCK, y + BLOCK}, z, NULL, BLOCK))
         exit(1);
     free(z);
 }
@@ -303,12 +303,12 @@ static void read_block(void *context, int64_t k)
 /* Milliseconds to read the finest level of a file that has just been opened. */
 static double decode(const char *path, int threads, int64_t across)
 {
-    tc_pyramid *p = terrain_open(path);
+    tc_field *p = terrain_open(path);
     reading r = {p, across};
     double start = tc_clock_ms();
     tc_parallel_for(threads, across * across, read_block, &r);
     double ms = tc_clock_ms() - start;
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     return ms;
 }
 
@@ -345,13 +345,13 @@ int main(int argc, char **argv)
     b.base = terrain_grid(TERRAIN_DEFAULT, BASE, BASE, spacing, 4);
     int64_t size = b.options.quick ? 2049 : 4097;
     const char *path = made_path("speed.tclip");
-    tc_pyramid *p = in_memory(&b, size);
+    tc_field *p = in_memory(&b, size);
     sizes(&b);
     levels_and_windows(&b, p, (double)(size / 2));
     pack(&b, size, 0, path);
     speeds(&b, p, path);
     threads(&b, size);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     made_folder_remove();
     tc_grid_free(&b.base);
     frame_clock_destroy(&b.clock);

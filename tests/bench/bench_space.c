@@ -24,7 +24,7 @@ enum { WINDOW = 255, WIDTH = 640, HEIGHT = 480, QUICK = 4000000 };
 /* What the drawing process says; bytes. */
 typedef struct held {
     int levels;
-    double clip_heights, clip_normals, gpu_heights, gpu_normals, geometry, pyramid;
+    double clip_heights, clip_normals, gpu_heights, gpu_normals, geometry, field;
     double resident_start, resident_context, resident_view;
 } held;
 
@@ -46,18 +46,18 @@ static int draw(const char *path)
     if (!context)
         return 1;
     h.resident_context = resident();
-    tc_pyramid *pyramid = terrain_open(path);
-    int finest = tc_pyramid_info(pyramid)->levels;
-    tc_level top = tc_pyramid_level(pyramid, finest);
-    scene s = scene_create(context, pyramid, WINDOW, &(tc_scene_options){.budget = -1});
+    tc_field *field = terrain_open(path);
+    int finest = tc_field_info(field)->levels;
+    tc_level top = tc_field_level(field, finest);
+    scene s = scene_create(context, field, WINDOW, &(tc_scene_options){.budget = -1});
     tc_camera c = {.x = (double)top.width * top.spacing_x / 2,
                    .y = (double)top.height * top.spacing_y / 2,
                    .pitch = -10 * M_PI / 180,
                    .fov = M_PI / 2,
                    .width = WIDTH,
                    .height = HEIGHT};
-    terrain_must(tc_pyramid_height(pyramid, c.x, c.y, &c.z), &(tc_error){.text = "the ground cannot be read"});
-    c.z += tc_pyramid_info(pyramid)->z_base + 500;
+    terrain_must(tc_field_height(field, c.x, c.y, &c.z), &(tc_error){.text = "the ground cannot be read"});
+    c.z += tc_field_info(field)->z_base + 500;
     scene_draw(&s, &c, true);
     h.resident_view = resident();
     tc_memory_stats m;
@@ -67,9 +67,9 @@ static int draw(const char *path)
     h.levels = tc_clipmap_levels(s.clipmap);
     h.clip_heights = (double)heights, h.clip_normals = (double)normals;
     h.gpu_heights = (double)(m.heights - heights), h.gpu_normals = (double)(m.normals - normals);
-    h.geometry = (double)m.geometry, h.pyramid = (double)m.pyramid;
+    h.geometry = (double)m.geometry, h.field = (double)m.field;
     printf("held %d %.0f %.0f %.0f %.0f %.0f %.0f %.0f %.0f %.0f\n", h.levels, h.clip_heights, h.clip_normals,
-           h.gpu_heights, h.gpu_normals, h.geometry, h.pyramid, h.resident_start, h.resident_context, h.resident_view);
+           h.gpu_heights, h.gpu_normals, h.geometry, h.field, h.resident_start, h.resident_context, h.resident_view);
     fflush(stdout);
     _exit(0); /* taking it down is not measured */
 }
@@ -94,7 +94,7 @@ static bool draw_afresh(const char *path, held *h)
     bool got = false;
     while (f && fgets(line, sizeof line, f)) {
         got |= sscanf(line, "held %d %lf %lf %lf %lf %lf %lf %lf %lf %lf", &h->levels, &h->clip_heights,
-                      &h->clip_normals, &h->gpu_heights, &h->gpu_normals, &h->geometry, &h->pyramid, &h->resident_start,
+                      &h->clip_normals, &h->gpu_heights, &h->gpu_normals, &h->geometry, &h->field, &h->resident_start,
                       &h->resident_context, &h->resident_view) == 10;
         if (!got)
             fputs(line, stderr);
@@ -120,10 +120,10 @@ static bool measure(const measure_options *o, const dataset *d)
     unlink(path);
     if (drawn) {
         double clip = h.clip_heights + h.clip_normals, gpu = h.gpu_heights + h.gpu_normals + h.geometry;
-        double view = packed.bytes + clip + gpu + h.pyramid;
+        double view = packed.bytes + clip + gpu + h.field;
         printf("%-38s %11.0f %10.0f %7.4f %6.2f %3d %9.0f %9.0f %9.0f %9.0f %8.0f %9.0f %7.1f %7.1f %7.1f %7.3f\n",
                d->name, raw, packed.bytes, 8 * packed.bytes / samples, e.rms, h.levels, h.clip_heights, h.clip_normals,
-               h.gpu_heights, h.gpu_normals, h.geometry, h.pyramid, h.resident_start / 1048576,
+               h.gpu_heights, h.gpu_normals, h.geometry, h.field, h.resident_start / 1048576,
                h.resident_context / 1048576, h.resident_view / 1048576, view / raw);
         if (o->csv) {
             measure_put_text(o->csv, d->name);
@@ -131,7 +131,7 @@ static bool measure(const measure_options *o, const dataset *d)
                     ",%lld,%lld,%d,%.0f,%.0f,%.5f,%.3f,%.2f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.0f,%.5f\n",
                     (long long)grid.width, (long long)grid.height, h.levels, raw, packed.bytes,
                     8 * packed.bytes / samples, e.rms, e.max, h.clip_heights, h.clip_normals, h.gpu_heights,
-                    h.gpu_normals, h.geometry, h.pyramid, view, h.resident_start, h.resident_context, h.resident_view,
+                    h.gpu_normals, h.geometry, h.field, view, h.resident_start, h.resident_context, h.resident_view,
                     view / raw);
         }
     }

@@ -11,10 +11,10 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/shell/clock.h"
-#include "common/core/clipmap/camera.h"
-#include "common/shell/flight.h"
-#include "common/shell/source.h"
+#include "common/app/clock.h"
+#include "common/view/camera.h"
+#include "common/view/flight.h"
+#include "common/input/source.h"
 #include "tests/support/measure.h"
 #include "tests/support/made_files.h"
 #include "tests/support/scene.h"
@@ -53,21 +53,21 @@ static void first_frame(const char *path)
 {
     tc_grid grid;
     tc_error error;
-    tc_pyramid *pyramid;
+    tc_field *field;
     must(tc_grid_load(path, NULL, &grid, &error), &error);
-    must(tc_pyramid_build(&grid, 0, &pyramid, &error), &error);
-    const tc_terrain_info *info = tc_pyramid_info(pyramid);
-    const tc_level finest = tc_pyramid_level(pyramid, info->levels);
+    must(tc_field_build(&grid, 0, &field, &error), &error);
+    const tc_terrain_info *info = tc_field_info(field);
+    const tc_level finest = tc_field_level(field, info->levels);
     const tc_flight_box box = {.x_max = (double)(finest.width - 1) * finest.spacing_x,
                                .y_max = (double)(finest.height - 1) * finest.spacing_y,
                                .z_min = info->z_base + info->z_min,
                                .z_max = info->z_base + info->z_max};
     tc_camera camera = {.fov = 75 * M_PI / 180, .width = WIDTH, .height = HEIGHT};
-    tc_view view = tc_view_whole(&box, camera.fov, WIDTH, HEIGHT);
-    tc_view_to_camera(&view, &camera);
+    tc_pose view = tc_pose_whole(&box, camera.fov, WIDTH, HEIGHT);
+    tc_pose_to_camera(&view, &camera);
     tc_context *context;
     must(tc_context_create(TC_BACKEND_AUTO, &context, &error), &error);
-    scene s = scene_create(context, pyramid, tc_clipmap_n_for(&camera), &(tc_scene_options){.budget = -1});
+    scene s = scene_create(context, field, tc_clipmap_n_for(&camera), &(tc_scene_options){.budget = -1});
     scene_draw(&s, &camera, true);
 }
 

@@ -2,9 +2,9 @@
 #include <stdio.h>
 
 /* For the tables that no header shows. */
-#include "common/core/codec/codec_lh04_model.c"
+#include "common/codec/lh04/codec_lh04_model.c"
 
-#include "common/core/codec/void_mask.h"
+#include "common/codec/mask/void_mask.h"
 
 /* Numbers in lines of at most 110 columns. */
 static int column;

@@ -10,9 +10,9 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/clipmap/clipmap_internal.h"
-#include "common/core/pyramid/filter.h"
-#include "common/shell/level_textures.h"
+#include "common/window/clipmap_internal.h"
+#include "common/field/filter.h"
+#include "common/render/level_textures.h"
 #include "planar/square.h"
 #include "tests/support/made_files.h"
 #include "tests/support/measure.h"
@@ -35,7 +35,7 @@ typedef struct step {
 typedef struct bench {
     int runs;
     test_random random;
-    const tc_pyramid *memory;
+    const tc_field *memory;
     const char *path;
     unsigned char *from, *to; /* to copy */
 } bench;
@@ -63,11 +63,11 @@ static tc_rect place(bench *b, tc_level level)
     return (tc_rect){x, y, x + SIDE, y + SIDE};
 }
 
-static tc_clipmap *clipmap_of(const tc_pyramid *pyramid, bool normals)
+static tc_clipmap *clipmap_of(const tc_field *field, bool normals)
 {
     tc_clipmap *c;
     tc_error error;
-    terrain_must(tc_clipmap_create(pyramid, &(tc_clipmap_options){.n = SIDE, .normals = normals}, &c, &error), &error);
+    terrain_must(tc_clipmap_create(field, &(tc_clipmap_options){.n = SIDE, .normals = normals}, &c, &error), &error);
     return c;
 }
 
@@ -84,43 +84,43 @@ static double fill_us(tc_clipmap *c, int level, tc_rect rect)
 /* ---- Steps ------------------------------------------------------------------------------------------------------ */
 
 /* A pyramid of one window's worth of the same heights: its clipmap has no coarser level, and so no z_c. */
-static tc_pyramid *window_alone(const tc_pyramid *pyramid)
+static tc_field *window_alone(const tc_field *field)
 {
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     tc_grid g = {.width = SIDE, .height = SIDE, .spacing_x = finest.spacing_x, .spacing_y = finest.spacing_y};
     g.z = malloc(LEVEL_SAMPLES * sizeof *g.z);
     if (!g.z)
         exit(99);
     tc_rect rect = {512, 512, 512 + SIDE, 512 + SIDE};
-    terrain_must(tc_pyramid_read(pyramid, tc_pyramid_info(pyramid)->levels, rect, g.z, NULL, SIDE),
+    terrain_must(tc_field_read(field, tc_field_info(field)->levels, rect, g.z, NULL, SIDE),
                  &(tc_error){.text = "reading from memory failed"});
-    g.z_min = tc_pyramid_info(pyramid)->z_min, g.z_max = tc_pyramid_info(pyramid)->z_max;
-    tc_pyramid *alone;
+    g.z_min = tc_field_info(field)->z_min, g.z_max = tc_field_info(field)->z_max;
+    tc_field *alone;
     tc_error error;
-    terrain_must(tc_pyramid_build(&g, 0, &alone, &error), &error);
+    terrain_must(tc_field_build(&g, 0, &alone, &error), &error);
     return alone;
 }
 
 /* A window of the finest level and one of the next coarser one, with z_c and normals and without. */
 static void fillings(bench *b, step *z_c, step *finest_normals, step *inner_normals)
 {
-    tc_pyramid *window = window_alone(b->memory);
+    tc_field *window = window_alone(b->memory);
     tc_clipmap *alone = clipmap_of(window, false), *bare = clipmap_of(b->memory, false),
                *lit = clipmap_of(b->memory, true);
-    int m = tc_clipmap_levels(bare), finest = tc_pyramid_info(b->memory)->levels;
+    int m = tc_clipmap_levels(bare), finest = tc_field_info(b->memory)->levels;
     for (int i = 0; i < b->runs; i++) {
-        tc_rect r = place(b, tc_pyramid_level(b->memory, finest));
+        tc_rect r = place(b, tc_field_level(b->memory, finest));
         double without = fill_us(alone, 1, (tc_rect){0, 0, SIDE, SIDE}), with = fill_us(bare, m, r);
         note(b, z_c, with - without);
         note(b, finest_normals, fill_us(lit, m, r) - with);
-        r = place(b, tc_pyramid_level(b->memory, finest - 1));
+        r = place(b, tc_field_level(b->memory, finest - 1));
         with = fill_us(bare, m - 1, r);
         note(b, inner_normals, fill_us(lit, m - 1, r) - with);
     }
     tc_clipmap_destroy(alone);
     tc_clipmap_destroy(bare);
     tc_clipmap_destroy(lit);
-    tc_pyramid_destroy(window);
+    tc_field_destroy(window);
 }
 
 static void upsampling(bench *b, step *s)
@@ -143,18 +143,18 @@ static void decompression(bench *b, step *cold, step *held)
     const tc_error failed = {.text = "reading a packed terrain failed"};
     for (int i = 0; i < b->runs; i++) {
         for (int warm = 0; warm < 2; warm++) {
-            tc_pyramid *p = terrain_open(b->path);
-            int finest = tc_pyramid_info(p)->levels;
-            tc_rect r = place(b, tc_pyramid_level(p, finest));
+            tc_field *p = terrain_open(b->path);
+            int finest = tc_field_info(p)->levels;
+            tc_rect r = place(b, tc_field_level(p, finest));
             int64_t half = SIDE / 2 + 8; /* with what the filters reach for */
             tc_rect c = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x0 / 2 - 2 + half, r.y0 / 2 - 2 + half};
             c.x0 = c.x0 < 0 ? 0 : c.x0, c.y0 = c.y0 < 0 ? 0 : c.y0;
             if (warm)
-                terrain_must(tc_pyramid_read(p, finest - 1, c, coarse, NULL, SIDE), &failed);
+                terrain_must(tc_field_read(p, finest - 1, c, coarse, NULL, SIDE), &failed);
             double start = now_us();
-            terrain_must(tc_pyramid_read(p, finest, r, z, NULL, SIDE), &failed);
+            terrain_must(tc_field_read(p, finest, r, z, NULL, SIDE), &failed);
             note(b, warm ? held : cold, now_us() - start);
-            tc_pyramid_destroy(p);
+            tc_field_destroy(p);
         }
     }
 }
@@ -165,7 +165,7 @@ static void uploads(bench *b, const tc_context *context, step *upload, step *who
 {
     const tc_gl *gl = tc_context_gl(context);
     for (int i = 0; i < b->runs; i++) {
-        tc_pyramid *p = terrain_open(b->path);
+        tc_field *p = terrain_open(b->path);
         tc_clipmap *c = clipmap_of(p, true);
         tc_surface *surface;
         tc_level_textures textures = {0};
@@ -173,7 +173,7 @@ static void uploads(bench *b, const tc_context *context, step *upload, step *who
         terrain_must(tc_square_create(c, &surface, &error), &error);
         int m = tc_clipmap_levels(c), all[TC_MAX_CHARTS] = {m};
         terrain_must(tc_level_textures_hold(gl, &textures, surface, all, &error), &error);
-        tc_rect r = place(b, tc_pyramid_level(p, tc_pyramid_info(p)->levels));
+        tc_rect r = place(b, tc_field_level(p, tc_field_info(p)->levels));
         tc_rect coarser = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x1 / 2 + 3, r.y1 / 2 + 3};
         tc_clipmap_fill(c, m - 1, coarser);
         tc_level_textures_upload(gl, &textures, surface);
@@ -188,7 +188,7 @@ static void uploads(bench *b, const tc_context *context, step *upload, step *who
         note(b, whole, end - start);
         tc_level_textures_destroy(gl, &textures);
         surface->destroy(surface);
-        tc_pyramid_destroy(p);
+        tc_field_destroy(p);
     }
 }
 
@@ -230,9 +230,9 @@ int main(int argc, char **argv)
     tc_grid grid = terrain_grid(TERRAIN_DEFAULT, o.quick ? 1025 : SIZE, o.quick ? 1025 : SIZE, 30, 4);
     const terrain_file about = {{"default", 0, 0}, TC_SAMPLE_FLOAT32, 0};
     terrain_pack(&grid, &about, &(tc_pack_options){.mode = TC_PACK_RMS, .error = 1.8}, b.path);
-    tc_pyramid *memory;
+    tc_field *memory;
     tc_error error;
-    terrain_must(tc_pyramid_build(&grid, 0, &memory, &error), &error);
+    terrain_must(tc_field_build(&grid, 0, &memory, &error), &error);
     b.memory = memory;
     fillings(&b, &steps[Z_C], &steps[FINEST], &steps[INNER]);
     upsampling(&b, &steps[UP]);
@@ -243,7 +243,7 @@ int main(int argc, char **argv)
            "90 %", "x copying", "LH04 ms");
     for (int i = 0; i < STEPS; i++)
         print(&o, &steps[i]);
-    tc_pyramid_destroy(memory);
+    tc_field_destroy(memory);
     tc_context_destroy(context);
     free(b.from), free(b.to);
     made_folder_remove();

@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/codec/void_mask.h"
-#include "common/core/pyramid/fill.h"
+#include "common/base/rect.h"
+#include "common/codec/mask/void_mask.h"
+#include "common/field/fill.h"
 #include "tests/support/datasets.h"
 #include "tests/support/memory_rows.h"
 #include "tests/support/terrain_files.h"

@@ -74,14 +74,14 @@ static bool ours_encode(coded *c)
 /* The whole in blocks, as bench_pack reads it. */
 static bool ours_read(const coded *c, tc_rect rect, void *samples_ret)
 {
-    tc_pyramid *pyramid = NULL;
-    tc_status status = tc_pyramid_open(c->path, NULL, &pyramid, NULL);
+    tc_field *field = NULL;
+    tc_status status = tc_field_open(c->path, NULL, &field, NULL);
     if (status == TC_OK && rect.x1 - rect.x0 == c->input->grid.width && rect.y1 - rect.y0 == c->input->grid.height)
-        terrain_read(pyramid, samples_ret, NULL);
+        terrain_read(field, samples_ret, NULL);
     else if (status == TC_OK)
-        status = tc_pyramid_read(pyramid, tc_pyramid_info(pyramid)->levels, rect, samples_ret, NULL, rect.x1 - rect.x0);
-    bool whole = status == TC_OK && tc_pyramid_damaged(pyramid) == 0;
-    tc_pyramid_destroy(pyramid);
+        status = tc_field_read(field, tc_field_info(field)->levels, rect, samples_ret, NULL, rect.x1 - rect.x0);
+    bool whole = status == TC_OK && tc_field_damaged(field) == 0;
+    tc_field_destroy(field);
     return whole;
 }
 

@@ -5,7 +5,7 @@
  * SETTING: at=X,Y: B is the part of A whose north-west sample is column X, row Y of A; within=M: heights may differ by
  * M metres; stored: also the samples' type, unit and nodata value are to be the same; nowhere: places are not compared.
  * Prints the first difference and ends with 1. */
-#include "common/shell/source.h"
+#include "common/input/source.h"
 
 #include <inttypes.h>
 #include <math.h>

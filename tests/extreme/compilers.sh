@@ -4,6 +4,7 @@
 # newer than the sources is not built again.
 folder=$1 library=$2
 here=${0%/*}
+core=$(make -s --no-print-directory print-core) || exit 1
 mkdir -p "$folder" || exit 1
 
 build() { # NAME COMPILER FLAG...
@@ -15,7 +16,7 @@ build() { # NAME COMPILER FLAG...
     program=$folder/pack-sums-$name
     if [ ! -x "$program" ] || [ -n "$(find common "$here/pack_sums.c" "$0" "$library" -newer "$program")" ]; then
         set -- "$@" "$here/pack_sums.c"
-        if [ "$name" = library ]; then set -- "$@" "$library"; else set -- "$@" common/core/*/*.c; fi
+        if [ "$name" = library ]; then set -- "$@" "$library"; else set -- "$@" $core; fi
         "$compiler" -std=c11 -D_GNU_SOURCE -pthread -ffp-contract=off -I. -DTC_VERSION='"test"' -w "$@" \
             -o "$program" -lm || { echo "$name: cannot be built"; return; }
     fi

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/shell/options.h"
+#include "common/app/options.h"
 #include "tests/support/computed.h"
 #include "tests/support/drawn.h"
 #include "tests/support/extreme.h"
@@ -21,17 +21,17 @@ enum { SIZE = 770, SPACING = 30, N = 63, WIDTH = 320, HEIGHT = 240 };
 
 /* A terrain's scene, and what is compared of it. */
 typedef struct stage {
-    tc_pyramid *pyramid;
+    tc_field *field;
     tc_scene_options options;
     scene scene;
     drawn drawn;
 } stage;
 
-static void stage_create(stage *s, const tc_context *context, tc_pyramid *pyramid, int n)
+static void stage_create(stage *s, const tc_context *context, tc_field *field, int n)
 {
-    s->pyramid = pyramid;
+    s->field = field;
     s->options = watertight_options();
-    s->scene = scene_create(context, pyramid, n, &s->options);
+    s->scene = scene_create(context, field, n, &s->options);
     s->drawn = drawn_create(context, &s->scene);
 }
 
@@ -39,7 +39,7 @@ static void stage_destroy(stage *s)
 {
     drawn_destroy(&s->drawn);
     scene_destroy(&s->scene);
-    tc_pyramid_destroy(s->pyramid);
+    tc_field_destroy(s->field);
 }
 
 /* What of the terrain a view is meant to see. */
@@ -87,8 +87,8 @@ static void rows(const char *name, const drawn_figures *f, limits limit)
 static double ground(const stage *s, double x, double y)
 {
     double z = 0;
-    tc_pyramid_height(s->pyramid, x, y, &z);
-    return z + tc_pyramid_info(s->pyramid)->z_base;
+    tc_field_height(s->field, x, y, &z);
+    return z + tc_field_info(s->field)->z_base;
 }
 
 /* Metres above the ground as drawn, somewhere over the terrain and beside its samples. */
@@ -181,7 +181,7 @@ static void large_frame(const tc_context *context)
 {
     const tc_camera c = {.fov = 75 * DEGREE, .width = 7680, .height = 4320};
     stage s;
-    stage_create(&s, context, terrain_pyramid(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 7), tc_clipmap_n_for(&c));
+    stage_create(&s, context, terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 7), tc_clipmap_n_for(&c));
     one(&s, "frame of 7680x4320 pixels", -0.9, c.fov, c.width, c.height, ordinary);
     stage_destroy(&s);
 }
@@ -190,7 +190,7 @@ static void large_frame(const tc_context *context)
 static void far_and_fine(const tc_context *context)
 {
     const double spacing = 1e-3, at = 1e7;
-    tc_pyramid *p = computed_pyramid((int64_t)(1.2 * at / spacing), (int64_t)(1.2 * at / spacing), spacing, 1000);
+    tc_field *p = computed_field((int64_t)(1.2 * at / spacing), (int64_t)(1.2 * at / spacing), spacing, 1000);
     stage s;
     stage_create(&s, context, p, N);
     drawn_figures f = {0};
@@ -244,7 +244,7 @@ int main(void)
         return extreme_end();
     }
     stage s;
-    stage_create(&s, context, terrain_pyramid(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 7), N);
+    stage_create(&s, context, terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 7), N);
     heights(&s, "0.001 m above the ground", 1e-3, 1, ordinary);
     heights(&s, "1 m above the ground", 1, 1, ordinary);
     heights(&s, "100 m above the ground", 100, 1, ordinary);

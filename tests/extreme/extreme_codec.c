@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/packed/packed_internal.h"
+#include "common/base/rect.h"
+#include "common/packed/read/packed_internal.h"
 #include "tests/support/lh04_packed.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
@@ -50,16 +50,16 @@ static void sixteen_levels(int mode)
     enum { COLUMNS = 530001, ROWS = 2 };
     packing p = packing_of(mode, COLUMNS, ROWS, PACKING_INTEGERS, 4);
     tc_pack_result result;
-    tc_pyramid *file, *truth = packing_truth(&p);
+    tc_field *file, *truth = packing_truth(&p);
     tc_error error;
     const char *path = made_path("levels.tclip");
     must(packing_write(&p, path, &result, &error), &error);
-    must(tc_pyramid_open(path, NULL, &file, &error), &error);
-    int levels = tc_pyramid_info(file)->levels, coded = 0;
+    must(tc_field_open(path, NULL, &file, &error), &error);
+    int levels = tc_field_info(file)->levels, coded = 0;
     double unit = tc_packed_container(file)->z_unit, excess = 0, drift = 0, worst = 0;
     for (int l = 1; l <= levels; l++) {
-        tc_packed_level declared = tc_pyramid_packed_level(file, l);
-        tc_level size = tc_pyramid_level(file, l);
+        tc_packed_level declared = tc_field_packed_level(file, l);
+        tc_level size = tc_field_level(file, l);
         uint8_t *voids;
         float *z = packing_read(file, l, &voids), *true_z = packing_read(truth, l, NULL);
         double rms, most;
@@ -88,7 +88,7 @@ static void sixteen_levels(int mode)
                                                                           : "finest level's rms, metres",
                     bound < INFINITY ? result.max_error : result.rms, fmin(bound, p.error), "%lld bytes",
                     (long long)result.bytes);
-    tc_pyramid_destroy(file), tc_pyramid_destroy(truth);
+    tc_field_destroy(file), tc_field_destroy(truth);
 }
 
 /* ---- Noise and nothing ------------------------------------------------------------------------------------------- */
@@ -111,10 +111,10 @@ static void white_noise(int64_t side, bool whole_range)
     must(tc_packer_finish(packer, &result, &error), &error);
     tc_packer_destroy(packer);
     free(z);
-    tc_pyramid *file;
-    must(tc_pyramid_open(made_path("noise.tclip"), NULL, &file, &error), &error);
-    int64_t finest = tc_pyramid_packed_level(file, tc_pyramid_info(file)->levels).bytes;
-    tc_pyramid_destroy(file);
+    tc_field *file;
+    must(tc_field_open(made_path("noise.tclip"), NULL, &file, &error), &error);
+    int64_t finest = tc_field_packed_level(file, tc_field_info(file)->levels).bytes;
+    tc_field_destroy(file);
     double raw = (whole_range ? 2. : 1. / 8) * (double)(side * side);
     char name[80];
     snprintf(name, sizeof name, "white noise, %s, lossless, %lld a side", whole_range ? "16 bits" : "0 or 65535",
@@ -197,18 +197,17 @@ static void asked_for(int mode, packing_kind kind, const char *terrain, int leas
                 extreme_at_most(name, "error over what was asked for", NAN, 1, "refused: %s", error.text);
             continue;
         }
-        tc_pyramid *file;
-        must(tc_pyramid_open(made_path("asked.tclip"), NULL, &file, &error), &error);
+        tc_field *file;
+        must(tc_field_open(made_path("asked.tclip"), NULL, &file, &error), &error);
         uint8_t *voids, *given_voids;
-        float *z = packing_read(file, tc_pyramid_info(file)->levels, &voids),
-              *given = packing_heights(&p, &given_voids);
+        float *z = packing_read(file, tc_field_info(file)->levels, &voids), *given = packing_heights(&p, &given_voids);
         double rms, most;
         packing_error(z, given, voids, p.width * p.height, &rms, &most);
         extreme_at_most(name, "error over what was asked for", (mode == TC_PACK_MAX_ERROR ? most : rms) / p.error,
                         1 + 1e-6, "%lld bytes, declared %.3g", (long long)result.bytes,
                         mode == TC_PACK_MAX_ERROR ? result.max_error : result.rms);
         free(z), free(given), free(voids), free(given_voids);
-        tc_pyramid_destroy(file);
+        tc_field_destroy(file);
     }
 }
 

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/clipmap/camera.h"
+#include "common/view/camera.h"
 #include "tests/support/extreme.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
@@ -145,7 +145,7 @@ static count fight(const tc_gl *gl, scene *upper, scene *lower, const tc_camera 
 }
 
 /* Hills of a tenth of their length, lower by `down` metres. Colours of the lower one are those of another body. */
-static tc_pyramid *hills(double spacing, double down, bool other_body)
+static tc_field *hills(double spacing, double down, bool other_body)
 {
     tc_grid g = terrain_grid(TERRAIN_SMOOTH, SIZE, SIZE, spacing, 0);
     g.z_min = INFINITY, g.z_max = -INFINITY;
@@ -154,17 +154,17 @@ static tc_pyramid *hills(double spacing, double down, bool other_body)
         g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
     }
     g.georef.semi_major = other_body ? 1737400 : 0;
-    tc_pyramid *p;
-    if (tc_pyramid_build(&g, 0, &p, NULL))
+    tc_field *p;
+    if (tc_field_build(&g, 0, &p, NULL))
         exit(99);
     return p;
 }
 
 /* The middle of the frame sees the terrain's middle from that far, looking down by `pitch` degrees. */
-static tc_camera view(const tc_pyramid *p, double spacing, double distance, double pitch, double fov)
+static tc_camera view(const tc_field *p, double spacing, double distance, double pitch, double fov)
 {
     double middle = 0.5 * (SIZE - 1) * spacing, down = pitch * M_PI / 180, z;
-    tc_pyramid_height(p, middle, middle, &z);
+    tc_field_height(p, middle, middle, &z);
     return (tc_camera){.x = middle,
                        .y = middle - distance * cos(down),
                        .z = z + distance * sin(down),
@@ -178,7 +178,7 @@ static void run(const tc_context *context, double distance, double apart)
 {
     const double spacing = distance * 60 / 50e3;
     const tc_gl *gl = tc_context_gl(context);
-    tc_pyramid *p = hills(spacing, 0, false), *q = hills(spacing, apart, true);
+    tc_field *p = hills(spacing, 0, false), *q = hills(spacing, apart, true);
     scene upper = scene_create(context, p, N, &options), lower = scene_create(context, q, N, &options);
     static const double pitches[] = {90, 60, 30, 15, 5};
     char name[100];
@@ -209,7 +209,7 @@ static void run(const tc_context *context, double distance, double apart)
                         (long long)n.wrong, (long long)n.both);
     }
     scene_destroy(&upper), scene_destroy(&lower);
-    tc_pyramid_destroy(p), tc_pyramid_destroy(q);
+    tc_field_destroy(p), tc_field_destroy(q);
 }
 
 int main(void)

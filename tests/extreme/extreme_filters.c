@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/codec/lifting.h"
+#include "common/base/rect.h"
+#include "common/codec/lifting/lifting.h"
 #include "tests/support/packed.h"
 
 enum { TIMES = 16, COARSE = 12, NOISES = 40 };

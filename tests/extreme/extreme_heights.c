@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/shell/flight.h"
-#include "common/shell/source.h"
+#include "common/view/flight.h"
+#include "common/input/source.h"
 #include "planar/square_internal.h"
 #include "tests/support/drawn.h"
 #include "tests/support/extreme.h"
@@ -143,12 +143,12 @@ typedef struct comparison {
     int64_t voids_differ, heights_differ;
 } comparison;
 
-static comparison compare(const tc_pyramid *p, const tc_grid *grid)
+static comparison compare(const tc_field *p, const tc_grid *grid)
 {
     comparison c = {0};
     float *z = malloc(SAMPLES * sizeof *z);
     uint8_t *voids = malloc(SAMPLES);
-    if (!z || !voids || tc_pyramid_read(p, tc_pyramid_info(p)->levels, (tc_rect){0, 0, SIZE, SIZE}, z, voids, SIZE))
+    if (!z || !voids || tc_field_read(p, tc_field_info(p)->levels, (tc_rect){0, 0, SIZE, SIZE}, z, voids, SIZE))
         exit(99);
     int64_t valid = 0;
     for (int i = 0; i < SAMPLES; i++) {
@@ -186,25 +186,24 @@ static tc_status pack(const tc_grid *grid, const tc_pack_options *options, tc_pa
     return status;
 }
 
-static tc_pyramid *open_packed(tc_void_policy voids)
+static tc_field *open_packed(tc_void_policy voids)
 {
-    tc_pyramid *p;
+    tc_field *p;
     tc_error error;
-    must(
-        tc_pyramid_open(made_path("heights.tclip"), &(tc_open_options){.has_policy = true, .voids = voids}, &p, &error),
-        &error);
+    must(tc_field_open(made_path("heights.tclip"), &(tc_open_options){.has_policy = true, .voids = voids}, &p, &error),
+         &error);
     return p;
 }
 
 /* Packed to an error and opened again. */
-static tc_pyramid *packed_lossy(const terrain *t, const tc_grid *grid)
+static tc_field *packed_lossy(const terrain *t, const tc_grid *grid)
 {
     const tc_pack_options options = {.mode = t->max_error > 0 ? TC_PACK_MAX_ERROR : TC_PACK_RMS,
                                      .error = t->max_error > 0 ? t->max_error : t->rms};
     tc_pack_result result;
     tc_error error;
     must(pack(grid, &options, &result, &error), &error);
-    tc_pyramid *p = open_packed(t->voids);
+    tc_field *p = open_packed(t->voids);
     comparison c = compare(p, grid);
     extreme_at_most(t->name, t->max_error > 0 ? "packed: largest error, m" : "packed: rms, m",
                     t->max_error > 0 ? c.max : c.rms, options.error, "%lld bytes", (long long)result.bytes);
@@ -233,11 +232,11 @@ static void packed_lossless(const terrain *t, const tc_grid *grid)
         return;
     }
     must(status, &error);
-    tc_pyramid *p = open_packed(t->voids);
+    tc_field *p = open_packed(t->voids);
     comparison c = compare(p, grid);
     extreme_at_most(name, "packed: samples that differ", (double)(c.heights_differ + c.voids_differ), 0, "%lld bytes",
                     (long long)result.bytes);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 /* ---- Drawn ------------------------------------------------------------------------------------------------------ */
@@ -257,16 +256,16 @@ static int64_t masks_differ(const tc_clipmap *clipmap, const double *z)
     return differ;
 }
 
-static double ground_height(void *pyramid, double x, double y)
+static double ground_height(void *field, double x, double y)
 {
     double z = 0;
-    tc_pyramid_height(pyramid, x, y, &z);
-    return z + tc_pyramid_info(pyramid)->z_base;
+    tc_field_height(field, x, y, &z);
+    return z + tc_field_info(field)->z_base;
 }
 
 /* A view whose eye keeps the viewers' clearance to all sides (flight.h): at a wall of 10,000 km to the cell an eye 1 m
  * above the ground is a thousandth of a millimetre beside it, nearer than any float of the wall's size tells. */
-static tc_camera view(test_random *r, const tc_pyramid *p)
+static tc_camera view(test_random *r, const tc_field *p)
 {
     tc_camera c = watertight_view(r, p, 4.0 * SIZE * SPACING, WIDTH, HEIGHT);
     const double clearance = tc_flight_clearance(SPACING);
@@ -276,7 +275,7 @@ static tc_camera view(test_random *r, const tc_pyramid *p)
 }
 
 /* Everything that windows hold, computed anew in double: heights, morph targets, normals, voids; at several places. */
-static void look_at_windows(const terrain *t, const tc_pyramid *p)
+static void look_at_windows(const terrain *t, const tc_field *p)
 {
     tc_clipmap *clipmap;
     tc_error error;
@@ -301,7 +300,7 @@ static void look_at_windows(const terrain *t, const tc_pyramid *p)
 }
 
 /* Straight down from just above all that is near: random views of a terrain that is flat from afar may all miss it. */
-static tc_camera view_down(const tc_pyramid *p)
+static tc_camera view_down(const tc_field *p)
 {
     tc_camera c = {.x = 100.3 * SPACING, .y = 120.4 * SPACING, .pitch = -M_PI / 2, .fov = 1};
     const tc_ground ground = {ground_height, (void *)p, SPACING, 0};
@@ -310,7 +309,7 @@ static tc_camera view_down(const tc_pyramid *p)
     return c;
 }
 
-static void draw(const tc_context *context, const terrain *t, const tc_pyramid *p, const char *from, const double *z)
+static void draw(const tc_context *context, const terrain *t, const tc_field *p, const char *from, const double *z)
 {
     tc_scene_options options = watertight_options();
     options.holes = t->voids == TC_VOIDS_HOLE;
@@ -350,15 +349,15 @@ static void run(const tc_context *context, const terrain *t)
     double *z = heights_of(t);
     tc_grid grid;
     tc_error error;
-    tc_pyramid *p;
+    tc_field *p;
     must(load(z, t->voids, &grid, &error), &error);
     packed_lossless(t, &grid);
-    tc_pyramid *packed = packed_lossy(t, &grid);
-    must(tc_pyramid_build(&grid, 0, &p, &error), &error);
+    tc_field *packed = packed_lossy(t, &grid);
+    must(tc_field_build(&grid, 0, &p, &error), &error);
     look_at_windows(t, p);
     draw(context, t, p, "the file", z);
     draw(context, t, packed, "the packed file", z);
-    tc_pyramid_destroy(p), tc_pyramid_destroy(packed);
+    tc_field_destroy(p), tc_field_destroy(packed);
     free(z);
 }
 

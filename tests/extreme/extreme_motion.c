@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "planar/square_internal.h"
 #include "tests/support/computed.h"
 #include "tests/support/extreme.h"
@@ -23,7 +23,7 @@ static tc_context *context;
 /* A clipmap on its way, and what was found. */
 typedef struct journey {
     const char *name;
-    const tc_pyramid *pyramid;
+    const tc_field *field;
     scene scene; /* whose clipmap it is where there is a context */
     tc_clipmap *clipmap;
     int64_t budget;
@@ -36,9 +36,9 @@ typedef struct journey {
 
 static const tc_scene_options lit = {.background_set = true};
 
-static journey journey_start(const char *name, const tc_pyramid *p, int n, int64_t budget)
+static journey journey_start(const char *name, const tc_field *p, int n, int64_t budget)
 {
-    journey j = {.name = name, .pyramid = p, .budget = budget};
+    journey j = {.name = name, .field = p, .budget = budget};
     if (context) {
         j.scene = scene_create(context, p, n, &lit);
         j.clipmap = j.scene.surface->clipmap[0];
@@ -63,8 +63,8 @@ static const char *window_astray(const journey *j, const tc_camera *camera)
 {
     static char said[100];
     double ground = 0;
-    tc_pyramid_height(j->pyramid, camera->x, camera->y, &ground);
-    double height = fabs(camera->z - tc_pyramid_info(j->pyramid)->z_base - ground);
+    tc_field_height(j->field, camera->x, camera->y, &ground);
+    double height = fabs(camera->z - tc_field_info(j->field)->z_base - ground);
     for (int l = 2; l <= tc_clipmap_levels(j->clipmap); l++) {
         const tc_clip_level *v = tc_clipmap_level(j->clipmap, l);
         double at[2] = {camera->x / v->spacing_x, camera->y / v->spacing_y}, n = tc_clipmap_n(j->clipmap);
@@ -95,7 +95,7 @@ static void move_to(journey *j, const tc_camera *camera, bool look_at_heights)
 /* Pixels that a scene which was nowhere else draws otherwise. */
 static int64_t pixels_differ(journey *j, const tc_camera *camera)
 {
-    scene fresh = scene_create(context, j->pyramid, tc_clipmap_n(j->clipmap), &lit);
+    scene fresh = scene_create(context, j->field, tc_clipmap_n(j->clipmap), &lit);
     scene_draw(&j->scene, camera, true);
     scene_draw(&fresh, camera, true);
     uint8_t *a = scene_pixels(&j->scene, camera), *b = scene_pixels(&fresh, camera);
@@ -139,10 +139,10 @@ static void journey_end(journey *j, const tc_camera *camera, int step)
     }
 }
 
-static tc_camera standing(const tc_pyramid *p, double x, double y, double above)
+static tc_camera standing(const tc_field *p, double x, double y, double above)
 {
     tc_camera c = {.x = x, .y = y, .heading = 0.5, .pitch = -0.3, .fov = 1.2, .width = WIDTH, .height = HEIGHT};
-    tc_pyramid_height(p, x, y, &c.z);
+    tc_field_height(p, x, y, &c.z);
     c.z += above;
     return c;
 }
@@ -152,7 +152,7 @@ static tc_camera standing(const tc_pyramid *p, double x, double y, double above)
 static void teleports(void)
 {
     enum { SIZE = 1025, SPACING = 30, JUMPS = 400 };
-    tc_pyramid *p = terrain_pyramid(TERRAIN_CLIFF, SIZE, SIZE, SPACING, 5);
+    tc_field *p = terrain_field(TERRAIN_CLIFF, SIZE, SIZE, SPACING, 5);
     for (int k = 0; k < 2; k++) {
         journey j = journey_start(k ? "teleports, a budget of n" : "teleports", p, 63, k ? 63 : 63 * 63);
         test_random r = {41};
@@ -168,14 +168,14 @@ static void teleports(void)
         c = standing(p, 0.37 * extent, 0.61 * extent, 20);
         journey_end(&j, &c, 7);
     }
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 /* 100 km/s at 60 frames a second, 20 m above the ground. */
 static void speed(void)
 {
     enum { FRAMES = 1800, SPACING = 30 };
-    tc_pyramid *p = computed_pyramid(INT64_C(1) << 20, INT64_C(1) << 20, SPACING, 100);
+    tc_field *p = computed_field(INT64_C(1) << 20, INT64_C(1) << 20, SPACING, 100);
     journey j = journey_start("100,000 m/s", p, 63, 63 * 63);
     tc_camera c = standing(p, 1e6, 2e6, 20);
     for (int i = 0; i < FRAMES; i++) {
@@ -183,14 +183,14 @@ static void speed(void)
         move_to(&j, &c, i % 20 == 0);
     }
     journey_end(&j, &c, 9);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 /* Slowly across 2^31, 2^32 and 2^33 samples, and with leaps of all sizes in between. */
 static void far(void)
 {
     const double spacing = 0.5;
-    tc_pyramid *p = computed_pyramid(INT64_C(3) << 32, INT64_C(3) << 32, spacing, 100);
+    tc_field *p = computed_field(INT64_C(3) << 32, INT64_C(3) << 32, spacing, 100);
     journey j = journey_start("2^33 samples in one direction", p, 63, 63 * 63);
     double x = 1000, y = 1000;
     tc_camera c = standing(p, x * spacing, y * spacing, 5);
@@ -208,14 +208,14 @@ static void far(void)
     }
     extreme_at_most(j.name, "samples short of 2^33", ldexp(1, 33) - x, 0, "%.0f samples of the finest level", x);
     journey_end(&j, &c, 9);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 /* A random walk of steps below a sample, with its direction kept for a while: 1e6 updates. */
 static void long_walk(void)
 {
     enum { SIZE = 1025, SPACING = 30, UPDATES = 1000000, N = 15 };
-    tc_pyramid *p = terrain_pyramid(TERRAIN_CLIFF, SIZE, SIZE, SPACING, 6);
+    tc_field *p = terrain_field(TERRAIN_CLIFF, SIZE, SIZE, SPACING, 6);
     journey j = journey_start("1,000,000 small moves", p, N, N * N);
     test_random r = {51};
     double extent = (SIZE - 1) * SPACING, heading = 0;
@@ -227,13 +227,13 @@ static void long_walk(void)
         c.x = fmin(fmax(c.x + step * cos(heading), -3 * SPACING), extent + 3 * SPACING);
         c.y = fmin(fmax(c.y + step * sin(heading), -3 * SPACING), extent + 3 * SPACING);
         if (i % 64 == 0) {
-            tc_pyramid_height(p, c.x, c.y, &c.z);
+            tc_field_height(p, c.x, c.y, &c.z);
             c.z += 5;
         }
         move_to(&j, &c, i % 5000 == 0);
     }
     journey_end(&j, &c, 1);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 /* ---- Oscillation ------------------------------------------------------------------------------------------------ */
@@ -272,7 +272,7 @@ static double oscillate(journey *j, const tc_frame_options *options, double exte
         line -= line > 0.9 * extent ? 2 * l->spacing_x : 0;
         for (int axes = 1; axes <= 3; axes++) {
             tc_camera before =
-                standing(j->pyramid, axes & 1 ? line : line + 0.3 * spacing, axes & 2 ? line : line + 0.3 * spacing, 5);
+                standing(j->field, axes & 1 ? line : line + 0.3 * spacing, axes & 2 ? line : line + 0.3 * spacing, 5);
             for (int i = 0; i < TIMES; i++) {
                 double off = (i & 1 ? 1e-6 : -1e-6) * spacing;
                 c = before;
@@ -291,7 +291,7 @@ static double oscillate(journey *j, const tc_frame_options *options, double exte
 static void oscillation(void)
 {
     enum { SIZE = 1025, SPACING = 30, N = 63 };
-    tc_pyramid *p = terrain_pyramid(TERRAIN_CLIFF, SIZE, SIZE, SPACING, 8);
+    tc_field *p = terrain_field(TERRAIN_CLIFF, SIZE, SIZE, SPACING, 8);
     double extent = (SIZE - 1) * SPACING;
     const tc_frame_options morphing = {0}, abrupt = {.no_morph = true};
     journey j = journey_start("to and fro across snapping lines", p, N, -1);
@@ -306,7 +306,7 @@ static void oscillation(void)
     tc_camera c = standing(p, 0.5 * extent, 0.5 * extent, 5);
     move_to(&j, &c, true);
     journey_end(&j, &c, 7);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 int main(void)

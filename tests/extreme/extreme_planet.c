@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/atlas/atlas_packed.h"
-#include "common/core/packed/byte_order.h"
-#include "common/core/packed/container.h"
-#include "common/core/packed/crc32c.h"
-#include "common/shell/planet.h"
+#include "common/map/atlas_packed.h"
+#include "common/base/byte_order.h"
+#include "common/packed/file/container.h"
+#include "common/base/crc32c.h"
+#include "common/app/planet.h"
 #include "tests/support/globe_holes.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"

@@ -10,9 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/core/clipmap/view_error.h"
-#include "common/shell/program.h"
+#include "common/view/camera.h"
+#include "common/measure/view_error.h"
+#include "common/gl/program.h"
 #include "tests/support/globe_scene.h"
 #include "tests/support/planet_scene.h"
 

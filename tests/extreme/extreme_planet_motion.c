@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/shell/flight.h"
+#include "common/view/flight.h"
 #include "spherical/globe.h"
 #include "spherical/rings_internal.h"
 #include "tests/support/planet_scene.h"

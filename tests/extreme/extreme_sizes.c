@@ -40,7 +40,7 @@ static tc_grid grid_of(int64_t width, int64_t height)
 /* ---- Drawn ------------------------------------------------------------------------------------------------------ */
 
 /* Whether a viewer could be made; else the row says why it was refused. */
-static tc_status try_scene(const tc_pyramid *p, int n, tc_error *error)
+static tc_status try_scene(const tc_field *p, int n, tc_error *error)
 {
     tc_clipmap *clipmap = NULL;
     tc_surface *surface = NULL;
@@ -53,19 +53,19 @@ static tc_status try_scene(const tc_pyramid *p, int n, tc_error *error)
 }
 
 /* Over the terrain, along its longer side: a narrow one is seldom seen from elsewhere. */
-static tc_camera along(const tc_pyramid *p, int v)
+static tc_camera along(const tc_field *p, int v)
 {
-    tc_level finest = tc_pyramid_level(p, tc_pyramid_info(p)->levels);
+    tc_level finest = tc_field_level(p, tc_field_info(p)->levels);
     double x = (double)(finest.width - 1) * finest.spacing_x, y = (double)(finest.height - 1) * finest.spacing_y;
     tc_camera c = {.x = x * (0.1 + 0.15 * v), .y = y * (0.3 + 0.1 * v), .fov = 1, .width = WIDTH, .height = HEIGHT};
     c.heading = (x > y ? M_PI / 2 : 0) + 0.01 * v;
     c.pitch = -0.2 * v;
-    tc_pyramid_height(p, c.x, c.y, &c.z);
+    tc_field_height(p, c.x, c.y, &c.z);
     c.z += finest.spacing_x * v;
     return c;
 }
 
-static void draw(const char *name, const tc_pyramid *p, int n, double highest)
+static void draw(const char *name, const tc_field *p, int n, double highest)
 {
     if (!context) {
         extreme_skipped(name, "no OpenGL context");
@@ -131,9 +131,9 @@ static void size(int64_t width, int64_t height, int n)
     if (width * height > LARGE)
         make_sparse(&grid, 1000);
     pack(name, &grid);
-    tc_pyramid *p, *packed = terrain_open(made_path("sizes.tclip"));
+    tc_field *p, *packed = terrain_open(made_path("sizes.tclip"));
     tc_error error = {.text = ""};
-    terrain_must(tc_pyramid_build(&grid, 0, &p, &error), &error);
+    terrain_must(tc_field_build(&grid, 0, &p, &error), &error);
     double highest = fmax(100, fmin(1e5, 2.0 * SPACING * (double)(width + height)));
     if (width < 2 || height < 2) {
         extreme_refused(name, try_scene(p, n, &error), TC_ERR_UNSUPPORTED, error.text);
@@ -142,7 +142,7 @@ static void size(int64_t width, int64_t height, int n)
         snprintf(name, sizeof name, "%lldx%lld, n %d, packed", (long long)width, (long long)height, n);
         draw(name, packed, n, highest);
     }
-    tc_pyramid_destroy(p), tc_pyramid_destroy(packed);
+    tc_field_destroy(p), tc_field_destroy(packed);
 }
 
 /* ---- Sizes that do not ------------------------------------------------------------------------------------------ */
@@ -151,9 +151,9 @@ static void size(int64_t width, int64_t height, int n)
  * viewer would be decoded. */
 static void computed_size(const char *name, int64_t width, int64_t height, double spacing, int n)
 {
-    tc_pyramid *p = computed_pyramid(width, height, spacing, 100);
+    tc_field *p = computed_field(width, height, spacing, 100);
     draw(name, p, n, 1e6 * spacing);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 /* Programs for places as pairs of integers, lit, with several samples and levels' colours. */
@@ -163,7 +163,7 @@ static void wide_programs(void)
         extreme_skipped("2^33 columns, lit, 4 samples a pixel", "no OpenGL context");
         return;
     }
-    tc_pyramid *p = computed_pyramid(INT64_C(1) << 33, INT64_C(1) << 33, 1, 100);
+    tc_field *p = computed_field(INT64_C(1) << 33, INT64_C(1) << 33, 1, 100);
     int64_t differ = 0;
     enum { PIXELS = WIDTH * HEIGHT };
     tc_camera c = {.x = 8e9, .y = 7e9, .z = 500, .pitch = -0.4, .fov = 1, .width = WIDTH, .height = HEIGHT};
@@ -186,15 +186,15 @@ static void wide_programs(void)
     }
     extreme_at_most("2^33x2^33, lit, 1 and 4 samples a pixel", "pixels that depend on the path", (double)differ, 0,
                     "of %d", 2 * PIXELS);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 static void refused_to_draw(const char *name, int64_t width, int64_t height, int n)
 {
-    tc_pyramid *p = computed_pyramid(width, height, 1, 100);
+    tc_field *p = computed_field(width, height, 1, 100);
     tc_error error = {.text = ""};
     extreme_refused(name, try_scene(p, n, &error), TC_ERR_UNSUPPORTED, error.text);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 static void refused_to_pack(const char *name, int64_t width, int64_t height, tc_status expected)

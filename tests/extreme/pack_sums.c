@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/packed/crc32c.h"
+#include "common/base/crc32c.h"
 #include "common/terraclip.h"
 
 enum { WIDTH = 256, HEIGHT = 128 };

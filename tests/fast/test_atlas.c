@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/atlas/atlas.h"
-#include "common/core/atlas/atlas_caps.h"
-#include "common/core/base/rect.h"
+#include "common/map/atlas.h"
+#include "common/chart/atlas_caps.h"
+#include "common/base/rect.h"
 #include "tests/support/terrains.h"
 
 static const double pi = 3.141592653589793;
@@ -75,15 +75,15 @@ static tc_atlas atlas_of(tc_grid grid)
 /* The finest level of a cap; the caller's to free. */
 static float *cap_heights(const tc_atlas *atlas, int chart, int64_t *side_ret)
 {
-    const tc_pyramid *p = atlas->chart[chart].pyramid;
-    int m = tc_pyramid_info(p)->levels;
-    tc_level level = tc_pyramid_level(p, m);
+    const tc_field *p = atlas->chart[chart].field;
+    int m = tc_field_info(p)->levels;
+    tc_level level = tc_field_level(p, m);
     assert_int_equal(level.width, level.height);
     assert_int_equal(level.width % 2, 1);
     *side_ret = level.width;
     float *z = malloc((size_t)(level.width * level.height) * sizeof *z);
     tc_rect all = {0, 0, level.width, level.height};
-    assert_int_equal(tc_pyramid_read(p, m, all, z, NULL, level.width), TC_OK);
+    assert_int_equal(tc_field_read(p, m, all, z, NULL, level.width), TC_OK);
     return z;
 }
 
@@ -137,7 +137,7 @@ static void constants_stay(void **state)
             float *z = cap_heights(&atlas, c, &side);
             for (int64_t k = 0; k < side * side; k++)
                 assert_true(z[k] == (float)8123.456);
-            assert_true(tc_pyramid_info(atlas.chart[c].pyramid)->z_min == (float)8123.456);
+            assert_true(tc_field_info(atlas.chart[c].field)->z_min == (float)8123.456);
             free(z);
         }
         tc_atlas_free(&atlas);
@@ -287,33 +287,32 @@ static void charts_are_where_the_grid_is(void **state)
     (void)state;
     tc_atlas a = atlas_of(globe(polynomial, 360, 180, AREA, 0.5));
     const tc_chart *c = &a.chart[0];
-    assert_true(c->wraps && tc_pyramid_info(c->pyramid)->wraps_x && c->projection == TC_LONLAT);
+    assert_true(c->wraps && tc_field_info(c->field)->wraps_x && c->projection == TC_LONLAT);
     assert_true(fabs(c->x0 - (0.5 * pi / 180)) < 1e-12);
     assert_true(fabs(c->y0 - (-89.5 * pi / 180)) < 1e-12);
     assert_true(fabs(c->dx - (pi / 180)) < 1e-15);
     assert_true(fabs(c->dy - (pi / 180)) < 1e-15);
-    assert_float_equal(tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels).spacing_x, 6371000 * pi / 180,
-                       1e-6);
+    assert_float_equal(tc_field_level(c->field, tc_field_info(c->field)->levels).spacing_x, 6371000 * pi / 180, 1e-6);
     for (int k = 1; k < 3; k++) {
-        int64_t side = tc_pyramid_level(a.chart[k].pyramid, tc_pyramid_info(a.chart[k].pyramid)->levels).width;
+        int64_t side = tc_field_level(a.chart[k].field, tc_field_info(a.chart[k].field)->levels).width;
         assert_true(a.chart[k].projection == (k == 1 ? TC_CAP_NORTH : TC_CAP_SOUTH));
         assert_true(a.chart[k].x0 + (double)(side / 2) * a.chart[k].dx == 0);
         assert_true(-a.chart[k].x0 >= 2 * tan(19 * pi / 180) && !a.chart[k].wraps);
     }
     tc_atlas_free(&a);
-    assert_null(a.chart[0].pyramid);
+    assert_null(a.chart[0].field);
 
     /* Around the globe without its poles; and a part of it. */
     tc_grid belt = globe(polynomial, 360, 180, AREA, 0.5);
     belt.height = 140;
     a = atlas_of(belt);
-    assert_true(a.charts == 1 && a.chart[0].wraps && !a.chart[1].pyramid);
+    assert_true(a.charts == 1 && a.chart[0].wraps && !a.chart[1].field);
     tc_atlas_free(&a);
     tc_grid part = globe(polynomial, 367, 180, AREA, 0.5);
     part.georef.transform[1] = 0.01;
     a = atlas_of(part);
     assert_true(a.charts == 1 && !a.chart[0].wraps);
-    assert_false(tc_pyramid_info(a.chart[0].pyramid)->wraps_x);
+    assert_false(tc_field_info(a.chart[0].field)->wraps_x);
     tc_atlas_free(&a);
 }
 

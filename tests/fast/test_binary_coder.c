@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/codec/binary_coder.h"
+#include "common/codec/entropy/binary_coder.h"
 
 static uint32_t next(uint64_t *seed)
 {

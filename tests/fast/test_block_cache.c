@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/packed/block_cache.h"
-#include "common/core/packed/spool.h"
+#include "common/packed/read/block_cache.h"
+#include "common/packed/write/spool.h"
 #include "tests/support/made_files.h"
 #include "tests/support/terrains.h"
 

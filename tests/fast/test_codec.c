@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/codec/codec_tile.h"
+#include "common/base/rect.h"
+#include "common/codec/lifting/codec_tile.h"
 #include "tests/support/packed.h"
 #include "tests/support/terrains.h"
 

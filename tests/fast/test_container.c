@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/packed/container.h"
-#include "common/core/packed/crc32c.h"
+#include "common/base/rect.h"
+#include "common/packed/file/container.h"
+#include "common/base/crc32c.h"
 #include "tests/support/terrains.h"
 
 /* ---- Checksum ---------------------------------------------------------------------------------------------------- */

@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "common/shell/context.h"
-#include "common/shell/program.h"
+#include "common/gl/context.h"
+#include "common/gl/program.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -90,7 +90,7 @@ static void a_plane_is_met_where_it_is(void **state)
     (void)state;
     enum { SIZE = 301 };
     const double extent = (SIZE - 1) * 30.;
-    tc_pyramid *p = terrain_pyramid(TERRAIN_SLOPE, SIZE, SIZE, 30, 1);
+    tc_field *p = terrain_field(TERRAIN_SLOPE, SIZE, SIZE, 30, 1);
     ray_flat *f = ray_flat_create(p);
     test_random r = {3};
     int hits = 0, misses = 0;
@@ -118,7 +118,7 @@ static void a_plane_is_met_where_it_is(void **state)
         hits += there, misses += !there;
     }
     assert_true(hits > 3000 && misses > 3000);
-    ray_flat_destroy(f), tc_pyramid_destroy(p);
+    ray_flat_destroy(f), tc_field_destroy(p);
 }
 
 /* Cliffs: each ray ends on the ground, and nothing is in its way before. */
@@ -126,14 +126,14 @@ static void rays_end_at_the_first_ground(void **state)
 {
     (void)state;
     enum { SIZE = 150, STEPS = 4000 };
-    tc_pyramid *p = terrain_pyramid(TERRAIN_CLIFF, SIZE, SIZE, 300, 1);
+    tc_field *p = terrain_field(TERRAIN_CLIFF, SIZE, SIZE, 300, 1);
     ray_flat *f = ray_flat_create(p);
     test_random r = {4};
     int hits = 0;
     for (int i = 0; i < 2000; i++) {
         tc_camera c = {.x = test_random_range(&r, 3000, 40000), .y = test_random_range(&r, 3000, 40000)};
         double d[3], got, ground;
-        assert_int_equal(tc_pyramid_height(p, c.x, c.y, &ground), TC_OK);
+        assert_int_equal(tc_field_height(p, c.x, c.y, &ground), TC_OK);
         c.z = ground + test_random_range(&r, 1, 3000);
         unit(&r, d);
         bool hit = ray_flat_hit(f, &c, d, &got);
@@ -142,16 +142,16 @@ static void rays_end_at_the_first_ground(void **state)
             double s = hit ? got * (1 - 1e-7) * k / STEPS : 60000. * k / STEPS, x = c.x + s * d[0], y = c.y + s * d[1];
             if (x < 0 || y < 0 || x > (SIZE - 1) * 300. || y > (SIZE - 1) * 300.)
                 break;
-            assert_int_equal(tc_pyramid_height(p, x, y, &ground), TC_OK);
+            assert_int_equal(tc_field_height(p, x, y, &ground), TC_OK);
             assert_true(c.z + s * d[2] - ground > -1e-3);
         }
         if (hit) {
-            assert_int_equal(tc_pyramid_height(p, c.x + got * d[0], c.y + got * d[1], &ground), TC_OK);
+            assert_int_equal(tc_field_height(p, c.x + got * d[0], c.y + got * d[1], &ground), TC_OK);
             assert_float_equal(c.z + got * d[2], ground, 1e-2); /* walls: metres a millimetre aside */
         }
     }
     assert_true(hits > 1000);
-    ray_flat_destroy(f), tc_pyramid_destroy(p);
+    ray_flat_destroy(f), tc_field_destroy(p);
 }
 
 /* A planet of one height is a sphere. */
@@ -232,7 +232,7 @@ static void drawn_and_cast_pictures_agree(void **state)
     tc_context *context = scene_context();
     if (!context)
         skip();
-    measured m = {.name = "default", .pyramid = terrain_pyramid(TERRAIN_DEFAULT, 257, 257, 30, 4)};
+    measured m = {.name = "default", .field = terrain_field(TERRAIN_DEFAULT, 257, 257, 30, 4)};
     const uint8_t background[3] = {10, 20, 200};
     caster *cast = caster_create(&m);
     tc_camera c = measured_camera(&m, 2, 0, 320, 240);

@@ -1,7 +1,7 @@
 /* test_fill.c - voids: smooth, within range, and nothing else touched. */
 #include "tests/support/test.h"
 
-#include "common/core/pyramid/fill.h"
+#include "common/field/fill.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/pyramid/fill.h"
+#include "common/field/fill.h"
 #include "tests/support/memory_rows.h"
 
 typedef bool (*shape)(int64_t x, int64_t y);

@@ -5,8 +5,8 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/shell/flight_path.h"
+#include "common/view/camera.h"
+#include "common/view/flight_path.h"
 #include "spherical/globe.h"
 
 #include <math.h>
@@ -32,39 +32,39 @@ static void printed_views_come_back_exactly(void **state)
     uint64_t seed = 1;
     for (int i = 0; i < 20000; i++) {
         double size = pow(10, 14 * next_random(&seed) - 2);
-        tc_view view = {size * (next_random(&seed) - 0.5), size * (next_random(&seed) - 0.5),
+        tc_pose view = {size * (next_random(&seed) - 0.5), size * (next_random(&seed) - 0.5),
                         size * (next_random(&seed) - 0.5), 20 * (next_random(&seed) - 0.5),
                         3.2 * (next_random(&seed) - 0.5)};
-        const tc_view before = view;
+        const tc_pose before = view;
         double spacing = pow(10, 6 * next_random(&seed) - 4);
-        char text[TC_VIEW_TEXT], again[TC_VIEW_TEXT];
-        tc_view_format(&tc_flat_navigation, &view, spacing, text);
-        tc_view read;
-        assert_true(tc_view_parse(&tc_flat_navigation, text, &read));
+        char text[TC_POSE_TEXT], again[TC_POSE_TEXT];
+        tc_pose_format(&tc_flat_navigation, &view, spacing, text);
+        tc_pose read;
+        assert_true(tc_pose_parse(&tc_flat_navigation, text, &read));
         assert_memory_equal(&read, &view, sizeof view);
-        tc_view_format(&tc_flat_navigation, &read, spacing, again);
+        tc_pose_format(&tc_flat_navigation, &read, spacing, again);
         assert_string_equal(text, again);
         assert_memory_equal(&read, &view, sizeof view);
         /* And it is next to what it was. */
         double step = fmin(1e-3, 1e-2 * spacing) + 1e-15 * size;
-        if (fabs(before.x) <= TC_VIEW_LIMIT)
+        if (fabs(before.x) <= TC_POSE_LIMIT)
             assert_true(fabs(view.x - before.x) <= step);
         assert_true(fabs(sin(view.heading) - sin(before.heading)) < 1e-5);
         assert_true(fabs(cos(view.heading) - cos(before.heading)) < 1e-5);
     }
-    tc_view view = {-1e-9, 0, 0, -1e-9, -1e-9};
-    char text[TC_VIEW_TEXT];
-    tc_view_format(&tc_flat_navigation, &view, 30, text);
+    tc_pose view = {-1e-9, 0, 0, -1e-9, -1e-9};
+    char text[TC_POSE_TEXT];
+    tc_pose_format(&tc_flat_navigation, &view, 30, text);
     assert_string_equal(text, "0.000,0.000,0.000,0.0000,0.0000");
 }
 
 /* ---- The whole terrain -------------------------------------------------------------------------------------- */
 
 /* How far outside the frame the worst corner is, as a share of half the frame; negative inside. */
-static double worst_corner(const tc_flight_box *box, const tc_view *view, const tc_camera *lens)
+static double worst_corner(const tc_flight_box *box, const tc_pose *view, const tc_camera *lens)
 {
     tc_camera camera = *lens;
-    tc_view_to_camera(view, &camera);
+    tc_pose_to_camera(view, &camera);
     tc_basis basis = tc_camera_basis(&camera);
     double t[2], worst = -INFINITY;
     tc_camera_tangents(&camera, &t[0], &t[1]);
@@ -107,11 +107,11 @@ static void the_whole_terrain_is_in_frame(void **state)
         for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
             for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f++) {
                 const tc_camera lens = {.fov = fovs[f] * degree, .width = sizes[s][0], .height = sizes[s][1]};
-                tc_view view = tc_view_whole(&boxes[b], lens.fov, lens.width, lens.height);
+                tc_pose view = tc_pose_whole(&boxes[b], lens.fov, lens.width, lens.height);
                 assert_true(isfinite(view.x) && isfinite(view.y) && isfinite(view.z));
                 assert_true(view.z > boxes[b].z_max);
                 assert_true(view.pitch < 0 && view.pitch >= -90.001 * degree);
-                if (fmax(fabs(view.y), view.z) >= TC_VIEW_LIMIT)
+                if (fmax(fabs(view.y), view.z) >= TC_POSE_LIMIT)
                     continue; /* a strip of pixels and a terrain the size of the sun */
                 double worst = worst_corner(&boxes[b], &view, &lens);
                 if (worst > 0)
@@ -150,7 +150,7 @@ static void never_below_ground(void **state)
         tc_flight_step(&flight, &input, &ground);
         assert_true(flight.view.z >= waves(NULL, flight.view.x, flight.view.y) + 2);
         assert_true(fabs(flight.view.pitch) <= 90 * degree);
-        assert_true(isfinite(flight.view.x) && fabs(flight.view.x) <= TC_VIEW_LIMIT);
+        assert_true(isfinite(flight.view.x) && fabs(flight.view.x) <= TC_POSE_LIMIT);
         assert_true(flight.speed > 0 && flight.speed <= 100);
     }
 }
@@ -161,7 +161,7 @@ static void bounded_however_long_one_climbs(void **state)
     tc_flight flight = {.view = {0, 0, 100, 0.5, 0.5}, .speed = 100};
     for (int i = 0; i < 1000; i++)
         tc_flight_step(&flight, &(tc_flight_input){.forward = 1, .up = 1, .fast = true, .dt = 0.1}, &ground);
-    assert_true(flight.view.z <= TC_VIEW_LIMIT && flight.view.x <= TC_VIEW_LIMIT && flight.view.y <= TC_VIEW_LIMIT);
+    assert_true(flight.view.z <= TC_POSE_LIMIT && flight.view.x <= TC_POSE_LIMIT && flight.view.y <= TC_POSE_LIMIT);
 }
 
 static double flat(void *context, double x, double y)
@@ -197,7 +197,7 @@ static void directions_and_speed(void **state)
     f.view.z = 2000;
     tc_flight_step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
     assert_float_equal(f.view.x, 100, 1e-9);
-    f.view = (tc_view){0, 0, 1002, 0, -1};
+    f.view = (tc_pose){0, 0, 1002, 0, -1};
     tc_flight_step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
     assert_true(f.view.y > 0.1 && f.view.z >= 1002);
     /* Turning: right is clockwise, and nothing else moves. */
@@ -230,7 +230,7 @@ static void a_path_passes_its_keys(void **state)
                                   "\t1500,800,150,100,0\n1600,900,150,300,5");
     assert_int_equal(path.count, 4);
     for (int i = 0; i < 4; i++) {
-        tc_view view = tc_flight_path_view(&path, 10 * i, 31);
+        tc_pose view = tc_flight_path_view(&path, 10 * i, 31);
         assert_float_equal(view.x, path.keys[i].x, 1e-9);
         assert_float_equal(view.y, path.keys[i].y, 1e-9);
         assert_float_equal(view.z, path.keys[i].z, 1e-9);
@@ -241,10 +241,10 @@ static void a_path_passes_its_keys(void **state)
     assert_float_equal(path.keys[1].heading, 370 * degree, 1e-9);
     assert_float_equal(path.keys[3].heading, 300 * degree, 1e-9);
     /* Even steps: position and velocity do not jump. */
-    tc_view last = tc_flight_path_view(&path, 0, 3001);
+    tc_pose last = tc_flight_path_view(&path, 0, 3001);
     double last_step = -1;
     for (int i = 1; i < 3001; i++) {
-        tc_view view = tc_flight_path_view(&path, i, 3001);
+        tc_pose view = tc_flight_path_view(&path, i, 3001);
         double step = hypot(view.x - last.x, view.y - last.y);
         if (last_step >= 0)
             assert_true(fabs(step - last_step) < 0.02);
@@ -260,7 +260,7 @@ static void a_straight_path_is_even(void **state)
     (void)state;
     tc_flight_path path = path_of("0,0,0,0,0\n100,50,10,20,-1\n200,100,20,40,-2\n");
     for (int i = 0; i < 17; i++) {
-        tc_view view = tc_flight_path_view(&path, i, 17);
+        tc_pose view = tc_flight_path_view(&path, i, 17);
         assert_float_equal(view.x, 200 * i / 16.0, 1e-9);
         assert_float_equal(view.heading, 40 * degree * i / 16.0, 1e-12);
     }
@@ -279,7 +279,7 @@ static tc_flight_path globe_path_of(const char *text)
     return path;
 }
 
-static void directions_of(const tc_view *view, double foot[3], double forward[3])
+static void directions_of(const tc_pose *view, double foot[3], double forward[3])
 {
     double sx = sin(view->x), cx = cos(view->x), sy = sin(view->y), cy = cos(view->y);
     double s = sin(view->heading), c = cos(view->heading);
@@ -293,7 +293,7 @@ static void assert_smooth(const tc_flight_path *path, double most)
     const int steps = 1000, frames = steps * (path->count - 1) + 1;
     double last[2][3] = {{0}}, step[2][3] = {{0}};
     for (int i = 0; i < frames; i++) {
-        tc_view view = tc_flight_path_view(path, i, frames);
+        tc_pose view = tc_flight_path_view(path, i, frames);
         double now[2][3];
         directions_of(&view, now[0], now[1]);
         for (int k = 0; k < 6; k++) {
@@ -323,7 +323,7 @@ static void over_the_pole_along_a_meridian(void **state)
     for (int k = 0; k < 2; k++) {
         tc_flight_path path = globe_path_of(texts[k]);
         for (int i = 0; i <= 200; i++) {
-            tc_view view = tc_flight_path_view(&path, i, 201);
+            tc_pose view = tc_flight_path_view(&path, i, 201);
             double over = i <= 100 ? 80 + 0.1 * i : 100 - 0.1 * i;
             assert_float_equal(view.y, (i <= 100 ? over : 180 - (80 + 0.1 * i)) * degree, 1e-9);
             if (i == 100)
@@ -349,7 +349,7 @@ static void over_the_antimeridian(void **state)
     (void)state;
     tc_flight_path path = globe_path_of("170,0,1e5,90,0\n-170,0,1e5,90,0\n-150,0,1e5,90,0\n");
     for (int i = 0; i <= 40; i++) {
-        tc_view view = tc_flight_path_view(&path, i, 41);
+        tc_pose view = tc_flight_path_view(&path, i, 41);
         assert_float_equal(remainder(view.x - (170 + i) * degree, 2 * M_PI), 0, 1e-9);
         assert_float_equal(view.y, 0, 1e-9);
         assert_float_equal(view.heading, 90 * degree, 1e-9);
@@ -363,7 +363,7 @@ static void along_a_parallel(void **state)
     (void)state;
     tc_flight_path path = globe_path_of("0,50,1e5,90,0\n10,50,1e5,90,0\n20,50,1e5,90,0\n30,50,1e5,90,0\n");
     for (int i = 30; i <= 60; i++) {
-        tc_view view = tc_flight_path_view(&path, i, 91);
+        tc_pose view = tc_flight_path_view(&path, i, 91);
         assert_float_equal(view.x, i / 3. * degree, 0.01 * degree);
         assert_float_equal(view.y, 50 * degree, 0.02 * degree);
         assert_float_equal(view.heading, 90 * degree, 0.2 * degree);
@@ -373,14 +373,14 @@ static void along_a_parallel(void **state)
     /* On the spot, once around by thirds: evenly. */
     path = globe_path_of("7,50,1e5,0,0\n7,50,1e5,120,0\n7,50,1e5,240,0\n7,50,1e5,360,0\n");
     for (int i = 0; i <= 90; i++) {
-        tc_view view = tc_flight_path_view(&path, i, 91);
+        tc_pose view = tc_flight_path_view(&path, i, 91);
         assert_float_equal(remainder(view.heading - 4 * i * degree, 2 * M_PI), 0, 1e-9);
         assert_float_equal(view.x, 7 * degree, 1e-12);
     }
     tc_flight_path_free(&path);
     /* To the other side of the globe, some way. */
     path = globe_path_of("0,0,1e5,90,0\n180,0,1e5,90,0\n");
-    tc_view view = tc_flight_path_view(&path, 1, 3);
+    tc_pose view = tc_flight_path_view(&path, 1, 3);
     assert_float_equal(view.x, 90 * degree, 1e-9);
     tc_flight_path_free(&path);
     /* A globe's lines have bounds. */

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/shell/flight.h"
+#include "common/view/flight.h"
 #include "spherical/globe.h"
 #include "tests/support/planet_scene.h"
 
@@ -53,7 +53,7 @@ static void ground_wheel_and_drag(void **state)
     tc_globe_navigation.step(&f, &(tc_flight_input){.wheel = 1, .dt = 0.1}, &ground);
     assert_float_equal(f.view.z, 500 + 0.85e5, 1);
     /* The ground follows the mouse: pulled right, what was west comes below. */
-    f.view = (tc_view){.x = 1, .y = 0, .z = 1e5};
+    f.view = (tc_pose){.x = 1, .y = 0, .z = 1e5};
     tc_globe_navigation.step(&f, &(tc_flight_input){.drag_x = 0.1, .dt = 0.1}, &ground);
     assert_true(f.view.x < 1 && fabs(f.view.y) < 1e-9);
     tc_globe_navigation.step(&f, &(tc_flight_input){.drag_y = 0.1, .dt = 0.1}, &ground);
@@ -74,7 +74,7 @@ static void whole_views(void **state)
                                    .south = boxes[i][1] * DEGREE,
                                    .east = boxes[i][2] * DEGREE,
                                    .north = boxes[i][3] * DEGREE};
-        tc_view v = tc_globe_navigation.whole(&box, 75 * DEGREE, 1280, 720);
+        tc_pose v = tc_globe_navigation.whole(&box, 75 * DEGREE, 1280, 720);
         bool around = boxes[i][2] - boxes[i][0] > 359;
         double x = around ? v.x : 0.5 * (box.west + box.east);
         double y = around ? fmin(fmax(v.y, box.south), box.north) : 0.5 * (box.south + box.north);

@@ -1,13 +1,13 @@
 /* test_lifting.c - the integer transform: invertible for any input, by any rectangle, however it is cut. */
 #include "tests/support/test.h"
 
-#include "common/core/codec/lifting.h"
+#include "common/codec/lifting/lifting.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "tests/support/terrains.h"
 
 /* A level and its bands, whole. With a wrapping level the bands' planes hold `margin` more columns on either side. */

@@ -4,9 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/core/clipmap/error_stats.h"
-#include "common/core/clipmap/lod_error.h"
-#include "common/core/base/mesh.h"
+#include "common/measure/error_stats.h"
+#include "common/measure/lod_error.h"
+#include "common/base/mesh.h"
 #include "tests/support/terrains.h"
 
 static int by_value(const void *a, const void *b)
@@ -58,14 +58,14 @@ static void levels_against_the_finest(void **state)
 {
     (void)state;
     enum { W = 131, H = 90 };
-    tc_pyramid *p = terrain_pyramid(TERRAIN_CLIFF, W, H, 30, 3);
-    int m = tc_pyramid_info(p)->levels;
+    tc_field *p = terrain_field(TERRAIN_CLIFF, W, H, 30, 3);
+    int m = tc_field_info(p)->levels;
     float fine[W * H], mesh[W * H];
-    assert_int_equal(tc_pyramid_read(p, m, (tc_rect){0, 0, W, H}, fine, NULL, W), TC_OK);
+    assert_int_equal(tc_field_read(p, m, (tc_rect){0, 0, W, H}, fine, NULL, W), TC_OK);
     for (int l = m; l >= m - 3; l--) {
-        tc_level level = tc_pyramid_level(p, l);
+        tc_level level = tc_field_level(p, l);
         int g = 1 << (m - l), w = (int)level.width;
-        assert_int_equal(tc_pyramid_read(p, l, (tc_rect){0, 0, level.width, level.height}, mesh, NULL, w), TC_OK);
+        assert_int_equal(tc_field_read(p, l, (tc_rect){0, 0, level.width, level.height}, mesh, NULL, w), TC_OK);
         double squares = 0, most = 0;
         for (int j = 0; j < H; j++)
             for (int i = 0; i < W; i++) {
@@ -85,7 +85,7 @@ static void levels_against_the_finest(void **state)
         assert_float_equal(e.rms_px, e.rms_m * 320 / (0.4 * 255 * 30 * g), 1e-9 * (1 + most));
         assert_true(e.rms_m <= e.p999_m && e.p999_m <= e.max_m);
     }
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 int main(void)

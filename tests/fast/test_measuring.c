@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/shell/clock.h"
+#include "common/app/clock.h"
 #include "tests/support/frame_clock.h"
 #include "tests/support/measured.h"
 #include "tests/support/plain_mesh.h"
@@ -51,7 +51,7 @@ static void timer_queries_tell_the_time(void **state)
 {
     (void)state;
     const tc_gl *gl = tc_context_gl(context);
-    tc_pyramid *p = terrain_pyramid(TERRAIN_SMOOTH, 129, 129, 30, 1);
+    tc_field *p = terrain_field(TERRAIN_SMOOTH, 129, 129, 30, 1);
     tc_camera c = above(1900, 1900, 2000, -M_PI / 2);
     plain_mesh mesh;
     assert_true(plain_brute_flat(gl, p, &c, &mesh));
@@ -71,7 +71,7 @@ static void timer_queries_tell_the_time(void **state)
     assert_true(query[2] > 2 * measure_of(single, 5).median); /* ten times the work */
     frame_clock_destroy(&by_query), frame_clock_destroy(&by_wall);
     plain_destroy(gl, &mesh);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     assert_int_equal(gl->GetError(), GL_NO_ERROR);
 }
 
@@ -116,13 +116,13 @@ static void the_full_mesh_is_the_terrain(void **state)
 {
     (void)state;
     const tc_gl *gl = tc_context_gl(context);
-    measured m = {.name = "hills", .pyramid = terrain_pyramid(TERRAIN_SMOOTH, 300, 170, 30, 1)};
+    measured m = {.name = "hills", .field = terrain_field(TERRAIN_SMOOTH, 300, 170, 30, 1)};
     const tc_truth truth = measured_truth(&m);
     scene s = measured_scene(context, &m, 511, NULL, &(tc_scene_options){0});
     for (int look = 0; look < 2; look++) {
         tc_camera c = above(4400, look ? 500 : 2500, look ? 1300 : 6000, look ? -0.3 : -M_PI / 2);
         plain_mesh mesh;
-        assert_true(plain_brute_flat(gl, m.pyramid, &c, &mesh));
+        assert_true(plain_brute_flat(gl, m.field, &c, &mesh));
         assert_int_equal(mesh.triangles, 2 * 299 * 169);
         plain_draw(gl, &mesh, &c, 1e-4, false);
         float *brute = plain_depth(gl, &mesh);

@@ -15,7 +15,7 @@
 enum { N = 63, STEPS = 4096, POINTS = 1000 };
 
 typedef struct walk {
-    tc_pyramid *pyramid;
+    tc_field *field;
     tc_clipmap *clipmap;
     tc_camera camera;
     double x[POINTS], y[POINTS], drawn[POINTS], slack[POINTS];
@@ -42,7 +42,7 @@ static double cell_difference(const tc_clipmap *c, int level, double px, double 
 static void look(walk *w, const double *alpha_step, bool no_morph, double *drawn, double *slack)
 {
     tc_frame_options options = {.no_morph = no_morph};
-    tc_level finest = tc_pyramid_level(w->pyramid, tc_pyramid_info(w->pyramid)->levels);
+    tc_level finest = tc_field_level(w->field, tc_field_info(w->field)->levels);
     for (int k = 0; k < POINTS; k++) {
         assert_true(tc_square_drawn_height(w->clipmap, &w->camera, &options, w->x[k], w->y[k], &drawn[k]));
         slack[k] = 0;
@@ -62,12 +62,12 @@ static void settle(walk *w)
 
 static walk start(terrain_kind kind)
 {
-    walk w = {.pyramid = terrain_pyramid(kind, 1025, 1025, 30, 3)};
+    walk w = {.field = terrain_field(kind, 1025, 1025, 30, 3)};
     tc_clipmap_options options = {.n = N};
-    assert_int_equal(tc_clipmap_create(w.pyramid, &options, &w.clipmap, NULL), TC_OK);
+    assert_int_equal(tc_clipmap_create(w.field, &options, &w.clipmap, NULL), TC_OK);
     w.camera = (tc_camera){.x = 400 * 30 + 0.3, .y = 450 * 30 + 7, .z = 4100, .fov = 1.5, .width = 64, .height = 64};
     double ground;
-    tc_pyramid_height(w.pyramid, w.camera.x, w.camera.y, &ground);
+    tc_field_height(w.field, w.camera.x, w.camera.y, &ground);
     w.camera.z = ground + 20;
     test_random r = {4};
     for (int k = 0; k < POINTS; k++) { /* around the path, most of them near */
@@ -82,7 +82,7 @@ static walk start(terrain_kind kind)
 static void finish(walk *w)
 {
     tc_clipmap_destroy(w->clipmap);
-    tc_pyramid_destroy(w->pyramid);
+    tc_field_destroy(w->field);
 }
 
 /* Creeps; returns how many heights changed more than they may. */
@@ -99,7 +99,7 @@ static int creep(terrain_kind kind, bool no_morph, double *worst)
     for (int s = 0; s < STEPS; s++) {
         w.camera.x += step * cos(direction), w.camera.y += step * sin(direction);
         double ground; /* the height above ground stays: this walk is about x and y */
-        tc_pyramid_height(w.pyramid, w.camera.x, w.camera.y, &ground);
+        tc_field_height(w.field, w.camera.x, w.camera.y, &ground);
         w.camera.z = ground + 20;
         settle(&w);
         look(&w, alpha_step, no_morph, drawn, slack);
@@ -140,7 +140,7 @@ static void climbing_drops_levels_without_a_jump(void **state)
     (void)state;
     walk w = start(TERRAIN_CLIFF);
     double alpha_step[TC_MAX_LEVELS + 1] = {0}, drawn[POINTS], slack[POINTS], ground;
-    tc_pyramid_height(w.pyramid, w.camera.x, w.camera.y, &ground);
+    tc_field_height(w.field, w.camera.x, w.camera.y, &ground);
     look(&w, alpha_step, false, w.drawn, w.slack);
     int first = tc_clipmap_levels(w.clipmap), least = first;
     for (double h = 20; h < 12000; h *= 1.002) {

@@ -1,7 +1,7 @@
 /* test_mosaic.c - several files as one terrain. */
 #include "tests/support/test.h"
 
-#include "common/shell/mosaic.h"
+#include "common/input/mosaic.h"
 #include "tests/support/loading.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "common/shell/options.h"
+#include "common/app/options.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -50,18 +50,18 @@ static tc_rect random_rect(test_random *r, tc_level level, bool wraps)
 }
 
 /* Parts are parts of the whole, and lie within their bounds. */
-static void check_parts(const packing *p, const tc_pyramid *file, int l, const float *z, const uint8_t *v, int count)
+static void check_parts(const packing *p, const tc_field *file, int l, const float *z, const uint8_t *v, int count)
 {
-    tc_level level = tc_pyramid_level(file, l);
+    tc_level level = tc_field_level(file, l);
     test_random r = {(uint64_t)l};
     for (int n = 0; n < count; n++) {
-        tc_rect rect = random_rect(&r, level, tc_pyramid_wraps(file, l));
+        tc_rect rect = random_rect(&r, level, tc_field_wraps(file, l));
         int64_t w = rect.x1 - rect.x0, stride = w + n % 3;
         float *some = malloc((size_t)(stride * (rect.y1 - rect.y0)) * sizeof *some), low, high;
         uint8_t *voids = malloc((size_t)(stride * (rect.y1 - rect.y0)));
         assert_true(some && voids);
-        tc_pyramid_bounds(file, l, rect, &low, &high);
-        CHECK(tc_pyramid_read(file, l, rect, some, n % 4 ? voids : NULL, stride) == TC_OK, "a part cannot be read");
+        tc_field_range(file, l, rect, &low, &high);
+        CHECK(tc_field_read(file, l, rect, some, n % 4 ? voids : NULL, stride) == TC_OK, "a part cannot be read");
         for (int64_t y = rect.y0; y < rect.y1; y++)
             for (int64_t x = rect.x0; x < rect.x1; x++) {
                 int64_t at = (y - rect.y0) * stride + x - rect.x0;
@@ -81,16 +81,16 @@ static bool about(double x, double declared, double slack)
     return fabs(x - declared) <= 1e-5 * fabs(declared) + slack;
 }
 
-static void check_levels(const packing *p, const tc_pyramid *file, double unit, const tc_pack_result *result)
+static void check_levels(const packing *p, const tc_field *file, double unit, const tc_pack_result *result)
 {
-    tc_pyramid *truth = packing_truth(p);
+    tc_field *truth = packing_truth(p);
     uint8_t *mask;
     float *given = packing_heights(p, &mask);
-    int levels = tc_pyramid_info(truth)->levels;
-    CHECK(tc_pyramid_info(file)->levels == levels, "another number of levels");
-    double height = fmax(fabs((double)tc_pyramid_info(file)->z_min), fabs((double)tc_pyramid_info(file)->z_max));
+    int levels = tc_field_info(truth)->levels;
+    CHECK(tc_field_info(file)->levels == levels, "another number of levels");
+    double height = fmax(fabs((double)tc_field_info(file)->z_min), fabs((double)tc_field_info(file)->z_max));
     for (int l = levels; l >= 1; l--) {
-        tc_level level = tc_pyramid_level(file, l);
+        tc_level level = tc_field_level(file, l);
         int64_t count = level.width * level.height;
         uint8_t *v;
         float *z = packing_read(file, l, &v), *true_z = packing_read(truth, l, NULL);
@@ -99,7 +99,7 @@ static void check_levels(const packing *p, const tc_pyramid *file, double unit, 
             for (int64_t x = 0; x < level.width; x++)
                 CHECK(v[y * level.width + x] == mask[(y << (levels - l)) * p->width + (x << (levels - l))],
                       "level %d: wrong mask at (%d, %d)", l, (int)x, (int)y);
-        tc_packed_level declared = tc_pyramid_packed_level(file, l);
+        tc_packed_level declared = tc_field_packed_level(file, l);
         double rms, most, ulp = ldexp(height, -23);
         packing_error(z, true_z, v, count, &rms, &most);
         if (l == levels) {
@@ -125,13 +125,13 @@ static void check_levels(const packing *p, const tc_pyramid *file, double unit, 
         free(z), free(v), free(true_z);
     }
     free(given), free(mask);
-    tc_pyramid_destroy(truth);
+    tc_field_destroy(truth);
 }
 
-static void check_info(const packing *p, const tc_pyramid *file, const tc_pack_result *result, size_t size)
+static void check_info(const packing *p, const tc_field *file, const tc_pack_result *result, size_t size)
 {
-    const tc_packed_info *i = tc_pyramid_packed_info(file);
-    const tc_terrain_info *t = tc_pyramid_info(file);
+    const tc_packed_info *i = tc_field_packed_info(file);
+    const tc_terrain_info *t = tc_field_info(file);
     tc_pack_terrain terrain = packing_terrain(p);
     double sum = 0, square = 0, low = INFINITY, high = -INFINITY;
     int64_t valid = 0;
@@ -177,19 +177,19 @@ static tc_pack_result check_packing(const packing *p)
     const char *path = made_path("a.tclip");
     tc_pack_result result;
     tc_error error = {TC_OK, ""};
-    tc_pyramid *file;
+    tc_field *file;
     size_t size = 0;
     CHECK(packing_write(p, path, &result, &error) == TC_OK, "not packed: %s", error.text);
     CHECK(made_folder_count() == 1, "something was left beside it");
     free(packing_bytes(path, &size));
     const tc_open_options small = {.cache_bytes = 1};
     for (int k = 0; k < 2; k++) {
-        CHECK(tc_pyramid_open(path, k ? &small : NULL, &file, &error) == TC_OK, "not opened: %s", error.text);
+        CHECK(tc_field_open(path, k ? &small : NULL, &file, &error) == TC_OK, "not opened: %s", error.text);
         check_info(p, file, &result, size);
         check_levels(p, file, unit_of_file(path), &result);
-        CHECK(tc_pyramid_damaged(file) == 0, "damaged");
-        CHECK(tc_pyramid_bytes(file) < (size_t)48 << 20, "%zu bytes of memory", tc_pyramid_bytes(file));
-        tc_pyramid_destroy(file);
+        CHECK(tc_field_damaged(file) == 0, "damaged");
+        CHECK(tc_field_bytes(file) < (size_t)48 << 20, "%zu bytes of memory", tc_field_bytes(file));
+        tc_field_destroy(file);
     }
     return result;
 }
@@ -301,14 +301,14 @@ static void the_seam_does_not_show(void **state)
     for (int codec = 0; codec < 2; codec++) {
         packing p = {.width = 1024, .height = 512, .error = 3, .codec = codec, .type = TC_SAMPLE_FLOAT32};
         tc_pack_result result;
-        tc_pyramid *file;
+        tc_field *file;
         const char *path = made_path("a.tclip");
         double error[2] = {0}, count[2] = {0};
         uint8_t *mask;
         p.wraps = true;
         assert_int_equal(packing_write(&p, path, &result, NULL), TC_OK);
-        assert_int_equal(tc_pyramid_open(path, NULL, &file, NULL), TC_OK);
-        float *given = packing_heights(&p, &mask), *z = packing_read(file, tc_pyramid_info(file)->levels, NULL);
+        assert_int_equal(tc_field_open(path, NULL, &file, NULL), TC_OK);
+        float *given = packing_heights(&p, &mask), *z = packing_read(file, tc_field_info(file)->levels, NULL);
         for (int64_t i = 0; i < p.width * p.height; i++) {
             int64_t x = i % p.width;
             bool near = x < 6 || x >= p.width - 6;
@@ -318,7 +318,7 @@ static void the_seam_does_not_show(void **state)
         }
         assert_true(error[1] / count[1] < 1.3 * error[0] / count[0]);
         free(given), free(mask), free(z);
-        tc_pyramid_destroy(file);
+        tc_field_destroy(file);
     }
 }
 
@@ -374,7 +374,7 @@ static void what_cannot_be_packed_is_refused(void **state)
 /* ---- Threads ----------------------------------------------------------------------------------------------------- */
 
 typedef struct reader {
-    const tc_pyramid *file;
+    const tc_field *file;
     float **z;
     uint8_t **v;
     uint64_t seed;
@@ -385,16 +385,16 @@ static void *read_at_random(void *context)
 {
     reader *t = context;
     test_random r = {t->seed};
-    int levels = tc_pyramid_info(t->file)->levels;
+    int levels = tc_field_info(t->file)->levels;
     for (int n = 0; n < 60; n++) {
         int l = (int)test_random_int(&r, levels > 3 ? levels - 3 : 1, levels);
-        tc_level level = tc_pyramid_level(t->file, l);
+        tc_level level = tc_field_level(t->file, l);
         tc_rect rect = random_rect(&r, level, false);
         int64_t w = rect.x1 - rect.x0, h = rect.y1 - rect.y0;
         float *z = malloc((size_t)(w * h) * sizeof *z), low, high;
         uint8_t *v = malloc((size_t)(w * h));
-        tc_pyramid_bounds(t->file, l, rect, &low, &high);
-        t->wrong += !z || !v || tc_pyramid_read(t->file, l, rect, z, v, w) != TC_OK;
+        tc_field_range(t->file, l, rect, &low, &high);
+        t->wrong += !z || !v || tc_field_read(t->file, l, rect, z, v, w) != TC_OK;
         for (int64_t y = 0; y < h; y++)
             t->wrong += memcmp(z + y * w, t->z[l - 1] + (rect.y0 + y) * level.width + rect.x0, (size_t)w * sizeof *z) ||
                         memcmp(v + y * w, t->v[l - 1] + (rect.y0 + y) * level.width + rect.x0, (size_t)w);
@@ -413,16 +413,16 @@ static void threads_read_the_same(void **state)
         const char *path = made_path("a.tclip");
         tc_pack_result result;
         assert_int_equal(packing_write(&p, path, &result, NULL), TC_OK);
-        tc_pyramid *file;
-        assert_int_equal(tc_pyramid_open(path, NULL, &file, NULL), TC_OK);
-        int levels = tc_pyramid_info(file)->levels;
-        float *z[TC_MAX_PYRAMID_LEVELS];
-        uint8_t *v[TC_MAX_PYRAMID_LEVELS];
+        tc_field *file;
+        assert_int_equal(tc_field_open(path, NULL, &file, NULL), TC_OK);
+        int levels = tc_field_info(file)->levels;
+        float *z[TC_MAX_FIELD_LEVELS];
+        uint8_t *v[TC_MAX_FIELD_LEVELS];
         for (int l = 1; l <= levels; l++)
             z[l - 1] = packing_read(file, l, &v[l - 1]);
-        tc_pyramid_destroy(file);
+        tc_field_destroy(file);
         const tc_open_options options = {.cache_bytes = k % 2};
-        assert_int_equal(tc_pyramid_open(path, &options, &file, NULL), TC_OK);
+        assert_int_equal(tc_field_open(path, &options, &file, NULL), TC_OK);
         enum { THREADS = 4 };
         pthread_t thread[THREADS];
         reader readers[THREADS];
@@ -434,7 +434,7 @@ static void threads_read_the_same(void **state)
             pthread_join(thread[n], NULL);
             assert_int_equal(readers[n].wrong, 0);
         }
-        tc_pyramid_destroy(file);
+        tc_field_destroy(file);
         for (int l = 1; l <= levels; l++)
             free(z[l - 1]), free(v[l - 1]);
     }

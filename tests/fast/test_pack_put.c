@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -157,17 +157,17 @@ static void first_heights_hold(void **state)
     assert_true(result.largest_disagreement == largest && largest == 10);
     assert_int_equal(result.voids, 30); /* the last row's right part was never given */
     assert_true(result.rms == 0 && result.max_error == 0);
-    tc_pyramid *file;
-    assert_int_equal(tc_pyramid_open(path, NULL, &file, NULL), TC_OK);
+    tc_field *file;
+    assert_int_equal(tc_field_open(path, NULL, &file, NULL), TC_OK);
     uint8_t *mask;
-    float *z = packing_read(file, tc_pyramid_info(file)->levels, &mask);
+    float *z = packing_read(file, tc_field_info(file)->levels, &mask);
     for (int i = 0; i < 70 * 50; i++) {
         bool was_left = i % 70 < 40 && isfinite(a[i]) && !v[i];
         assert_int_equal(mask[i], i / 70 == 49 && i % 70 >= 40);
         if (!mask[i] && z[i] != (was_left ? a[i] : b[i]))
             fail_msg("sample %d is %g", i, z[i]);
     }
-    tc_pyramid_destroy(file);
+    tc_field_destroy(file);
     free(a), free(b), free(v), free(z), free(mask);
 }
 

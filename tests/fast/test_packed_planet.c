@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/atlas/atlas_packed.h"
-#include "common/core/base/rect.h"
-#include "common/core/packed/crc32c.h"
-#include "common/core/packed/packed_file.h"
+#include "common/map/atlas_packed.h"
+#include "common/base/rect.h"
+#include "common/base/crc32c.h"
+#include "common/packed/file/packed_file.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -91,9 +91,9 @@ static tc_status pack_planet(const char *path, const tc_pack_options *how, bool 
 /* ---- All of it comes back ---------------------------------------------------------------------------------------- */
 
 /* Root mean square and the largest of the errors of a level, over samples that are not void. */
-static void compare_level(const tc_pyramid *file, const tc_pyramid *truth, int l, double *rms, double *most)
+static void compare_level(const tc_field *file, const tc_field *truth, int l, double *rms, double *most)
 {
-    tc_level level = tc_pyramid_level(truth, l), other = tc_pyramid_level(file, l);
+    tc_level level = tc_field_level(truth, l), other = tc_field_level(file, l);
     assert_true(level.width == other.width && level.height == other.height);
     assert_float_equal(level.spacing_y, other.spacing_y, 1e-6 * level.spacing_y);
     uint8_t *v, *u;
@@ -112,9 +112,9 @@ static void compare_level(const tc_pyramid *file, const tc_pyramid *truth, int l
 }
 
 /* Coarser levels' errors are as declared, but for height units. */
-static bool declared_well(const tc_pyramid *file, int l, double rms)
+static bool declared_well(const tc_field *file, int l, double rms)
 {
-    double declared = tc_pyramid_packed_level(file, l).rms;
+    double declared = tc_field_packed_level(file, l).rms;
     return fabs(rms - declared) <= 1e-4 * declared + 2 * tc_packed_container(file)->z_unit;
 }
 
@@ -151,30 +151,30 @@ static void charts_come_back(void **state)
             assert_true(a->projection == b->projection && a->wraps == b->wraps && a->wraps == (c == 0));
             assert_float_equal(a->x0, b->x0, 1e-12), assert_float_equal(a->y0, b->y0, 1e-12);
             assert_float_equal(a->dx, b->dx, 1e-14), assert_float_equal(a->dy, b->dy, 1e-14);
-            int m = tc_pyramid_info(b->pyramid)->levels;
-            assert_int_equal(tc_pyramid_info(a->pyramid)->levels, m);
-            assert_int_equal(tc_pyramid_info(a->pyramid)->void_count, tc_pyramid_info(b->pyramid)->void_count);
+            int m = tc_field_info(b->field)->levels;
+            assert_int_equal(tc_field_info(a->field)->levels, m);
+            assert_int_equal(tc_field_info(a->field)->void_count, tc_field_info(b->field)->void_count);
             for (int l = m; l > m - 4; l--) {
                 double rms, most, bound = how->mode == TC_PACK_LOSSLESS ? c ? 0.5 : 0 : how->error;
-                compare_level(a->pyramid, b->pyramid, l, &rms, &most);
+                compare_level(a->field, b->field, l, &rms, &most);
                 if (how->mode == TC_PACK_RMS && l == m)
                     assert_true(rms <= bound * (1 + 1e-6) && rms > 0.9 * bound);
                 else if (l == m)
                     assert_true(most <= bound + 1e-3);
                 else
-                    assert_true(tc_pyramid_wraps(a->pyramid, l) == (c == 0) && declared_well(a->pyramid, l, rms));
+                    assert_true(tc_field_wraps(a->field, l) == (c == 0) && declared_well(a->field, l, rms));
             }
         }
         /* The flat map is chart 0. */
-        tc_pyramid *flat;
-        assert_int_equal(tc_pyramid_open(path, NULL, &flat, NULL), TC_OK);
-        const tc_packed_info *info = tc_pyramid_packed_info(flat);
+        tc_field *flat;
+        assert_int_equal(tc_field_open(path, NULL, &flat, NULL), TC_OK);
+        const tc_packed_info *info = tc_field_packed_info(flat);
         assert_true(info->charts == 3 && info->terrain.radius == radius && info->version == 2 && !info->cut_short);
-        assert_true(tc_pyramid_info(flat)->wraps_x && info->bytes == result.bytes);
+        assert_true(tc_field_info(flat)->wraps_x && info->bytes == result.bytes);
         size_t size;
         free(packing_bytes(path, &size));
         assert_int_equal(size, result.bytes);
-        tc_pyramid_destroy(flat);
+        tc_field_destroy(flat);
         tc_atlas_free(&file), tc_atlas_free(&truth);
     }
 }
@@ -185,19 +185,19 @@ static void filled_voids_meet_at_the_seam(void **state)
     (void)state;
     const tc_pack_options how = {.mode = TC_PACK_MAX_ERROR, .error = 1};
     tc_pack_result result;
-    tc_pyramid *file;
+    tc_field *file;
     assert_int_equal(pack_planet(made_path("a.tclip"), &how, true, &result, NULL), TC_OK);
-    assert_int_equal(tc_pyramid_open(made_path("a.tclip"), NULL, &file, NULL), TC_OK);
-    int m = tc_pyramid_info(file)->levels;
+    assert_int_equal(tc_field_open(made_path("a.tclip"), NULL, &file, NULL), TC_OK);
+    int m = tc_field_info(file)->levels;
     double inner = 0, seam = 0;
     for (int64_t j = 68; j < 92; j++) {
         float z[8];
-        assert_int_equal(tc_pyramid_read(file, m, (tc_rect){-4, j, 4, j + 1}, z, NULL, 8), TC_OK);
+        assert_int_equal(tc_field_read(file, m, (tc_rect){-4, j, 4, j + 1}, z, NULL, 8), TC_OK);
         for (int i = 0; i < 7; i++)
             *(i == 3 ? &seam : &inner) = fmax(i == 3 ? seam : inner, fabs((double)z[i + 1] - z[i]));
     }
     assert_true(seam < 1.5 * inner);
-    tc_pyramid_destroy(file);
+    tc_field_destroy(file);
 }
 
 /* A cap without any height, and maps that end before the poles: chart 0 is all there is. */
@@ -221,7 +221,7 @@ static void planets_without_caps(void **state)
         tc_grid_free(&g);
         tc_atlas atlas;
         assert_int_equal(tc_atlas_open(made_path("a.tclip"), NULL, &atlas, NULL), TC_OK);
-        const tc_packed_info *info = tc_pyramid_packed_info(atlas.chart[0].pyramid);
+        const tc_packed_info *info = tc_field_packed_info(atlas.chart[0].field);
         assert_true(atlas.charts == 1 && info->charts == 1 && atlas.chart[0].wraps && info->terrain.radius == radius);
         assert_int_equal(result.voids, (rows - valid) * WIDTH);
         tc_atlas_free(&atlas);
@@ -311,16 +311,15 @@ static void files_cut_short_lose_caps_first(void **state)
         tc_status status = open_part(copy, part, &atlas, &error);
         assert_true((status == TC_OK) == ((int64_t)part >= head));
         if (!status) {
-            const tc_packed_info *info = tc_pyramid_packed_info(atlas.chart[0].pyramid);
+            const tc_packed_info *info = tc_field_packed_info(atlas.chart[0].field);
             assert_int_equal(atlas.charts, (int64_t)part >= south_head ? 3 : 1);
             assert_true(info->cut_short == (part < size) && info->charts == 3);
             assert_true((info->levels_missing > 0) == ((int64_t)part < caps));
             assert_float_equal(atlas.chart[0].dx, ldexp(2 * M_PI / WIDTH, info->levels_missing), 1e-12);
             float z;
             for (int k = 0; k < atlas.charts; k++)
-                assert_int_equal(tc_pyramid_read(atlas.chart[k].pyramid,
-                                                 tc_pyramid_info(atlas.chart[k].pyramid)->levels, (tc_rect){0, 0, 1, 1},
-                                                 &z, NULL, 1),
+                assert_int_equal(tc_field_read(atlas.chart[k].field, tc_field_info(atlas.chart[k].field)->levels,
+                                               (tc_rect){0, 0, 1, 1}, &z, NULL, 1),
                                  TC_OK);
             tc_atlas_free(&atlas);
         }

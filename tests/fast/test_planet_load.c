@@ -1,9 +1,9 @@
 /* test_planet_load.c - planets from files: where their samples lie, and what is refused. */
 #include "tests/support/test.h"
 
-#include "common/core/clipmap/clipmap.h"
-#include "common/shell/planet.h"
-#include "common/shell/planet_place.h"
+#include "common/window/clipmap.h"
+#include "common/app/planet.h"
+#include "common/map/planet_place.h"
 #include "tests/support/loading.h"
 
 #include <math.h>
@@ -86,14 +86,14 @@ static void planet_refused(const char *path, double radius, bool whole, tc_statu
     tc_status found = tc_planet_load(path, NULL, radius, whole, 1, &planet, &error);
     if (found != status || !strstr(error.text, word) || strchr(error.text, '\n'))
         fail_msg("expected status %d and \"%s\", found %d: %s", (int)status, word, (int)found, error.text);
-    assert_null(planet.atlas.chart[0].pyramid);
+    assert_null(planet.atlas.chart[0].field);
 }
 
 /* Largest difference between a chart's finest level and the function. */
 static double chart_error(const tc_chart *c)
 {
-    const int m = tc_pyramid_info(c->pyramid)->levels;
-    tc_level level = tc_pyramid_level(c->pyramid, m);
+    const int m = tc_field_info(c->field)->levels;
+    tc_level level = tc_field_level(c->field, m);
     double largest = 0;
     for (int64_t j = 0; j < level.height; j++)
         for (int64_t i = 0; i < level.width; i++) {
@@ -104,7 +104,7 @@ static double chart_error(const tc_chart *c)
                 latitude *= c->projection == TC_CAP_SOUTH ? -1 : 1;
             }
             float z;
-            assert_int_equal(tc_pyramid_read(c->pyramid, m, (tc_rect){i, j, i + 1, j + 1}, &z, NULL, 1), TC_OK);
+            assert_int_equal(tc_field_read(c->field, m, (tc_rect){i, j, i + 1, j + 1}, &z, NULL, 1), TC_OK);
             largest = fmax(largest, fabs(z - relief(longitude / degree, latitude / degree)));
         }
     return largest;
@@ -164,7 +164,7 @@ static void globes_higher_than_wide(void **state)
         const tc_clipmap_options options = {.n = 255, .wraps = true};
         tc_clipmap *clipmap;
         tc_error error;
-        if (tc_clipmap_create(p.atlas.chart[0].pyramid, &options, &clipmap, &error) != TC_OK)
+        if (tc_clipmap_create(p.atlas.chart[0].field, &options, &clipmap, &error) != TC_OK)
             fail_msg("%d x %d: %s", w, h, error.text);
         tc_clipmap_destroy(clipmap);
         tc_planet_close(&p);
@@ -219,8 +219,8 @@ static void pictures_of_a_globe(void **state)
     assert_true(said.warnings == 1 && strstr(said.text, "whole globe") && !strstr(said.text, "1 m apart"));
     assert_int_equal(p.atlas.charts, 3);
     assert_true(p.georef.transform[0] == -180 && p.georef.transform[3] == 90);
-    assert_true(tc_pyramid_info(p.atlas.chart[0].pyramid)->other_body);
-    assert_true(tc_pyramid_info(p.atlas.chart[1].pyramid)->other_body);
+    assert_true(tc_field_info(p.atlas.chart[0].field)->other_body);
+    assert_true(tc_field_info(p.atlas.chart[1].field)->other_body);
     tc_planet_close(&p);
     make_png(path, 16, 16, 16, 0, samples);
     planet_refused(path, 0, false, TC_ERR_UNSUPPORTED, "16 x 16");
@@ -234,20 +234,20 @@ static void voids_across_the_seam(void **state)
               edge = {360, 180, 0.5, 89.5, 1, false, 4326, 0.5, 0};
     tc_planet p[2] = {planet_of(make_map("inside.tif", &inside), 0, true, NULL),
                       planet_of(make_map("edge.tif", &edge), 0, true, NULL)};
-    int m = tc_pyramid_info(p[0].atlas.chart[0].pyramid)->levels;
+    int m = tc_field_info(p[0].atlas.chart[0].field)->levels;
     int64_t voids = 0;
     for (int64_t j = 0; j < 180; j++) {
         float a[360], b[360];
         uint8_t va[360], vb[360];
-        assert_int_equal(tc_pyramid_read(p[0].atlas.chart[0].pyramid, m, (tc_rect){180, j, 540, j + 1}, a, va, 360), 0);
-        assert_int_equal(tc_pyramid_read(p[1].atlas.chart[0].pyramid, m, (tc_rect){0, j, 360, j + 1}, b, vb, 360), 0);
+        assert_int_equal(tc_field_read(p[0].atlas.chart[0].field, m, (tc_rect){180, j, 540, j + 1}, a, va, 360), 0);
+        assert_int_equal(tc_field_read(p[1].atlas.chart[0].field, m, (tc_rect){0, j, 360, j + 1}, b, vb, 360), 0);
         assert_memory_equal(va, vb, 360);
         for (int i = 0; i < 360; i++) {
             voids += va[i];
             assert_true(fabsf(a[i] - b[i]) < 0.5f);
         }
     }
-    assert_true(voids > 1000 && voids == tc_pyramid_info(p[1].atlas.chart[0].pyramid)->void_count);
+    assert_true(voids > 1000 && voids == tc_field_info(p[1].atlas.chart[0].field)->void_count);
     tc_planet_close(&p[0]), tc_planet_close(&p[1]);
 }
 

@@ -1,7 +1,7 @@
 /* test_rans.c - tables and streams of the entropy coder. */
 #include "tests/support/test.h"
 
-#include "common/core/codec/rans.h"
+#include "common/codec/entropy/rans.h"
 
 #include <math.h>
 #include <stdlib.h>

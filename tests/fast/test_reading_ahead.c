@@ -9,7 +9,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/pyramid/pyramid.h"
+#include "common/field/field.h"
 #include "tests/support/terrains.h"
 
 enum { WIDTH = 900, HEIGHT = 700 };
@@ -61,13 +61,13 @@ static tc_status read_memory(void *context, int64_t offset, void *to, size_t siz
     return TC_OK;
 }
 
-static tc_pyramid *open_memory(memory *m, size_t size, size_t cache)
+static tc_field *open_memory(memory *m, size_t size, size_t cache)
 {
     tc_byte_source source = {m, (int64_t)size, read_memory, NULL};
     tc_open_options options = {.cache_bytes = cache};
-    tc_pyramid *pyramid;
-    assert_int_equal(tc_pyramid_open_bytes("memory", &source, &options, &pyramid, NULL), TC_OK);
-    return pyramid;
+    tc_field *field;
+    assert_int_equal(tc_field_open_bytes("memory", &source, &options, &field, NULL), TC_OK);
+    return field;
 }
 
 static const tc_pack_options ways[] = {
@@ -86,11 +86,11 @@ static void gets_ready(void **state)
         size_t size;
         bool wraps = way >= 2 * WAYS;
         memory m = {pack(&ways[way / 2 % WAYS], wraps, &size), false};
-        tc_pyramid *p = open_memory(&m, size, way % 2 ? 1 : 0);
-        int levels = tc_pyramid_info(p)->levels;
+        tc_field *p = open_memory(&m, size, way % 2 ? 1 : 0);
+        int levels = tc_field_info(p)->levels;
         for (int n = 0; n < (wraps ? 6 : 24); n++) {
             int l = (int)test_random_int(&random, levels - 2, levels);
-            tc_level level = tc_pyramid_level(p, l);
+            tc_level level = tc_field_level(p, l);
             tc_rect r = {0, 0, level.width, level.height};
             if (n > 0) { /* else the whole level */
                 r.x0 = test_random_int(&random, 0, level.width - 1),
@@ -101,15 +101,15 @@ static void gets_ready(void **state)
             if (wraps) /* mostly across the seam */
                 r.x0 -= level.width / 2, r.x1 -= level.width / 2;
             int polls = 0;
-            while (!tc_pyramid_ready(p, l, r) && polls++ < 5000)
+            while (!tc_field_ready(p, l, r) && polls++ < 5000)
                 usleep(1000);
             if (polls >= 5000)
                 printf("way %d: level %d, %lld..%lld x %lld..%lld is never ready\n", way, l, (long long)r.x0,
                        (long long)r.x1, (long long)r.y0, (long long)r.y1);
             assert_true(polls < 5000);
         }
-        assert_int_equal(tc_pyramid_damaged(p), 0);
-        tc_pyramid_destroy(p);
+        assert_int_equal(tc_field_damaged(p), 0);
+        tc_field_destroy(p);
         free((void *)m.bytes);
     }
 }
@@ -121,23 +121,23 @@ static void what_fails_may_come_later(void **state)
     for (int way = 0; way < WAYS; way++) {
         size_t size;
         memory m = {pack(&ways[way], false, &size), false};
-        tc_pyramid *p = open_memory(&m, size, 0);
-        int l = tc_pyramid_info(p)->levels;
+        tc_field *p = open_memory(&m, size, 0);
+        int l = tc_field_info(p)->levels;
         tc_rect all = {0, 0, WIDTH, HEIGHT};
-        assert_int_equal(tc_pyramid_read(p, l, all, truth, NULL, WIDTH), TC_OK);
-        tc_pyramid_destroy(p);
+        assert_int_equal(tc_field_read(p, l, all, truth, NULL, WIDTH), TC_OK);
+        tc_field_destroy(p);
         p = open_memory(&m, size, 0);
         m.broken = true;
-        assert_int_equal(tc_pyramid_read(p, l, (tc_rect){0, 0, 300, 300}, z, NULL, WIDTH), TC_ERR_IO);
+        assert_int_equal(tc_field_read(p, l, (tc_rect){0, 0, 300, 300}, z, NULL, WIDTH), TC_ERR_IO);
         m.broken = false;
-        assert_int_equal(tc_pyramid_read(p, l, (tc_rect){0, 0, 300, 300}, z, NULL, WIDTH), TC_OK);
+        assert_int_equal(tc_field_read(p, l, (tc_rect){0, 0, 300, 300}, z, NULL, WIDTH), TC_OK);
         m.broken = true;
-        assert_int_equal(tc_pyramid_read(p, l, all, z, NULL, WIDTH), TC_ERR_IO);
+        assert_int_equal(tc_field_read(p, l, all, z, NULL, WIDTH), TC_ERR_IO);
         m.broken = false;
-        assert_int_equal(tc_pyramid_read(p, l, all, z, NULL, WIDTH), TC_OK);
+        assert_int_equal(tc_field_read(p, l, all, z, NULL, WIDTH), TC_OK);
         assert_memory_equal(z, truth, sizeof z);
-        assert_int_equal(tc_pyramid_damaged(p), 0);
-        tc_pyramid_destroy(p);
+        assert_int_equal(tc_field_damaged(p), 0);
+        tc_field_destroy(p);
         free((void *)m.bytes);
     }
 }

@@ -5,7 +5,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "common/shell/stats.h"
+#include "common/app/stats.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +49,7 @@ static const tc_stats_summary summary = {.frames = 2, .frame_median = 1.5, .tria
 static const tc_stats_context context = {
     .renderer = "llvmpipe",
     .backend = "osmesa",
-    .memory = {.geometry = 1, .heights = 2, .normals = 3, .imagery = 4, .pyramid = 5},
+    .memory = {.geometry = 1, .heights = 2, .normals = 3, .imagery = 4, .field = 5},
     .left_out = left_out};
 
 static void json_has_the_keys(void **state)

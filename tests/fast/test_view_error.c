@@ -42,7 +42,7 @@ static double error_of(scene *s, const measured *m, const tc_camera *c)
 static void no_height_is_worse_than_others(void **state)
 {
     (void)state;
-    measured m = {.name = "default", .pyramid = terrain_pyramid(TERRAIN_DEFAULT, 1025, 1025, 30, 4)};
+    measured m = {.name = "default", .field = terrain_field(TERRAIN_DEFAULT, 1025, 1025, 30, 4)};
     scene s = measured_scene(context, &m, tc_clipmap_n_for(&(tc_camera){.fov = M_PI / 2, .width = W, .height = H}),
                              NULL, &(tc_scene_options){0});
     assert_int_equal(tc_clipmap_n(s.clipmap), 63);

@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/codec/void_mask.h"
+#include "common/base/rect.h"
+#include "common/codec/mask/void_mask.h"
 
 static uint32_t next(uint64_t *seed)
 {

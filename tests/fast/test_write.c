@@ -1,7 +1,7 @@
 /* test_write.c - files written and read back, plugins, and nothing written on reading. */
 #include "tests/support/test.h"
 
-#include "common/shell/plugin.h"
+#include "common/input/plugin.h"
 #include "tests/support/loading.h"
 
 #include <math.h>

@@ -7,7 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 #include "common/terraclip.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -23,15 +23,15 @@ static void expect(int good, const char *what)
 }
 
 /* NULL where the rectangle cannot be read, which is fine. */
-static float *read_rect(const tc_pyramid *p, int l, tc_rect r, uint8_t **voids_ret)
+static float *read_rect(const tc_field *p, int l, tc_rect r, uint8_t **voids_ret)
 {
     size_t samples = (size_t)tc_rect_area(r);
     float *z = malloc(samples * sizeof *z), low, high;
     *voids_ret = malloc(samples);
     expect(z && *voids_ret, "no memory");
-    tc_pyramid_bounds(p, l, r, &low, &high);
+    tc_field_range(p, l, r, &low, &high);
     expect(isfinite(low) && isfinite(high) && low <= high, "bounds are nonsense");
-    if (tc_pyramid_read(p, l, r, z, *voids_ret, r.x1 - r.x0)) {
+    if (tc_field_read(p, l, r, z, *voids_ret, r.x1 - r.x0)) {
         free(z);
         return NULL;
     }
@@ -40,7 +40,7 @@ static float *read_rect(const tc_pyramid *p, int l, tc_rect r, uint8_t **voids_r
     return z;
 }
 
-static void check_part(const tc_pyramid *p, int l, tc_rect whole, const float *z, const uint8_t *voids)
+static void check_part(const tc_field *p, int l, tc_rect whole, const float *z, const uint8_t *voids)
 {
     int64_t w = whole.x1 - whole.x0, h = whole.y1 - whole.y0;
     tc_rect part = {whole.x0 + w / 3, whole.y0 + h / 2, whole.x0 + w / 3 + tc_min64(w - w / 3, 37),
@@ -63,13 +63,13 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     int file = memfd_create("fuzz", MFD_CLOEXEC);
     expect(file >= 0 && write(file, data, size) == (ssize_t)size, "no file");
     snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    tc_pyramid *p = NULL;
+    tc_field *p = NULL;
     tc_error error = {TC_OK, ""};
     tc_open_options options = {.cache_bytes = size % 2 ? 1 : 0};
-    tc_status status = tc_pyramid_open(path, &options, &p, &error);
+    tc_status status = tc_field_open(path, &options, &p, &error);
     expect(!status == !error.text[0] && !strchr(error.text, '\n'), "no words for an error, or more than a line");
-    for (int l = 1; !status && l <= tc_pyramid_info(p)->levels; l++) {
-        tc_level level = tc_pyramid_level(p, l);
+    for (int l = 1; !status && l <= tc_field_info(p)->levels; l++) {
+        tc_level level = tc_field_level(p, l);
         tc_rect all = {0, 0, level.width, level.height}, r = all;
         if (level.width > WHOLE || level.height > WHOLE) /* the last corner, and one in the middle */
             r = (tc_rect){tc_max64(all.x1 - PART, 0), tc_max64(all.y1 - PART, 0), all.x1, all.y1};
@@ -82,14 +82,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             r = (tc_rect){all.x1 / 2, all.y1 / 2, tc_min64(all.x1 / 2 + PART, all.x1),
                           tc_min64(all.y1 / 2 + PART, all.y1)};
         }
-        tc_pyramid_packed_level(p, l);
+        tc_field_packed_level(p, l);
     }
     if (!status) {
         double z;
-        tc_pyramid_height(p, 10, 10, &z);
-        tc_pyramid_packed_info(p), tc_pyramid_damaged(p), tc_pyramid_bytes_decoded(p), tc_pyramid_bytes(p);
+        tc_field_height(p, 10, 10, &z);
+        tc_field_packed_info(p), tc_field_damaged(p), tc_field_bytes_decoded(p), tc_field_bytes(p);
     }
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     close(file);
     return 0;
 }

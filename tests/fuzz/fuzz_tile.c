@@ -6,9 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/packed/level_coder.h"
-#include "tests/fuzz/fuzz_tile.h"
+#include "common/base/rect.h"
+#include "common/packed/file/level_coder.h"
+#include "fuzz_tile.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 

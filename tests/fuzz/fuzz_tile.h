@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "common/core/packed/container.h"
+#include "common/packed/file/container.h"
 
 enum { FUZZ_MASK = TC_CODERS, FUZZ_PAGE, FUZZ_HEAD, FUZZ_KINDS, FUZZ_FIXED = 7 };
 

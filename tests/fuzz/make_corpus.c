@@ -6,8 +6,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "common/core/packed/packed_file.h"
-#include "tests/fuzz/fuzz_tile.h"
+#include "common/packed/file/packed_file.h"
+#include "fuzz_tile.h"
 
 static void stop(const char *what)
 {

@@ -15,8 +15,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/packed/crc32c.h"
+#include "common/base/rect.h"
+#include "common/base/crc32c.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -94,8 +94,8 @@ typedef struct intact {
     size_t size;
     tc_container c; /* its head */
     int levels;
-    float *z[TC_MAX_PYRAMID_LEVELS]; /* [l - 1] */
-    uint8_t *v[TC_MAX_PYRAMID_LEVELS];
+    float *z[TC_MAX_FIELD_LEVELS]; /* [l - 1] */
+    uint8_t *v[TC_MAX_FIELD_LEVELS];
 } intact;
 
 static intact files[KINDS];
@@ -109,16 +109,16 @@ static int set_up(void **state)
         tc_pack_result result;
         tc_error error;
         size_t needed;
-        tc_pyramid *p;
+        tc_field *p;
         if (packing_write(&kinds[k], made_path("intact"), &result, &error) ||
             !(f->bytes = packing_bytes(made_path("intact"), &f->size)) ||
             tc_container_read("intact", f->bytes, f->size, &f->c, &needed, &error) ||
-            tc_pyramid_open(made_path("intact"), NULL, &p, &error))
+            tc_field_open(made_path("intact"), NULL, &p, &error))
             return puts(error.text), -1;
-        f->levels = tc_pyramid_info(p)->levels;
+        f->levels = tc_field_info(p)->levels;
         for (int l = 1; l <= f->levels; l++)
             f->z[l - 1] = packing_read(p, l, &f->v[l - 1]);
-        tc_pyramid_destroy(p);
+        tc_field_destroy(p);
         printf("kind %d: %zu bytes, head %d, levels %d to %d, coder %d\n", k, f->size,
                (int)f->c.record[f->c.base].begin, f->c.base, f->levels, f->c.record[f->levels - 1].coder);
     }
@@ -146,9 +146,9 @@ typedef struct outcome {
     tc_status opened, read; /* read: the last that is not TC_OK */
     int levels, missing;
     int64_t damaged;
-    int64_t differing;               /* samples of all levels read whole that differ from the intact file's */
-    tc_rect where;                   /* of the finest level: which */
-    float *z[TC_MAX_PYRAMID_LEVELS]; /* where asked for */
+    int64_t differing;             /* samples of all levels read whole that differ from the intact file's */
+    tc_rect where;                 /* of the finest level: which */
+    float *z[TC_MAX_FIELD_LEVELS]; /* where asked for */
 } outcome;
 
 static void add_point(tc_rect *r, int64_t x, int64_t y)
@@ -158,10 +158,10 @@ static void add_point(tc_rect *r, int64_t x, int64_t y)
              : (tc_rect){tc_min64(r->x0, x), tc_min64(r->y0, y), tc_max64(r->x1, x + 1), tc_max64(r->y1, y + 1)};
 }
 
-static void read_level(const tc_pyramid *p, int l, const intact *of, outcome *o, bool keep)
+static void read_level(const tc_field *p, int l, const intact *of, outcome *o, bool keep)
 {
     enum { WHOLE = 1024, PART = 50 };
-    tc_level level = tc_pyramid_level(p, l);
+    tc_level level = tc_field_level(p, l);
     tc_rect all = {0, 0, level.width, level.height}, r = all;
     if (level.width > WHOLE || level.height > WHOLE)
         r = (tc_rect){tc_max64(0, all.x1 - PART), tc_max64(0, all.y1 - PART), all.x1, all.y1};
@@ -169,9 +169,9 @@ static void read_level(const tc_pyramid *p, int l, const intact *of, outcome *o,
     float *z = __real_malloc((size_t)samples * sizeof *z), low, high;
     uint8_t *v = __real_malloc((size_t)samples);
     assert_true(z && v);
-    tc_pyramid_bounds(p, l, r, &low, &high);
+    tc_field_range(p, l, r, &low, &high);
     assert_true(isfinite(low) && isfinite(high) && low <= high);
-    tc_status status = tc_pyramid_read(p, l, r, z, v, w);
+    tc_status status = tc_field_read(p, l, r, z, v, w);
     o->read = status ? status : o->read;
     const tc_level *same = &of->c.level[l - 1];
     bool comparable = !status && l <= of->levels && same->width == level.width && same->height == level.height;
@@ -196,24 +196,24 @@ static void read_level(const tc_pyramid *p, int l, const intact *of, outcome *o,
 static outcome look_at(const char *path, const intact *of, bool keep)
 {
     outcome o = {0};
-    tc_pyramid *p = NULL;
+    tc_field *p = NULL;
     tc_error error = {TC_OK, ""};
     long long before = most_live = live;
     largest = 0;
     cases++;
     alarm(20);
-    o.opened = tc_pyramid_open(path, &(tc_open_options){.cache_bytes = cases % 3 == 0}, &p, &error);
+    o.opened = tc_field_open(path, &(tc_open_options){.cache_bytes = cases % 3 == 0}, &p, &error);
     if (o.opened) {
         assert_true(!p && error.status == o.opened && error.text[0] && !strchr(error.text, '\n'));
     } else {
-        o.levels = tc_pyramid_info(p)->levels, o.missing = tc_pyramid_packed_info(p)->levels_missing;
+        o.levels = tc_field_info(p)->levels, o.missing = tc_field_packed_info(p)->levels_missing;
         for (int l = o.levels; l >= 1; l--) {
             read_level(p, l, of, &o, keep);
-            tc_pyramid_packed_level(p, l);
+            tc_field_packed_level(p, l);
         }
-        o.damaged = tc_pyramid_damaged(p);
-        assert_true(tc_pyramid_bytes(p) < MOST_BYTES);
-        tc_pyramid_destroy(p);
+        o.damaged = tc_field_damaged(p);
+        assert_true(tc_field_bytes(p) < MOST_BYTES);
+        tc_field_destroy(p);
     }
     alarm(0);
     assert_true(largest < MOST_PIECE && most_live - before < MOST_BYTES);
@@ -223,7 +223,7 @@ static outcome look_at(const char *path, const intact *of, bool keep)
 
 static void forget(outcome *o)
 {
-    for (int l = 0; l < TC_MAX_PYRAMID_LEVELS; l++)
+    for (int l = 0; l < TC_MAX_FIELD_LEVELS; l++)
         __real_free(o->z[l]);
 }
 
@@ -275,12 +275,12 @@ static void a_damaged_head_is_refused(void **state)
                 static const uint8_t masks[] = {0x01, 0x80, 0xff};
                 bytes[at] ^= masks[n];
                 make_bytes(made_path("damaged"), bytes, f->size);
-                tc_pyramid *p = NULL;
+                tc_field *p = NULL;
                 tc_error error = {TC_OK, ""};
                 long long before = live;
                 largest = 0;
                 cases++;
-                if (tc_pyramid_open(made_path("damaged"), NULL, &p, &error) == TC_OK || p || !error.text[0])
+                if (tc_field_open(made_path("damaged"), NULL, &p, &error) == TC_OK || p || !error.text[0])
                     fail_msg("kind %d: byte %d of the head goes unseen", k, (int)at);
                 assert_true(live <= before && largest < 1 << 20);
                 bytes[at] = f->bytes[at];

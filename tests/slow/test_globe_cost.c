@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/atlas/atlas_packed.h"
+#include "common/map/atlas_packed.h"
 #include "planar/square.h"
 #include "spherical/rings_internal.h"
 #include "tests/support/made_files.h"
@@ -24,13 +24,13 @@ static const char *path;
 /* Chart 0's finest level in a packed file. */
 static void pack(const tc_atlas *atlas, const char *to)
 {
-    tc_pyramid *p = atlas->chart[0].pyramid;
-    int m = tc_pyramid_info(p)->levels;
-    tc_level size = tc_pyramid_level(p, m);
+    tc_field *p = atlas->chart[0].field;
+    int m = tc_field_info(p)->levels;
+    tc_level size = tc_field_level(p, m);
     float *z = malloc((size_t)(size.width * size.height) * sizeof *z);
     assert_non_null(z);
     tc_rect all = {0, 0, size.width, size.height};
-    assert_int_equal(tc_pyramid_read(p, m, all, z, NULL, (ptrdiff_t)size.width), TC_OK);
+    assert_int_equal(tc_field_read(p, m, all, z, NULL, (ptrdiff_t)size.width), TC_OK);
     double step = 360.0 / (double)size.width, metres = radius * step * DEGREE;
     tc_pack_terrain terrain = {.width = size.width,
                                .height = size.height,
@@ -92,7 +92,7 @@ static int64_t bytes_decoded(const tc_atlas *atlas)
 {
     int64_t sum = 0;
     for (int k = 0; k < atlas->charts; k++)
-        sum += tc_pyramid_bytes_decoded(atlas->chart[k].pyramid);
+        sum += tc_field_bytes_decoded(atlas->chart[k].field);
     return sum;
 }
 
@@ -157,10 +157,10 @@ static void flat_map_and_globe_agree(void **state)
 {
     (void)state;
     tc_chart *chart = &memory.chart[0];
-    int m = tc_pyramid_info(chart->pyramid)->levels;
-    tc_level size = tc_pyramid_level(chart->pyramid, m);
+    int m = tc_field_info(chart->field)->levels;
+    tc_level size = tc_field_level(chart->field, m);
     const tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1};
-    scene flat = scene_create(context, chart->pyramid, 255, &options);
+    scene flat = scene_create(context, chart->field, 255, &options);
     scene round = planet_scene(context, &memory, &(tc_rings_options){0}, &options);
     test_random r = {3};
     double worst = 0, sum = 0, most = 0, curved = 0, count = 0;
@@ -182,8 +182,7 @@ static void flat_map_and_globe_agree(void **state)
                                                    j * size.spacing_y, &z0));
             assert_true(round.surface->drawn_height(round.surface, &g, &options.frame, chart->x0 + i * chart->dx,
                                                     chart->y0 + j * chart->dy, &z1));
-            assert_int_equal(tc_pyramid_read(chart->pyramid, m, (tc_rect){x - 1, y - 1, x + 3, y + 3}, z, NULL, 4),
-                             TC_OK);
+            assert_int_equal(tc_field_read(chart->field, m, (tc_rect){x - 1, y - 1, x + 3, y + 3}, z, NULL, 4), TC_OK);
             /* What the mesh, of triangles up to a cell or so wide, can make of the samples around. */
             double bend = 0;
             for (int q = 0; q < 3; q++)

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/core/clipmap/view_error.h"
+#include "common/view/camera.h"
+#include "common/measure/view_error.h"
 #include "tests/support/planet_scene.h"
 
 #define DEGREE (M_PI / 180)

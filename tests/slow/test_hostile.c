@@ -12,8 +12,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/packed/crc32c.h"
+#include "common/base/rect.h"
+#include "common/base/crc32c.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -73,32 +73,32 @@ static tc_status try_bytes(const uint8_t *head, size_t head_size, const uint8_t 
     memcpy(bytes, head, head_size), memcpy(bytes + head_size, rest, rest_size);
     make_bytes(path, bytes, head_size + rest_size);
     free(bytes);
-    tc_pyramid *p = NULL;
+    tc_field *p = NULL;
     tc_error error = {TC_OK, ""};
     cases++;
     alarm(20);
     largest = 0;
-    tc_status status = tc_pyramid_open(path, NULL, &p, &error);
+    tc_status status = tc_field_open(path, NULL, &p, &error);
     assert_true(status ? !p && error.text[0] && !strchr(error.text, '\n') : p != NULL);
     opened += !status;
-    for (int l = status ? 0 : tc_pyramid_info(p)->levels; l >= 1; l--) {
-        tc_level level = tc_pyramid_level(p, l);
+    for (int l = status ? 0 : tc_field_info(p)->levels; l >= 1; l--) {
+        tc_level level = tc_field_level(p, l);
         tc_rect r = {0, 0, level.width, level.height};
         if (level.width > MOST_WHOLE || level.height > MOST_WHOLE)
             r = (tc_rect){level.width / 3, level.height / 3, tc_min64(level.width, level.width / 3 + PART),
                           tc_min64(level.height, level.height / 3 + PART)};
         float *z = __real_malloc((size_t)tc_rect_area(r) * sizeof *z), low, high;
         uint8_t *v = __real_malloc((size_t)tc_rect_area(r));
-        tc_pyramid_bounds(p, l, r, &low, &high);
+        tc_field_range(p, l, r, &low, &high);
         assert_true(isfinite(low) && isfinite(high) && low <= high);
-        if (tc_pyramid_read(p, l, r, z, v, r.x1 - r.x0) == TC_OK)
+        if (tc_field_read(p, l, r, z, v, r.x1 - r.x0) == TC_OK)
             for (int64_t i = 0; i < tc_rect_area(r); i++)
                 assert_true(isfinite(z[i]) && v[i] <= 1);
         __real_free(z), __real_free(v);
-        tc_pyramid_packed_level(p, l);
+        tc_field_packed_level(p, l);
     }
     assert_true(largest < MOST_PIECE);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     alarm(0);
     return status;
 }

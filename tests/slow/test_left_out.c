@@ -8,10 +8,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/packed/prefetch.h"
-#include "common/shell/explain.h"
-#include "common/shell/plugin.h"
-#include "common/shell/terrain.h"
+#include "common/packed/read/prefetch.h"
+#include "common/app/explain.h"
+#include "common/input/plugin.h"
+#include "common/app/terrain.h"
 #include "tests/support/lean_scenes.h"
 #include "tests/support/made_files.h"
 

@@ -12,10 +12,10 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/core/clipmap/clipmap_internal.h"
-#include "common/shell/flight.h"
-#include "common/shell/flight_path.h"
-#include "common/shell/stats.h"
+#include "common/window/clipmap_internal.h"
+#include "common/view/flight.h"
+#include "common/view/flight_path.h"
+#include "common/app/stats.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
@@ -90,7 +90,7 @@ static long long resident_bytes(void)
 /* ---- Flying ----------------------------------------------------------------------------------------------------- */
 
 static tc_context *context;
-static tc_pyramid *terrain;
+static tc_field *terrain;
 
 static int set_up(void **state)
 {
@@ -102,14 +102,14 @@ static int set_up(void **state)
     assert_non_null(grid.voids);
     for (int64_t i = 0; i < SIZE; i++, grid.void_count++) /* for scenes with holes */
         grid.voids[i * SIZE + i] = 1;
-    assert_int_equal(tc_pyramid_build(&grid, 0, &terrain, NULL), TC_OK);
+    assert_int_equal(tc_field_build(&grid, 0, &terrain, NULL), TC_OK);
     return context ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    tc_pyramid_destroy(terrain);
+    tc_field_destroy(terrain);
     tc_context_destroy(context);
     return 0;
 }
@@ -127,7 +127,7 @@ static tc_camera camera_at(int frame)
                    .fov = 1.3,
                    .width = WIDTH,
                    .height = HEIGHT};
-    tc_pyramid_height(terrain, c.x, c.y, &ground);
+    tc_field_height(terrain, c.x, c.y, &ground);
     c.z = ground + 2 + 3000 * pow(sin(0.23 * t), 4);
     return c;
 }
@@ -172,7 +172,7 @@ static double ground_height(void *unused, double x, double y)
 {
     (void)unused;
     double z = 0;
-    tc_pyramid_height(terrain, x, y, &z);
+    tc_field_height(terrain, x, y, &z);
     return z;
 }
 
@@ -189,9 +189,9 @@ static void flying_allocates_nothing(void **state)
     long long before = calls;
     for (int i = 0; i < 1000; i++) {
         tc_flight_step(&flight, &input, &ground);
-        tc_view view = tc_flight_path_view(&path, i, 1000);
+        tc_pose view = tc_flight_path_view(&path, i, 1000);
         tc_camera c;
-        tc_view_to_camera(&view, &c);
+        tc_pose_to_camera(&view, &c);
     }
     assert_int_equal(calls - before, 0);
     tc_flight_path_free(&path);
@@ -233,15 +233,15 @@ static void items_add_up(void **state)
     (void)state;
     /* The pyramid: a third more than the grid, and two floats for each 16 x 16 samples. */
     long long start = live_bytes;
-    tc_pyramid *own = terrain_pyramid(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 1);
+    tc_field *own = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 1);
     double samples = 0;
-    for (int l = 1; l <= tc_pyramid_info(own)->levels; l++) {
-        tc_level level = tc_pyramid_level(own, l);
+    for (int l = 1; l <= tc_field_info(own)->levels; l++) {
+        tc_level level = tc_field_level(own, l);
         samples += (double)level.width * (double)level.height;
     }
-    double pyramid_bytes = samples * (4 + 8. / 256);
-    assert_about("pyramid", (double)tc_pyramid_bytes(own), pyramid_bytes);
-    assert_about("pyramid, as allocated", (double)(live_bytes - start), pyramid_bytes);
+    double field_bytes = samples * (4 + 8. / 256);
+    assert_about("pyramid", (double)tc_field_bytes(own), field_bytes);
+    assert_about("pyramid, as allocated", (double)(live_bytes - start), field_bytes);
 
     for (int lit = 0; lit < 2; lit++) {
         start = live_bytes;
@@ -260,7 +260,7 @@ static void items_add_up(void **state)
                      2 * window * (8 + lit * 16) + scratch);
         assert_true((double)m.heights >= 2 * window * 8);
         assert_true(lit ? (double)m.normals >= window * 16 : m.normals == 0);
-        assert_true(m.pyramid == tc_pyramid_bytes(own));
+        assert_true(m.field == tc_field_bytes(own));
         assert_true(m.imagery == 0);
         const tc_geometry *g = &s.surface->geometry;
         size_t mesh = 4 * (size_t)g->vertex_count + 2 * (size_t)g->index_count;
@@ -274,7 +274,7 @@ static void items_add_up(void **state)
         scene_destroy(&s);
         assert_int_equal(live_bytes, start);
     }
-    tc_pyramid_destroy(own);
+    tc_field_destroy(own);
 }
 
 int main(void)

@@ -1,5 +1,5 @@
 /* test_pictures.c - what a picture may depend on, and what it must not. */
-#include "common/core/clipmap/view_error.h"
+#include "common/measure/view_error.h"
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -13,20 +13,20 @@
 enum { WIDTH = 320, HEIGHT = 240, SIZE = 998, SPACING = 30 };
 
 static tc_context *context;
-static tc_pyramid *terrain;
+static tc_field *terrain;
 
 static int set_up(void **state)
 {
     (void)state;
     context = scene_context();
-    terrain = terrain_pyramid(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 7);
+    terrain = terrain_field(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 7);
     return context ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    tc_pyramid_destroy(terrain);
+    tc_field_destroy(terrain);
     tc_context_destroy(context);
     return 0;
 }
@@ -41,7 +41,7 @@ static tc_camera random_view(test_random *r)
                    .fov = test_random_range(r, 0.4, 1.9),
                    .width = WIDTH,
                    .height = HEIGHT};
-    tc_pyramid_height(terrain, c.x, c.y, &ground);
+    tc_field_height(terrain, c.x, c.y, &ground);
     c.z = ground + pow(10, test_random_range(r, 0, 4.5));
     return c;
 }
@@ -151,8 +151,8 @@ static void maps_are_not_mirrored(void **state)
         for (int i = 0; i < N; i++)
             g.z[j * N + i] = hypot(i - 200, j - 180) < 20 ? 3000 : 100;
     g.z_min = 100, g.z_max = 3000;
-    tc_pyramid *p;
-    assert_int_equal(tc_pyramid_build(&g, 0, &p, NULL), TC_OK);
+    tc_field *p;
+    assert_int_equal(tc_field_build(&g, 0, &p, NULL), TC_OK);
     tc_scene_options options = {.unlit = true, .background_set = true};
     scene s = scene_create(context, p, 63, &options);
     tc_camera c = {.x = 128 * SPACING,
@@ -176,7 +176,7 @@ static void maps_are_not_mirrored(void **state)
     assert_float_equal(y / count, HEIGHT / 2.0 - (180 - 128) * scale, 2);
     free(rgb);
     scene_destroy(&s);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
 }
 
 /* Pixels and depth of a frame agree with the surface in double: unprojected depth lies on it. */

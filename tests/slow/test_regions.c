@@ -34,17 +34,17 @@ static void check(const char *broken, int move)
 }
 
 /* The terrain packed into a file and opened again; the file's name is gone by then. */
-static tc_pyramid *packed(tc_pyramid *p)
+static tc_field *packed(tc_field *p)
 {
     char path[] = "/tmp/terraclip-regions-XXXXXX";
     int file = mkstemp(path);
     assert_true(file >= 0);
     close(file);
-    int m = tc_pyramid_info(p)->levels;
-    tc_level top = tc_pyramid_level(p, m);
+    int m = tc_field_info(p)->levels;
+    tc_level top = tc_field_level(p, m);
     tc_rect all = {0, 0, top.width, top.height};
     float *z = malloc((size_t)(top.width * top.height) * sizeof *z);
-    assert_int_equal(tc_pyramid_read(p, m, all, z, NULL, top.width), TC_OK);
+    assert_int_equal(tc_field_read(p, m, all, z, NULL, top.width), TC_OK);
     tc_pack_terrain about = {.width = top.width,
                              .height = top.height,
                              .spacing_x = top.spacing_x,
@@ -58,16 +58,16 @@ static tc_pyramid *packed(tc_pyramid *p)
     assert_int_equal(tc_packer_put(packer, all, z, NULL, top.width, NULL), TC_OK);
     assert_int_equal(tc_packer_finish(packer, &result, NULL), TC_OK);
     tc_packer_destroy(packer);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     free(z);
-    assert_int_equal(tc_pyramid_open(path, NULL, &p, NULL), TC_OK);
+    assert_int_equal(tc_field_open(path, NULL, &p, NULL), TC_OK);
     unlink(path);
     return p;
 }
 
 static int64_t run(const tour *t, uint64_t seed)
 {
-    tc_pyramid *p = terrain_pyramid(t->kind, t->width, t->height, 30, seed);
+    tc_field *p = terrain_field(t->kind, t->width, t->height, 30, seed);
     if (t->packed)
         p = packed(p);
     tc_clipmap *c;
@@ -97,7 +97,7 @@ static int64_t run(const tour *t, uint64_t seed)
     for (int level = 1; level <= tc_clipmap_levels(c); level++)
         check(content_broken(c, level, 0, 1), t->moves);
     tc_clipmap_destroy(c);
-    tc_pyramid_destroy(p);
+    tc_field_destroy(p);
     return samples;
 }
 

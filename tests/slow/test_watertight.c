@@ -25,7 +25,7 @@ typedef struct totals {
 /* What is left open, for the test to find. */
 typedef enum fault { SOUND, NO_CLOSERS, NO_STITCH } fault;
 
-static void run(const tc_context *context, const tc_pyramid *p, int n, int views, bool lagging, fault f, uint64_t seed,
+static void run(const tc_context *context, const tc_field *p, int n, int views, bool lagging, fault f, uint64_t seed,
                 totals *t)
 {
     tc_scene_options options = watertight_options();
@@ -65,14 +65,14 @@ static void run(const tc_context *context, const tc_pyramid *p, int n, int views
 }
 
 static tc_context *context;
-static tc_pyramid *terrain[TERRAINS];
+static tc_field *terrain[TERRAINS];
 
 static int set_up(void **state)
 {
     (void)state;
     context = scene_context();
     for (int k = 0; k < TERRAINS; k++)
-        terrain[k] = terrain_pyramid(made[k].kind, made[k].width, made[k].height, SPACING, 7);
+        terrain[k] = terrain_field(made[k].kind, made[k].width, made[k].height, SPACING, 7);
     return context ? 0 : -1;
 }
 
@@ -80,7 +80,7 @@ static int tear_down(void **state)
 {
     (void)state;
     for (int k = 0; k < TERRAINS; k++)
-        tc_pyramid_destroy(terrain[k]);
+        tc_field_destroy(terrain[k]);
     tc_context_destroy(context);
     return 0;
 }

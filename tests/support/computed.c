@@ -5,13 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/pyramid/pyramid.h"
+#include "common/field/field.h"
 
 enum { WAVES = 8 };
 static const int64_t lengths[WAVES] = {41, 523, 7919, 104729, 1299709, 15485863, 179424673, 2038074743};
 
 typedef struct computed {
-    tc_pyramid head;
+    tc_field head;
     double amplitude[WAVES]; /* metres */
     _Atomic int64_t reads;
 } computed;
@@ -28,16 +28,16 @@ static double height_at(const computed *c, int64_t x, int64_t y)
     return z;
 }
 
-float computed_height(const tc_pyramid *pyramid, int64_t x, int64_t y)
+float computed_height(const tc_field *field, int64_t x, int64_t y)
 {
-    return (float)height_at((const computed *)pyramid, x, y);
+    return (float)height_at((const computed *)field, x, y);
 }
 
-static tc_status read_samples(const tc_pyramid *pyramid, int level, tc_rect rect, float *z, uint8_t *voids,
+static tc_status read_samples(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids,
                               ptrdiff_t stride)
 {
-    computed *c = (computed *)pyramid;
-    int shift = pyramid->info.levels - level;
+    computed *c = (computed *)field;
+    int shift = field->info.levels - level;
     for (int64_t j = rect.y0; j < rect.y1; j++) {
         for (int64_t i = rect.x0; i < rect.x1; i++)
             z[(j - rect.y0) * stride + i - rect.x0] = (float)height_at(c, i << shift, j << shift);
@@ -48,31 +48,31 @@ static tc_status read_samples(const tc_pyramid *pyramid, int level, tc_rect rect
     return TC_OK;
 }
 
-static void bounds(const tc_pyramid *pyramid, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
+static void bounds(const tc_field *field, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
 {
     (void)level, (void)rect;
-    *z_min_ret = pyramid->info.z_min, *z_max_ret = pyramid->info.z_max;
+    *z_min_ret = field->info.z_min, *z_max_ret = field->info.z_max;
 }
 
-static size_t bytes(const tc_pyramid *pyramid)
+static size_t bytes(const tc_field *field)
 {
-    (void)pyramid;
+    (void)field;
     return sizeof(computed);
 }
 
-static void destroy(tc_pyramid *pyramid)
+static void destroy(tc_field *field)
 {
-    free(pyramid);
+    free(field);
 }
 
-tc_pyramid *computed_pyramid(int64_t width, int64_t height, double spacing, double highest)
+tc_field *computed_field(int64_t width, int64_t height, double spacing, double highest)
 {
-    static const tc_pyramid_class class = {.read = read_samples, .bounds = bounds, .bytes = bytes, .destroy = destroy};
+    static const tc_field_class class = {.read = read_samples, .bounds = bounds, .bytes = bytes, .destroy = destroy};
     computed *c = calloc(1, sizeof *c);
     if (!c)
         exit(99);
     c->head.class = &class;
-    tc_pyramid_set_levels(&c->head, (tc_level){width, height, spacing, spacing});
+    tc_field_set_levels(&c->head, (tc_level){width, height, spacing, spacing});
     for (int k = 0; k < WAVES; k++) {
         c->amplitude[k] = fmin(0.02 * (double)lengths[k], highest) * spacing;
         c->head.info.z_max += (float)c->amplitude[k] * (1 + 1e-6f);
@@ -80,7 +80,7 @@ tc_pyramid *computed_pyramid(int64_t width, int64_t height, double spacing, doub
     return &c->head;
 }
 
-int64_t computed_reads(const tc_pyramid *pyramid)
+int64_t computed_reads(const tc_field *field)
 {
-    return ((const computed *)pyramid)->reads;
+    return ((const computed *)field)->reads;
 }

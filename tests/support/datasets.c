@@ -8,8 +8,8 @@
 #include <strings.h>
 #include <unistd.h>
 
-#include "common/core/base/rect.h"
-#include "common/shell/source.h"
+#include "common/base/rect.h"
+#include "common/input/source.h"
 #include "terrains.h"
 
 /* Pictures of heights do not say how far apart their samples are. */

@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/clipmap/camera.h"
-#include "common/core/clipmap/view_error.h"
+#include "common/base/rect.h"
+#include "common/view/camera.h"
+#include "common/measure/view_error.h"
 #include "feedback.h"
 #include "planar/square_internal.h"
 #include "watertight.h"
@@ -152,8 +152,8 @@ static void vertex(const tc_clipmap *clipmap, const tc_camera *camera, const squ
                    const square_morph *morph, int level, int64_t i, int64_t j, long double p[3])
 {
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-    const tc_pyramid *pyramid = tc_clipmap_pyramid(clipmap);
-    tc_level finest = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    const tc_field *field = tc_clipmap_field(clipmap);
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     int64_t mask = tc_clipmap_n(clipmap), x = tc_min64(i << l->shift, l->edge_x),
             y = tc_min64(j << l->shift, l->edge_y);
     const float *z = tc_clipmap_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
@@ -161,7 +161,7 @@ static void vertex(const tc_clipmap *clipmap, const tc_camera *camera, const squ
     double a = tc_square_alpha(morph, (double)(x - viewer->snap_x) / cell, (double)(y - viewer->snap_y) / cell);
     p[0] = (long double)x * finest.spacing_x - camera->x;
     p[1] = (long double)y * finest.spacing_y - camera->y;
-    p[2] = (1 - a) * z[0] + a * z[1] + (long double)tc_pyramid_info(pyramid)->z_base - camera->z;
+    p[2] = (1 - a) * z[0] + a * z[1] + (long double)tc_field_info(field)->z_base - camera->z;
 }
 
 /* How many pixels the driver's clip coordinates are off p; negative: not within the frame. */

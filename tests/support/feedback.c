@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/shell/program.h"
+#include "common/gl/program.h"
 
 static void complain(const char *log)
 {

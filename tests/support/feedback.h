@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-#include "common/shell/gl.h"
+#include "common/gl/gl.h"
 
 /* A program of a vertex stage alone: the shader files `parts` (NULL-terminated) and then the text `own`; `varyings`,
  * NULL-terminated, are captured one after the other. Ends the program with the compiler's complaint on failure. */

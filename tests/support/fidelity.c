@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/parallel.h"
-#include "common/core/base/rect.h"
+#include "common/base/parallel.h"
+#include "common/base/rect.h"
 #include "ray_cast.h"
 
 static void *must_have(size_t bytes)
@@ -47,14 +47,14 @@ struct caster {
 caster *caster_create(const measured *m)
 {
     caster *c = must_have(sizeof *c);
-    const tc_pyramid *pyramid = m->round ? m->planet.atlas.chart[0].pyramid : m->pyramid;
+    const tc_field *field = m->round ? m->planet.atlas.chart[0].field : m->field;
     c->m = m;
-    c->palette = tc_palette_make(tc_pyramid_info(pyramid));
-    c->z_base = tc_pyramid_info(pyramid)->z_base;
+    c->palette = tc_palette_make(tc_field_info(field));
+    c->z_base = tc_field_info(field)->z_base;
     if (m->round)
         c->globe = ray_globe_create(&m->planet.atlas);
     else
-        c->flat = ray_flat_create(m->pyramid);
+        c->flat = ray_flat_create(m->field);
     return c;
 }
 

@@ -2,7 +2,7 @@
 #ifndef FIDELITY_H
 #define FIDELITY_H
 
-#include "common/shell/palette.h"
+#include "common/render/palette.h"
 #include "measured.h"
 
 /* The colour of ground at metres above z_base, unlit: what renderer.frag shows, 8-bit levels without rounding. */

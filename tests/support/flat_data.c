@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/shell/source.h"
+#include "common/input/source.h"
 #include "terrains.h"
 
 /* Samples of a file; 0 where it cannot be opened, which dataset_load() tells. */

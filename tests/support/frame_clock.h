@@ -2,7 +2,7 @@
 #ifndef FRAME_CLOCK_H
 #define FRAME_CLOCK_H
 
-#include "common/shell/context.h"
+#include "common/gl/context.h"
 #include "measure.h"
 
 typedef struct frame_clock {

@@ -3,7 +3,7 @@
 #ifndef GL_RECORD_H
 #define GL_RECORD_H
 
-#include "common/shell/gl.h"
+#include "common/gl/gl.h"
 
 enum { GL_RECORD_OBJECTS = 64 };
 

@@ -10,8 +10,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/core/clipmap/view_error.h"
+#include "common/view/camera.h"
+#include "common/measure/view_error.h"
 #include "spherical/rings_internal.h"
 
 static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)

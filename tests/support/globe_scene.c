@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/base/status.h"
+#include "common/base/status.h"
 #include "planet_scene.h"
 
 static void must(tc_status status, const tc_error *error)

@@ -2,8 +2,8 @@
 #ifndef GLOBE_SCENE_H
 #define GLOBE_SCENE_H
 
-#include "common/core/atlas/atlas.h"
-#include "common/shell/renderer.h"
+#include "common/map/atlas.h"
+#include "common/render/renderer.h"
 #include "scene.h"
 #include "spherical/rings.h"
 

@@ -77,15 +77,15 @@ static void pierce(tc_grid *g)
         }
 }
 
-static tc_pyramid *build(tc_grid *g)
+static tc_field *build(tc_grid *g)
 {
-    tc_pyramid *p;
+    tc_field *p;
     tc_error error;
-    must(tc_pyramid_build(g, 0, &p, &error), &error);
+    must(tc_field_build(g, 0, &p, &error), &error);
     return p;
 }
 
-static tc_pyramid *packed(void)
+static tc_field *packed(void)
 {
     tc_grid g = terrain_grid(TERRAIN_DEFAULT, SIZE, SIZE, 30, 4);
     const tc_pack_terrain about = {
@@ -95,13 +95,13 @@ static tc_pyramid *packed(void)
     tc_packer *packer;
     tc_pack_result result;
     tc_error error;
-    tc_pyramid *p;
+    tc_field *p;
     must(tc_packer_create(path, &about, &how, &packer, &error), &error);
     must(tc_packer_put(packer, (tc_rect){0, 0, SIZE, SIZE}, g.z, NULL, SIZE, &error), &error);
     must(tc_packer_finish(packer, &result, &error), &error);
     tc_packer_destroy(packer);
     tc_grid_free(&g);
-    must(tc_pyramid_open(path, NULL, &p, &error), &error);
+    must(tc_field_open(path, NULL, &p, &error), &error);
     return p;
 }
 
@@ -143,7 +143,7 @@ static tc_atlas make(lean_ground ground)
 {
     if (lean_sphere(ground))
         return globe(ground == LEAN_MOON ? 1737400 : 6371000, ground == LEAN_EARTH_VOIDS);
-    tc_pyramid *p;
+    tc_field *p;
     if (ground == LEAN_PACKED) {
         p = packed();
     } else {
@@ -154,7 +154,7 @@ static tc_atlas make(lean_ground ground)
             pierce(&g);
         p = build(&g);
     }
-    return (tc_atlas){.charts = 1, .chart = {{.pyramid = p}}};
+    return (tc_atlas){.charts = 1, .chart = {{.field = p}}};
 }
 
 const tc_atlas *lean_atlas(lean_ground ground)
@@ -172,7 +172,7 @@ void lean_free_all(void)
         if (lean_sphere((lean_ground)i))
             tc_atlas_free(&grounds[i].atlas);
         else
-            tc_pyramid_destroy(grounds[i].atlas.chart[0].pyramid);
+            tc_field_destroy(grounds[i].atlas.chart[0].field);
         grounds[i].made = false;
     }
     made_folder_remove();
@@ -183,7 +183,7 @@ void lean_free_all(void)
 tc_camera lean_camera(const lean_scene *s, int width, int height)
 {
     const tc_atlas *atlas = lean_atlas(s->ground);
-    const tc_pyramid *p = atlas->chart[0].pyramid;
+    const tc_field *p = atlas->chart[0].field;
     tc_camera c = {.heading = s->heading * DEGREE,
                    .pitch = s->pitch * DEGREE,
                    .fov = 75 * DEGREE,
@@ -194,21 +194,21 @@ tc_camera lean_camera(const lean_scene *s, int width, int height)
         c.x = s->x * DEGREE, c.y = s->y * DEGREE;
         tc_atlas_height(atlas, c.x, c.y, &ground);
     } else {
-        const tc_level finest = tc_pyramid_level(p, tc_pyramid_info(p)->levels);
+        const tc_level finest = tc_field_level(p, tc_field_info(p)->levels);
         c.x = s->x * (double)(finest.width - 1) * finest.spacing_x;
         c.y = s->y * (double)(finest.height - 1) * finest.spacing_y;
-        tc_pyramid_height(p, c.x, c.y, &ground);
+        tc_field_height(p, c.x, c.y, &ground);
     }
-    c.z = ground + tc_pyramid_info(p)->z_base + s->above;
+    c.z = ground + tc_field_info(p)->z_base + s->above;
     return c;
 }
 
 scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *options, const tc_scene_needs *needs)
 {
     const tc_atlas *atlas = lean_atlas(s->ground);
-    const tc_pyramid *pyramid = atlas->chart[0].pyramid;
+    const tc_field *field = atlas->chart[0].field;
     bool sphere = lean_sphere(s->ground);
-    const tc_scene_needs own = tc_scene_needs_of(options, tc_pyramid_info(pyramid), sphere);
+    const tc_scene_needs own = tc_scene_needs_of(options, tc_field_info(field), sphere);
     needs = needs ? needs : &own;
     tc_surface *surface;
     tc_error error;
@@ -218,10 +218,10 @@ scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *
     } else {
         const tc_clipmap_options clip = {.n = N, .normals = needs->light, .holes = needs->holes};
         tc_clipmap *clipmap;
-        must(tc_clipmap_create(pyramid, &clip, &clipmap, &error), &error);
+        must(tc_clipmap_create(field, &clip, &clipmap, &error), &error);
         must(tc_square_create(clipmap, &surface, &error), &error);
     }
-    scene made = {.pyramid = pyramid, .clipmap = surface->clipmap[0], .surface = surface};
+    scene made = {.field = field, .clipmap = surface->clipmap[0], .surface = surface};
     must(tc_renderer_create(gl, surface, options, &made.renderer, &error), &error);
     return made;
 }

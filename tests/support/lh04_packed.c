@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 
 enum { TRAINING_TILES = 24 };
 

@@ -2,7 +2,7 @@
 #ifndef LOADING_H
 #define LOADING_H
 
-#include "common/shell/source.h"
+#include "common/input/source.h"
 #include "made_files.h"
 
 /* What a file's opening said. */

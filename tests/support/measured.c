@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/shell/planet_place.h"
+#include "common/map/planet_place.h"
 
 #define DEGREE (M_PI / 180)
 enum { MOST_FLAT = 1, MOST_ROUND = 1, DEFAULT_PLANET = 2048 };
@@ -50,7 +50,7 @@ void measured_close(measured *m)
     if (m->round)
         tc_planet_close(&m->planet);
     else
-        tc_pyramid_destroy(m->pyramid);
+        tc_field_destroy(m->field);
 }
 
 measured measured_default_planet(void)
@@ -85,7 +85,7 @@ void measured_all(bool quick, void (*measure)(void *context, const measured *m),
         if (globe)
             tc_grid_free(&grid), open_globe(&list[i], &m);
         else
-            must(tc_pyramid_build(&grid, 0, &m.pyramid, &error), &error);
+            must(tc_field_build(&grid, 0, &m.field, &error), &error);
         round += globe, flat += !globe && !ours;
         measure(context, &m);
         measured_close(&m);
@@ -96,7 +96,7 @@ void measured_all(bool quick, void (*measure)(void *context, const measured *m),
 
 static tc_level finest_of(const measured *m)
 {
-    return tc_pyramid_level(m->pyramid, tc_pyramid_info(m->pyramid)->levels);
+    return tc_field_level(m->field, tc_field_info(m->field)->levels);
 }
 
 double measured_height(const measured *m, int height)
@@ -122,16 +122,16 @@ void measured_scene_name(const measured *m, int height, char *text, size_t size)
     snprintf(text, size, "%s-%g%s", m->name, metres >= 1000 ? metres / 1000 : metres, metres >= 1000 ? "km" : "m");
 }
 
-static tc_status flat_height(void *pyramid, double x, double y, double *z_ret)
+static tc_status flat_height(void *field, double x, double y, double *z_ret)
 {
-    tc_status status = tc_pyramid_height(pyramid, x, y, z_ret);
-    *z_ret += tc_pyramid_info(pyramid)->z_base;
+    tc_status status = tc_field_height(field, x, y, z_ret);
+    *z_ret += tc_field_info(field)->z_base;
     return status;
 }
 
 tc_truth measured_truth(const measured *m)
 {
-    return m->round ? (tc_truth){planet_atlas_height, (void *)&m->planet.atlas} : (tc_truth){flat_height, m->pyramid};
+    return m->round ? (tc_truth){planet_atlas_height, (void *)&m->planet.atlas} : (tc_truth){flat_height, m->field};
 }
 
 double measured_radius(const measured *m)
@@ -169,7 +169,7 @@ scene measured_scene(const tc_context *context, const measured *m, int n, const 
     tc_scene_options o = *options;
     o.unlit = true, o.background_set = true, o.budget = -1;
     if (!m->round)
-        return scene_create(context, m->pyramid, n, &o);
+        return scene_create(context, m->field, n, &o);
     tc_rings_options r = *rings;
     r.n_phi = n;
     return planet_scene(context, &m->planet.atlas, &r, &o);

@@ -2,16 +2,16 @@
 #ifndef MEASURED_H
 #define MEASURED_H
 
-#include "common/core/clipmap/view_error.h"
-#include "common/shell/planet.h"
+#include "common/measure/view_error.h"
+#include "common/app/planet.h"
 #include "datasets.h"
 #include "planet_scene.h"
 
 typedef struct measured {
     char name[64]; /* file name; "default", "default-planet" */
     bool round;
-    tc_pyramid *pyramid; /* flat */
-    tc_planet planet;    /* round */
+    tc_field *field;  /* flat */
+    tc_planet planet; /* round */
 } measured;
 
 /* Calls measure with the default terrain, the default planet and what TERRACLIP_DATA holds: whole globes as planets,

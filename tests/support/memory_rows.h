@@ -2,7 +2,7 @@
 #ifndef MEMORY_ROWS_H
 #define MEMORY_ROWS_H
 
-#include "common/core/pyramid/fill_rows.h"
+#include "common/field/fill_rows.h"
 
 typedef struct row_store row_store;
 

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/parallel.h"
-#include "common/core/base/rect.h"
+#include "common/base/parallel.h"
+#include "common/base/rect.h"
 #include "terrain_files.h"
 
 enum { COARSEST = 16 };

@@ -2,8 +2,8 @@
 #ifndef PACKED_H
 #define PACKED_H
 
-#include "common/core/codec/codec.h"
-#include "common/core/codec/codec_lh04.h"
+#include "common/codec/lifting/codec.h"
+#include "common/codec/lh04/codec_lh04.h"
 #include "terrains.h"
 
 enum { PACKED_LEVELS = 32 };

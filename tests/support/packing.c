@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/pyramid/fill.h"
+#include "common/base/rect.h"
+#include "common/field/fill.h"
 #include "terrains.h"
 
 static void *get(size_t bytes)
@@ -124,7 +124,7 @@ void packing_fill(float *z, uint8_t *voids, int64_t width, int64_t height, bool 
     free(y), free(v);
 }
 
-tc_pyramid *packing_truth(const packing *p)
+tc_field *packing_truth(const packing *p)
 {
     tc_grid g = {.width = p->width, .height = p->height, .spacing_x = 10, .spacing_y = 12, .wraps_x = p->wraps};
     g.z = packing_heights(p, &g.voids);
@@ -136,22 +136,22 @@ tc_pyramid *packing_truth(const packing *p)
     }
     if (g.void_count == 0)
         free(g.voids), g.voids = NULL;
-    tc_pyramid *pyramid;
+    tc_field *field;
     if (g.void_count)
         packing_fill(g.z, g.voids, g.width, g.height, p->wraps);
-    if (tc_pyramid_build(&g, 1, &pyramid, NULL))
+    if (tc_field_build(&g, 1, &field, NULL))
         puts("packing: no truth"), exit(99);
-    return pyramid;
+    return field;
 }
 
-float *packing_read(const tc_pyramid *pyramid, int level, uint8_t **voids_ret)
+float *packing_read(const tc_field *field, int level, uint8_t **voids_ret)
 {
-    tc_level size = tc_pyramid_level(pyramid, level);
+    tc_level size = tc_field_level(field, level);
     size_t samples = (size_t)(size.width * size.height);
     float *z = get(samples * sizeof *z);
     uint8_t *voids = get(samples);
     tc_rect all = {0, 0, size.width, size.height};
-    if (tc_pyramid_read(pyramid, level, all, z, voids, size.width)) {
+    if (tc_field_read(field, level, all, z, voids, size.width)) {
         free(z), free(voids);
         z = NULL, voids = NULL;
     }

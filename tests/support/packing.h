@@ -2,7 +2,7 @@
 #ifndef PACKING_H
 #define PACKING_H
 
-#include "common/core/packed/packed_file.h"
+#include "common/packed/file/packed_file.h"
 
 typedef enum packing_kind {
     PACKING_HILLS,    /* hills with some noise */
@@ -50,10 +50,10 @@ tc_status packing_write(const packing *p, const char *path, tc_pack_result *resu
 void packing_fill(float *z, uint8_t *voids, int64_t width, int64_t height, bool wraps);
 
 /* The true pyramid: of the same heights, with voids filled. */
-tc_pyramid *packing_truth(const packing *p);
+tc_field *packing_truth(const packing *p);
 
 /* A level read whole; the caller's to free. NULL where it cannot be read. */
-float *packing_read(const tc_pyramid *pyramid, int level, uint8_t **voids_ret);
+float *packing_read(const tc_field *field, int level, uint8_t **voids_ret);
 
 /* Errors of a level against the true one, over samples that are not void. */
 void packing_error(const float *z, const float *truth, const uint8_t *voids, int64_t count, double *rms_ret,

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/core/base/rect.h"
-#include "common/core/clipmap/camera.h"
+#include "common/base/rect.h"
+#include "common/view/camera.h"
 #include "planar/square_internal.h"
 
 void plain_create(const tc_gl *gl, int width, int height, plain_mesh *m, const float (*positions)[3], size_t count,
@@ -105,7 +105,7 @@ enum { B = 128, STRIDE = B + 1 }; /* cells of a tile along a side */
 typedef struct lattice {
     int64_t columns, rows;
     void (*positions)(const struct lattice *l, tc_rect rect, float (*out)[3]);
-    const tc_pyramid *pyramid;
+    const tc_field *field;
     const tc_atlas *atlas;
     const tc_camera *camera;
 } lattice;
@@ -151,11 +151,11 @@ static void build(const tc_gl *gl, const lattice *l, plain_mesh *m)
 static void flat_positions(const lattice *l, tc_rect r, float (*out)[3])
 {
     float z[STRIDE * STRIDE];
-    int finest = tc_pyramid_info(l->pyramid)->levels;
-    tc_level level = tc_pyramid_level(l->pyramid, finest);
-    if (tc_pyramid_read(l->pyramid, finest, r, z, NULL, STRIDE))
+    int finest = tc_field_info(l->field)->levels;
+    tc_level level = tc_field_level(l->field, finest);
+    if (tc_field_read(l->field, finest, r, z, NULL, STRIDE))
         exit(99);
-    double eye = l->camera->z - tc_pyramid_info(l->pyramid)->z_base;
+    double eye = l->camera->z - tc_field_info(l->field)->z_base;
     for (int64_t y = r.y0; y < r.y1; y++)
         for (int64_t x = r.x0; x < r.x1; x++) {
             int64_t k = (y - r.y0) * STRIDE + x - r.x0;
@@ -165,16 +165,16 @@ static void flat_positions(const lattice *l, tc_rect r, float (*out)[3])
         }
 }
 
-bool plain_brute_flat(const tc_gl *gl, const tc_pyramid *pyramid, const tc_camera *camera, plain_mesh *m)
+bool plain_brute_flat(const tc_gl *gl, const tc_field *field, const tc_camera *camera, plain_mesh *m)
 {
-    tc_level level = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    tc_level level = tc_field_level(field, tc_field_info(field)->levels);
     if (!fits(level.width, level.height))
         return false;
     build(gl,
           &(lattice){.columns = level.width,
                      .rows = level.height,
                      .positions = flat_positions,
-                     .pyramid = pyramid,
+                     .field = field,
                      .camera = camera},
           m);
     return true;
@@ -196,16 +196,16 @@ static void globe_positions(const lattice *l, tc_rect r, float (*out)[3])
     const tc_atlas *a = l->atlas;
     const tc_chart *c = &a->chart[0];
     const tc_camera *eye = l->camera;
-    int finest = tc_pyramid_info(c->pyramid)->levels;
-    tc_level level = tc_pyramid_level(c->pyramid, finest);
+    int finest = tc_field_info(c->field)->levels;
+    tc_level level = tc_field_level(c->field, finest);
     bool poles = a->charts > 1;
-    double base = tc_pyramid_info(c->pyramid)->z_base, se = sin(eye->y), ce = cos(eye->y);
+    double base = tc_field_info(c->field)->z_base, se = sin(eye->y), ce = cos(eye->y);
     float z[STRIDE];
     for (int64_t y = r.y0; y < r.y1; y++) {
         int64_t row = tc_clamp64(y - poles, 0, level.height - 1);
         bool pole = poles && row != y - 1;
         double latitude = pole ? (y ? M_PI / 2 : -M_PI / 2) : c->y0 + (double)row * c->dy;
-        if (tc_pyramid_read(c->pyramid, finest, (tc_rect){r.x0, row, r.x1, row + 1}, z, NULL, STRIDE))
+        if (tc_field_read(c->field, finest, (tc_rect){r.x0, row, r.x1, row + 1}, z, NULL, STRIDE))
             exit(99);
         for (int64_t x = r.x0; x < r.x1; x++) {
             double longitude = c->x0 + (double)x * c->dx, turn = longitude - eye->x;
@@ -222,7 +222,7 @@ static void globe_positions(const lattice *l, tc_rect r, float (*out)[3])
 bool plain_brute_globe(const tc_gl *gl, const tc_atlas *atlas, const tc_camera *camera, plain_mesh *m)
 {
     const tc_chart *c = &atlas->chart[0];
-    tc_level level = tc_pyramid_level(c->pyramid, tc_pyramid_info(c->pyramid)->levels);
+    tc_level level = tc_field_level(c->field, tc_field_info(c->field)->levels);
     int64_t columns = level.width + c->wraps, rows = level.height + 2 * (atlas->charts > 1);
     if (!fits(columns, rows))
         return false;

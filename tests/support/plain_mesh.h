@@ -5,9 +5,9 @@
 #ifndef PLAIN_MESH_H
 #define PLAIN_MESH_H
 
-#include "common/core/atlas/atlas.h"
-#include "common/core/clipmap/surface.h"
-#include "common/shell/gl.h"
+#include "common/map/atlas.h"
+#include "common/render/surface.h"
+#include "common/gl/gl.h"
 
 typedef struct plain_mesh {
     GLuint program, vao, vertices, indices, draws, framebuffer, renderbuffers[2];
@@ -32,7 +32,7 @@ float *plain_depth(const tc_gl *gl, const plain_mesh *m);
 #define PLAIN_MOST_SAMPLES ((int64_t)48 << 20)
 
 /* For this camera. False, saying so on stdout, where there are more. */
-bool plain_brute_flat(const tc_gl *gl, const tc_pyramid *pyramid, const tc_camera *camera, plain_mesh *m);
+bool plain_brute_flat(const tc_gl *gl, const tc_field *field, const tc_camera *camera, plain_mesh *m);
 bool plain_brute_globe(const tc_gl *gl, const tc_atlas *atlas, const tc_camera *camera, plain_mesh *m);
 
 #endif

@@ -124,7 +124,7 @@ tc_status planet_atlas_height(void *atlas, double longitude, double latitude, do
 {
     const tc_atlas *a = atlas;
     tc_status status = tc_atlas_height(a, longitude, latitude, z_ret);
-    *z_ret += tc_pyramid_info(a->chart[0].pyramid)->z_base;
+    *z_ret += tc_field_info(a->chart[0].field)->z_base;
     return status;
 }
 
@@ -133,7 +133,7 @@ tc_status planet_atlas_height(void *atlas, double longitude, double latitude, do
 tc_surface *planet_rings(const tc_atlas *atlas, const tc_rings_options *rings, const tc_scene_options *options)
 {
     tc_rings_options o = *rings;
-    const tc_scene_needs needs = tc_scene_needs_of(options, tc_pyramid_info(atlas->chart[0].pyramid), true);
+    const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(atlas->chart[0].field), true);
     o.normals = needs.light, o.holes = needs.holes;
     tc_surface *surface;
     tc_error error;
@@ -144,7 +144,7 @@ tc_surface *planet_rings(const tc_atlas *atlas, const tc_rings_options *rings, c
 scene planet_scene_of(const tc_context *context, const tc_atlas *atlas, tc_surface *surface,
                       const tc_scene_options *options)
 {
-    scene s = {.pyramid = atlas->chart[0].pyramid, .clipmap = surface->clipmap[0], .surface = surface};
+    scene s = {.field = atlas->chart[0].field, .clipmap = surface->clipmap[0], .surface = surface};
     tc_error error;
     must(tc_renderer_create(tc_context_gl(context), surface, options, &s.renderer, &error), &error);
     return s;

@@ -2,13 +2,13 @@
 #ifndef RAY_CAST_H
 #define RAY_CAST_H
 
-#include "common/core/atlas/atlas.h"
+#include "common/map/atlas.h"
 #include "common/terraclip.h"
 
-/* The mesh of tc_pyramid_height(): every triangle that a ray passes over is met exactly, large blocks of cells that it
+/* The mesh of tc_field_height(): every triangle that a ray passes over is met exactly, large blocks of cells that it
  * passes above are left out by the maximum of their heights. Ends the program when there is no memory. */
 typedef struct ray_flat ray_flat;
-ray_flat *ray_flat_create(const tc_pyramid *pyramid);
+ray_flat *ray_flat_create(const tc_field *field);
 void ray_flat_destroy(ray_flat *f);
 
 /* Distance from the eye, metres, of the first point along direction d, of length 1 (tc_view_ray()), where a ray passes

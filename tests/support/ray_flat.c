@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/base/mesh.h"
-#include "common/core/base/rect.h"
+#include "common/base/mesh.h"
+#include "common/base/rect.h"
 #include "ray_cast.h"
 
 enum { SMALLEST = 2, LEVELS = 32 }; /* blocks of 4 x 4 cells and larger; below cells are looked at one by one */
@@ -61,18 +61,18 @@ static void make_maxima(ray_flat *f)
     }
 }
 
-ray_flat *ray_flat_create(const tc_pyramid *pyramid)
+ray_flat *ray_flat_create(const tc_field *field)
 {
-    int finest = tc_pyramid_info(pyramid)->levels;
-    tc_level l = tc_pyramid_level(pyramid, finest);
+    int finest = tc_field_info(field)->levels;
+    tc_level l = tc_field_level(field, finest);
     ray_flat *f = must_have(sizeof *f);
     *f = (ray_flat){.width = l.width,
                     .height = l.height,
                     .spacing_x = l.spacing_x,
                     .spacing_y = l.spacing_y,
-                    .z_base = tc_pyramid_info(pyramid)->z_base};
+                    .z_base = tc_field_info(field)->z_base};
     f->z = must_have((size_t)(l.width * l.height) * sizeof *f->z);
-    if (tc_pyramid_read(pyramid, finest, (tc_rect){0, 0, l.width, l.height}, f->z, NULL, l.width))
+    if (tc_field_read(field, finest, (tc_rect){0, 0, l.width, l.height}, f->z, NULL, l.width))
         exit(1);
     make_maxima(f);
     return f;

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/core/base/rect.h"
+#include "common/base/rect.h"
 
 static bool eroded_contains(tc_rect coarse, tc_rect extent, int64_t distance, tc_rect fine)
 {
@@ -40,7 +40,7 @@ const char *regions_broken(const tc_clipmap *clipmap)
         if (!tc_rect_within(v->active, v->clip))
             return "constraint 2: active region outside the clip region";
         if (l == 1) {
-            tc_level size = tc_pyramid_level(tc_clipmap_pyramid(clipmap), tc_clipmap_pyramid_level(clipmap, 1));
+            tc_level size = tc_field_level(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, 1));
             bool around = goes_round(v) && v->active.x1 - v->active.x0 > size.width && v->active.y0 == v->extent.y0 &&
                           v->active.y1 == v->extent.y1;
             if (!around && !tc_rect_equal(v->active, v->extent))
@@ -60,11 +60,11 @@ const char *regions_broken(const tc_clipmap *clipmap)
 }
 
 /* Height of level `pl` at vertex (i, j): the sample, or on the terrain's edge the line through the last two. */
-static double sample(const tc_pyramid *p, int pl, int64_t i, int64_t j, bool straight)
+static double sample(const tc_field *p, int pl, int64_t i, int64_t j, bool straight)
 {
-    tc_level size = tc_pyramid_level(p, pl);
-    int m = tc_pyramid_info(p)->levels;
-    tc_level top = tc_pyramid_level(p, m);
+    tc_level size = tc_field_level(p, pl);
+    int m = tc_field_info(p)->levels;
+    tc_level top = tc_field_level(p, m);
     double g = ldexp(1, m - pl);
     double u = straight ? (double)i : fmin((double)i, (double)(top.width - 1) / g);
     double v = straight ? (double)j : fmin((double)j, (double)(top.height - 1) / g);
@@ -72,7 +72,7 @@ static double sample(const tc_pyramid *p, int pl, int64_t i, int64_t j, bool str
             b = tc_clamp64((int64_t)floor(v), 0, tc_max64(0, size.height - 2));
     float z[4];
     tc_rect r = {a, b, tc_min64(a + 2, size.width), tc_min64(b + 2, size.height)};
-    if (tc_pyramid_read(p, pl, r, z, NULL, 2))
+    if (tc_field_read(p, pl, r, z, NULL, 2))
         return NAN;
     if (size.width < 2)
         z[1] = z[0], z[3] = z[2];
@@ -84,10 +84,10 @@ static double sample(const tc_pyramid *p, int pl, int64_t i, int64_t j, bool str
 }
 
 /* The coarser mesh below vertex (i, j) of level pl, straight from the geometry: the triangle that holds it. */
-static double coarse_mesh(const tc_pyramid *p, int pl, int64_t i, int64_t j)
+static double coarse_mesh(const tc_field *p, int pl, int64_t i, int64_t j)
 {
-    int m = tc_pyramid_info(p)->levels;
-    tc_level top = tc_pyramid_level(p, m);
+    int m = tc_field_info(p)->levels;
+    tc_level top = tc_field_level(p, m);
     double g = ldexp(1, m - pl), ex = (double)(top.width - 1), ey = (double)(top.height - 1);
     double x = fmin((double)i * g, ex), y = fmin((double)j * g, ey);
     int64_t a = i >> 1, b = j >> 1;
@@ -113,9 +113,9 @@ static const char *say(const char *what, int level, int64_t i, int64_t j, double
 }
 
 /* Four-point value of the finest level at half-sample (a, b), for normals below it. */
-static double half_sample(const tc_pyramid *p, int pl, int64_t a, int64_t b)
+static double half_sample(const tc_field *p, int pl, int64_t a, int64_t b)
 {
-    if (pl < tc_pyramid_info(p)->levels)
+    if (pl < tc_field_info(p)->levels)
         return sample(p, pl + 1, a, b, true);
     static const double w[4] = {-1.0 / 16, 9.0 / 16, 9.0 / 16, -1.0 / 16};
     int64_t i = tc_floor_shift(a, 1), j = tc_floor_shift(b, 1);
@@ -131,9 +131,9 @@ static double half_sample(const tc_pyramid *p, int pl, int64_t a, int64_t b)
 
 static const char *normal_broken(const tc_clipmap *clipmap, int level, int64_t i, int64_t j)
 {
-    const tc_pyramid *p = tc_clipmap_pyramid(clipmap);
+    const tc_field *p = tc_clipmap_field(clipmap);
     const tc_clip_level *v = tc_clipmap_level(clipmap, level);
-    int pl = tc_clipmap_pyramid_level(clipmap, level);
+    int pl = tc_clipmap_field_level(clipmap, level);
     int64_t mask = 2 * (tc_clipmap_n(clipmap) + 1) - 1;
     for (int64_t b = 2 * j; b <= 2 * j + (j < v->clip.y1 - 1); b++)
         for (int64_t a = 2 * i; a <= 2 * i + (i < v->clip.x1 - 1); a++) {
@@ -158,17 +158,17 @@ static const char *normal_broken(const tc_clipmap *clipmap, int level, int64_t i
 
 const char *heights_broken(const tc_clipmap *clipmap)
 {
-    const tc_pyramid *p = tc_clipmap_pyramid(clipmap);
+    const tc_field *p = tc_clipmap_field(clipmap);
     int64_t mask = tc_clipmap_n(clipmap);
     for (int l = 1; l <= tc_clipmap_levels(clipmap); l++) {
         const tc_clip_level *v = tc_clipmap_level(clipmap, l);
-        int pl = tc_clipmap_pyramid_level(clipmap, l);
-        tc_level size = tc_pyramid_level(p, pl);
+        int pl = tc_clipmap_field_level(clipmap, l);
+        tc_level size = tc_field_level(p, pl);
         int64_t x1 = goes_round(v) ? v->clip.x1 : tc_min64(v->clip.x1, size.width),
                 y1 = tc_min64(v->clip.y1, size.height);
         for (int64_t j = v->clip.y0; j < y1; j++) {
             float row[2048];
-            if (tc_pyramid_read(p, pl, (tc_rect){v->clip.x0, j, x1, j + 1}, row, NULL, 2048))
+            if (tc_field_read(p, pl, (tc_rect){v->clip.x0, j, x1, j + 1}, row, NULL, 2048))
                 return "the pyramid cannot be read";
             const float(*z)[2] = tc_clipmap_heights(clipmap, l) + (j & mask) * (mask + 1);
             for (int64_t i = v->clip.x0; i < x1; i++)
@@ -181,12 +181,12 @@ const char *heights_broken(const tc_clipmap *clipmap)
 
 const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_row, int64_t step)
 {
-    const tc_pyramid *p = tc_clipmap_pyramid(clipmap);
+    const tc_field *p = tc_clipmap_field(clipmap);
     const tc_clip_level *v = tc_clipmap_level(clipmap, level);
-    int pl = tc_clipmap_pyramid_level(clipmap, level);
-    tc_level size = tc_pyramid_level(p, pl);
+    int pl = tc_clipmap_field_level(clipmap, level);
+    tc_level size = tc_field_level(p, pl);
     int64_t mask = tc_clipmap_n(clipmap);
-    double range = tc_pyramid_info(p)->z_max - (double)tc_pyramid_info(p)->z_min;
+    double range = tc_field_info(p)->z_max - (double)tc_field_info(p)->z_min;
     for (int64_t j = v->clip.y0 + first_row; j < v->clip.y1; j += step)
         for (int64_t i = v->clip.x0; i < v->clip.x1; i++) {
             const float *z = tc_clipmap_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
@@ -202,7 +202,7 @@ const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_r
                 float unused;
                 uint8_t is_void;
                 int64_t a = tc_min64(i, size.width - 1), b = tc_min64(j, size.height - 1);
-                if (tc_pyramid_read(p, pl, (tc_rect){a, b, a + 1, b + 1}, &unused, &is_void, 1) ||
+                if (tc_field_read(p, pl, (tc_rect){a, b, a + 1, b + 1}, &unused, &is_void, 1) ||
                     tc_clipmap_voids(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)] != (is_void ? 255 : 0))
                     return say("void", level, i, j, is_void, is_void);
             }
@@ -213,9 +213,9 @@ const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_r
     return NULL;
 }
 
-wanderer wanderer_start(const tc_pyramid *pyramid, uint64_t seed)
+wanderer wanderer_start(const tc_field *field, uint64_t seed)
 {
-    tc_level l = tc_pyramid_level(pyramid, tc_pyramid_info(pyramid)->levels);
+    tc_level l = tc_field_level(field, tc_field_info(field)->levels);
     wanderer w = {.random = {seed},
                   .spacing = l.spacing_x,
                   .size_x = (double)(l.width - 1) * l.spacing_x,
@@ -224,7 +224,7 @@ wanderer wanderer_start(const tc_pyramid *pyramid, uint64_t seed)
     return w;
 }
 
-void wanderer_move(wanderer *w, const tc_pyramid *pyramid)
+void wanderer_move(wanderer *w, const tc_field *field)
 {
     test_random *r = &w->random;
     double what = test_random_unit(r);
@@ -246,7 +246,7 @@ void wanderer_move(wanderer *w, const tc_pyramid *pyramid)
         w->camera.x = w->size_x * test_random_unit(r), w->camera.y = w->size_y * test_random_unit(r);
     if (what > 0.97) { /* another height */
         double ground = 0;
-        tc_pyramid_height(pyramid, w->camera.x, w->camera.y, &ground);
+        tc_field_height(field, w->camera.x, w->camera.y, &ground);
         w->camera.z = ground + w->spacing * pow(2, test_random_range(r, -3, 11));
     }
 }

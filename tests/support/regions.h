@@ -2,7 +2,7 @@
 #ifndef REGIONS_H
 #define REGIONS_H
 
-#include "common/core/clipmap/clipmap.h"
+#include "common/window/clipmap.h"
 #include "terrains.h"
 
 /* LH04's four constraints of section 5, and that no region leaves its window or the terrain; NULL, or what is broken.
@@ -24,7 +24,7 @@ typedef struct wanderer {
     double size_x, size_y; /* metres of the terrain */
     double spacing;
 } wanderer;
-wanderer wanderer_start(const tc_pyramid *pyramid, uint64_t seed);
-void wanderer_move(wanderer *w, const tc_pyramid *pyramid);
+wanderer wanderer_start(const tc_field *field, uint64_t seed);
+void wanderer_move(wanderer *w, const tc_field *field);
 
 #endif

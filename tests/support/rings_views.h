@@ -2,7 +2,7 @@
 #ifndef RINGS_VIEWS_H
 #define RINGS_VIEWS_H
 
-#include "common/core/atlas/atlas.h"
+#include "common/map/atlas.h"
 #include "terrains.h"
 
 enum { RINGS_PLACES = 100, RINGS_ALTITUDES = 12 };

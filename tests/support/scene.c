@@ -49,13 +49,13 @@ static void must(tc_status status, const tc_error *error)
     }
 }
 
-scene scene_create(const tc_context *context, const tc_pyramid *pyramid, int n, const tc_scene_options *options)
+scene scene_create(const tc_context *context, const tc_field *field, int n, const tc_scene_options *options)
 {
-    scene s = {.pyramid = pyramid};
+    scene s = {.field = field};
     tc_error error;
-    const tc_scene_needs needs = tc_scene_needs_of(options, tc_pyramid_info(pyramid), false);
+    const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(field), false);
     tc_clipmap_options clip = {.n = n, .normals = needs.light, .holes = needs.holes};
-    must(tc_clipmap_create(pyramid, &clip, &s.clipmap, &error), &error);
+    must(tc_clipmap_create(field, &clip, &s.clipmap, &error), &error);
     must(tc_square_create(s.clipmap, &s.surface, &error), &error);
     must(tc_renderer_create(tc_context_gl(context), s.surface, options, &s.renderer, &error), &error);
     return s;

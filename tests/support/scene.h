@@ -2,11 +2,11 @@
 #ifndef SCENE_H
 #define SCENE_H
 
-#include "common/shell/context.h"
-#include "common/shell/renderer.h"
+#include "common/gl/context.h"
+#include "common/render/renderer.h"
 
 typedef struct scene {
-    const tc_pyramid *pyramid; /* not owned */
+    const tc_field *field; /* not owned */
     tc_clipmap *clipmap;
     tc_surface *surface;
     tc_renderer *renderer;
@@ -20,7 +20,7 @@ tc_context *scene_context(void);
 tc_context *scene_context_fastest(void);
 
 /* Ends the program with the error on failure. n: 0 for the default. */
-scene scene_create(const tc_context *context, const tc_pyramid *pyramid, int n, const tc_scene_options *options);
+scene scene_create(const tc_context *context, const tc_field *field, int n, const tc_scene_options *options);
 void scene_destroy(scene *s);
 
 /* Draws the view; resident: frames until everything it needs is there, else one frame. */

@@ -8,8 +8,8 @@
 #include <sys/stat.h>
 #include <time.h>
 
-#include "common/core/base/rect.h"
-#include "common/shell/source.h"
+#include "common/base/rect.h"
+#include "common/input/source.h"
 
 enum { BLOCK = 1024 };
 
@@ -199,23 +199,23 @@ terrain_packed terrain_pack(const tc_grid *grid, const terrain_file *about, cons
     return packed;
 }
 
-tc_pyramid *terrain_open(const char *path)
+tc_field *terrain_open(const char *path)
 {
-    tc_pyramid *pyramid = NULL;
+    tc_field *field = NULL;
     tc_error error;
-    terrain_must(tc_pyramid_open(path, NULL, &pyramid, &error), &error);
-    return pyramid;
+    terrain_must(tc_field_open(path, NULL, &field, &error), &error);
+    return field;
 }
 
-void terrain_read(const tc_pyramid *pyramid, float *z, uint8_t *voids)
+void terrain_read(const tc_field *field, float *z, uint8_t *voids)
 {
-    int finest = tc_pyramid_info(pyramid)->levels;
-    tc_level level = tc_pyramid_level(pyramid, finest);
+    int finest = tc_field_info(field)->levels;
+    tc_level level = tc_field_level(field, finest);
     for (int64_t y = 0; y < level.height; y += BLOCK) {
         for (int64_t x = 0; x < level.width; x += BLOCK) {
             tc_rect r = {x, y, tc_min64(x + BLOCK, level.width), tc_min64(y + BLOCK, level.height)};
             int64_t at = y * level.width + x;
-            terrain_must(tc_pyramid_read(pyramid, finest, r, z + at, voids ? voids + at : NULL, level.width),
+            terrain_must(tc_field_read(field, finest, r, z + at, voids ? voids + at : NULL, level.width),
                          &(tc_error){.text = "reading a packed terrain failed"});
         }
     }
@@ -226,8 +226,8 @@ terrain_error terrain_compare(const tc_grid *grid, const char *path)
     int64_t count = grid->width * grid->height, valid = 0;
     float *z = take(count, sizeof *z);
     uint8_t *voids = take(count, 1);
-    tc_pyramid *pyramid = terrain_open(path);
-    terrain_read(pyramid, z, voids);
+    tc_field *field = terrain_open(path);
+    terrain_read(field, z, voids);
     terrain_error e = {0, 0};
     for (int64_t i = 0; i < count; i++) {
         if (voids[i] != (grid->voids && grid->voids[i]))
@@ -239,9 +239,9 @@ terrain_error terrain_compare(const tc_grid *grid, const char *path)
         e.rms += d * d, e.max = fmax(e.max, fabs(d)), valid++;
     }
     e.rms = sqrt(e.rms / (double)valid);
-    if (tc_pyramid_damaged(pyramid) > 0)
+    if (tc_field_damaged(field) > 0)
         terrain_must(TC_ERR_FORMAT, &(tc_error){.text = "a tile came back damaged"});
-    tc_pyramid_destroy(pyramid);
+    tc_field_destroy(field);
     free(z), free(voids);
     return e;
 }

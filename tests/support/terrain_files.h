@@ -37,10 +37,10 @@ terrain_packed terrain_pack(const tc_grid *grid, const terrain_file *about, cons
 tc_status terrain_try_pack(const tc_grid *grid, const terrain_file *about, const tc_pack_options *options,
                            const char *path, terrain_packed *packed_ret, tc_error *error);
 
-tc_pyramid *terrain_open(const char *path);
+tc_field *terrain_open(const char *path);
 
 /* Reads the whole finest level in blocks of 1024 x 1024. */
-void terrain_read(const tc_pyramid *pyramid, float *z, uint8_t *voids);
+void terrain_read(const tc_field *field, float *z, uint8_t *voids);
 
 typedef struct terrain_error {
     double rms, max;

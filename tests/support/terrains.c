@@ -94,11 +94,11 @@ tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double sp
     return g;
 }
 
-tc_pyramid *terrain_pyramid(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed)
+tc_field *terrain_field(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed)
 {
     tc_grid grid = terrain_grid(kind, width, height, spacing, seed);
-    tc_pyramid *pyramid;
-    if (tc_pyramid_build(&grid, 0, &pyramid, NULL))
+    tc_field *field;
+    if (tc_field_build(&grid, 0, &field, NULL))
         exit(99);
-    return pyramid;
+    return field;
 }

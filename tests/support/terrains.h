@@ -20,8 +20,8 @@ double test_random_unit(test_random *r); /* 0 <= u < 1 */
 double test_random_range(test_random *r, double lo, double hi);
 int64_t test_random_int(test_random *r, int64_t lo, int64_t hi); /* lo <= i <= hi */
 
-/* A grid to hand to tc_pyramid_build; ends the program when there is no memory. Default terrains are kept (kept.h). */
+/* A grid to hand to tc_field_build; ends the program when there is no memory. Default terrains are kept (kept.h). */
 tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed);
-tc_pyramid *terrain_pyramid(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed);
+tc_field *terrain_field(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed);
 
 #endif

@@ -3,27 +3,27 @@
 
 #include <math.h>
 
-#include "common/core/clipmap/camera.h"
-#include "common/core/clipmap/view_error.h"
+#include "common/view/camera.h"
+#include "common/measure/view_error.h"
 
 tc_scene_options watertight_options(void)
 {
     return (tc_scene_options){.unlit = true, .background_set = true, .background = {255, 0, 255}};
 }
 
-static tc_level finest_of(const tc_pyramid *p)
+static tc_level finest_of(const tc_field *p)
 {
-    return tc_pyramid_level(p, tc_pyramid_info(p)->levels);
+    return tc_field_level(p, tc_field_info(p)->levels);
 }
 
-bool watertight_over(const tc_pyramid *p, const tc_camera *c)
+bool watertight_over(const tc_field *p, const tc_camera *c)
 {
     tc_level finest = finest_of(p);
     return c->x >= 0 && c->y >= 0 && c->x <= (double)(finest.width - 1) * finest.spacing_x &&
            c->y <= (double)(finest.height - 1) * finest.spacing_y;
 }
 
-tc_camera watertight_view(test_random *r, const tc_pyramid *p, double highest, int width, int height)
+tc_camera watertight_view(test_random *r, const tc_field *p, double highest, int width, int height)
 {
     tc_level finest = finest_of(p);
     const double w = (double)(finest.width - 1) * finest.spacing_x, h = (double)(finest.height - 1) * finest.spacing_y;
@@ -39,8 +39,8 @@ tc_camera watertight_view(test_random *r, const tc_pyramid *p, double highest, i
         c.x = test_random_range(r, -1, 2) * w, c.y = test_random_range(r, -1, 2) * h;
     }
     double ground;
-    tc_pyramid_height(p, c.x, c.y, &ground);
-    c.z = tc_pyramid_info(p)->z_base + ground + pow(10, test_random_range(r, 0, log10(highest)));
+    tc_field_height(p, c.x, c.y, &ground);
+    c.z = tc_field_info(p)->z_base + ground + pow(10, test_random_range(r, 0, log10(highest)));
     c.heading = test_random_range(r, 0, 2 * M_PI);
     c.pitch = where < 0.1 ? -M_PI / 2 : test_random_range(r, -M_PI / 2, M_PI / 6);
     c.fov = test_random_range(r, 20, 110) * M_PI / 180;
@@ -91,11 +91,10 @@ static bool terrain_towards(const picture *f, int x, int y, double vx, double vy
 }
 
 /* Where along the ray from the camera the terrain's box lies, a cell and its relief larger; false: nowhere. */
-static bool ray_within(const tc_pyramid *p, const tc_camera *camera, const double d[3], double *from_ret,
-                       double *to_ret)
+static bool ray_within(const tc_field *p, const tc_camera *camera, const double d[3], double *from_ret, double *to_ret)
 {
     tc_level finest = finest_of(p);
-    const tc_terrain_info *info = tc_pyramid_info(p);
+    const tc_terrain_info *info = tc_field_info(p);
     const double eye[3] = {camera->x, camera->y, camera->z}, relief = (double)info->z_max - info->z_min + 1;
     const double lo[3] = {-finest.spacing_x, -finest.spacing_y, info->z_base + info->z_min - relief};
     const double hi[3] = {(double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y,
@@ -116,11 +115,11 @@ static bool ray_within(const tc_pyramid *p, const tc_camera *camera, const doubl
  * from the eye, and far from a small terrain of the way across it. */
 static bool ray_crosses(scene *s, const tc_camera *camera, const tc_frame_options *options, int x, int y)
 {
-    tc_level finest = finest_of(s->pyramid);
+    tc_level finest = finest_of(s->field);
     double d[3], from, to, margin = 0.25 / tc_camera_pixel_scale(camera);
     double step = fmin(finest.spacing_x, finest.spacing_y);
     tc_view_ray(camera, x + 0.5, y + 0.5, d);
-    if (!ray_within(s->pyramid, camera, d, &from, &to))
+    if (!ray_within(s->field, camera, d, &from, &to))
         return false;
     bool above = false, below = false;
     for (double t = fmax(from, fmin(0.01, 3e-4 * step)); t < to && !(above && below);
@@ -138,7 +137,7 @@ int watertight_cracks(scene *s, const uint8_t *rgb, const tc_camera *camera, con
                       int64_t *terrain_ret)
 {
     const picture f = {rgb, camera->width, camera->height};
-    bool outside = !watertight_over(s->pyramid, camera);
+    bool outside = !watertight_over(s->field, camera);
     tc_basis b = tc_camera_basis(camera);
     double tx, ty;
     tc_camera_tangents(camera, &tx, &ty);

@@ -16,10 +16,10 @@
 tc_scene_options watertight_options(void);
 
 /* Whether the camera is over the terrain's rectangle. */
-bool watertight_over(const tc_pyramid *pyramid, const tc_camera *camera);
+bool watertight_over(const tc_field *field, const tc_camera *camera);
 
 /* A view of the terrain from 1 to `highest` metres above its ground: over it, at its edges, from outside. */
-tc_camera watertight_view(test_random *r, const tc_pyramid *pyramid, double highest, int width, int height);
+tc_camera watertight_view(test_random *r, const tc_field *field, double highest, int width, int height);
 
 /* Pixels of the frame, drawn with these options, that are cracks; terrain_ret, unless NULL: pixels of terrain. */
 int watertight_cracks(scene *s, const uint8_t *rgb, const tc_camera *camera, const tc_frame_options *options,

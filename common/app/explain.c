@@ -1,0 +1,157 @@
+/* explain.c - lines about what a scene uses and what was left out. */
+#include "explain.h"
+
+#include <dirent.h>
+#include <inttypes.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include "common/base/rect.h"
+#include "common/packed/read/prefetch.h"
+#include "common/render/palette.h"
+#include "common/input/plugin.h"
+
+static const struct library {
+    const char *plugin, *name, *use;
+} libraries[] = {{"gdal", "GDAL", "for elevation files; it cannot be unloaded"},
+                 {"oiio", "OpenImageIO", "for pictures; it cannot be unloaded"},
+                 {"window", "GLFW", "for the window"}};
+enum { LIBRARIES = sizeof libraries / sizeof *libraries };
+
+/* ---- Left out --------------------------------------------------------------------------------------------------- */
+
+static void add(tc_left_out *list, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void add(tc_left_out *list, const char *format, ...)
+{
+    if (list->count == TC_LEFT_OUT_LINES)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(list->text[list->count], TC_LEFT_OUT_TEXT, format, arguments);
+    va_end(arguments);
+    list->lines[list->count] = list->text[list->count];
+    list->lines[++list->count] = NULL;
+}
+
+/* Charts without a layer, and layers that there would be for all levels of all charts. */
+static void count_layers(const tc_surface *surface, int *unseen_ret, int *all_ret)
+{
+    *unseen_ret = *all_ret = 0;
+    for (int chart = 0; chart < surface->charts; chart++) {
+        *unseen_ret += surface->layers[chart] == 0;
+        *all_ret += tc_clipmap_levels(surface->clipmap[chart]);
+    }
+}
+
+/* Of the last frame. */
+static void add_frame(const tc_renderer_use *use, tc_left_out *list)
+{
+    const tc_frame_stats *f = use->frame;
+    bool sphere = use->needs->sphere;
+    int levels = f->levels_active + f->levels_fine + f->levels_beyond, unseen, layers;
+    count_layers(use->surface, &unseen, &layers);
+    if (sphere) {
+        add(list, "%d of %d rings: beyond the horizon", f->levels_beyond, levels);
+        add(list, "%d of %d rings: finer than a pixel", f->levels_fine, levels);
+    } else {
+        add(list, "%d of %d levels: too fine for the height above ground, or not where the terrain is", f->levels_fine,
+            levels);
+    }
+    if (unseen > 0)
+        add(list, "%d of %d charts: not in sight so far", unseen, use->surface->charts);
+    if (use->textures->layers < layers)
+        add(list, "%d of %d layers of vertex textures: no view has asked for them", layers - use->textures->layers,
+            layers);
+    add(list, "%" PRId64 " of %" PRId64 " triangles: %soutside the view", f->triangles_unculled - f->triangles,
+        f->triangles_unculled, sphere ? "beyond the horizon or " : "");
+}
+
+void tc_explain_left_out(const tc_renderer *renderer, tc_left_out *list)
+{
+    const tc_renderer_use use = tc_renderer_used(renderer);
+    const char *needless[TC_SCENE_LEFT_OUT];
+    int count = tc_scene_needs_left_out(use.needs, needless);
+    list->count = 0;
+    list->lines[0] = NULL;
+    for (int i = 0; i < count; i++)
+        add(list, "%s", needless[i]);
+    if (use.surface->closers && !tc_scene_closers(use.surface))
+        add(list, "crack closers: one level");
+    add_frame(&use, list);
+    for (int i = 0; i < LIBRARIES; i++)
+        if (!tc_plugin_loaded(libraries[i].plugin))
+            add(list, "%s: not loaded", libraries[i].name);
+}
+
+/* ---- Used ------------------------------------------------------------------------------------------------------- */
+
+static void print_textures(const tc_level_textures *t, FILE *file)
+{
+    fprintf(file, "uses: texture: heights: RG32F, %d x %d x %d, %zu bytes\n", t->size, t->size, t->layers,
+            t->height_bytes);
+    if (t->normals)
+        fprintf(file, "uses: texture: normals: RGBA8_SNORM, %d x %d x %d, %zu bytes\n", 2 * t->size, 2 * t->size,
+                t->layers, t->normal_bytes);
+    if (t->voids)
+        fprintf(file, "uses: texture: voids: R8, %d x %d x %d, %zu bytes\n", t->size, t->size, t->layers,
+                t->void_bytes);
+    fprintf(file, "uses: texture: colours: RGBA8, %d, %d bytes\n", TC_RAMP_SIZE, 4 * TC_RAMP_SIZE);
+}
+
+static void print_frame(const tc_renderer_use *use, FILE *file)
+{
+    const tc_surface *surface = use->surface;
+    const tc_frame_stats *f = use->frame;
+    bool sphere = use->needs->sphere;
+    int held = 0, all = 0;
+    for (int chart = 0; chart < surface->charts; chart++)
+        for (int level = 1; level <= tc_clipmap_levels(surface->clipmap[chart]); level++, all++)
+            held += level <= surface->layers[chart] &&
+                    !tc_rect_empty(tc_clipmap_level(surface->clipmap[chart], level)->clip);
+    for (int chart = 0; sphere && chart < surface->charts; chart++)
+        fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, surface->layers[chart],
+                tc_clipmap_levels(surface->clipmap[chart]));
+    fprintf(file, "uses: levels: %d of %d hold samples\n", held, all);
+    fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "rings" : "levels", f->levels_active,
+            f->levels_active + f->levels_fine + f->levels_beyond);
+    fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "sectors" : "blocks", f->blocks, f->blocks_unculled);
+    if (f->draws > f->blocks)
+        fprintf(file, "uses: crack closers: %d draws\n", f->draws - f->blocks);
+    fprintf(file, "uses: triangles: %" PRId64 " of %" PRId64 " drawn\n", f->triangles, f->triangles_unculled);
+}
+
+/* The threads of this process. What is not ours is the driver's and the libraries'; work of ours that goes on several
+ * ends them with it. Where the system does not tell, nothing. */
+static void print_threads(FILE *file)
+{
+    DIR *tasks = opendir("/proc/self/task");
+    int all = 0, ahead = 0;
+    for (struct dirent *e; tasks && (e = readdir(tasks));) {
+        char path[300], name[32] = "";
+        if (e->d_name[0] == '.')
+            continue;
+        snprintf(path, sizeof path, "/proc/self/task/%s/comm", e->d_name);
+        FILE *comm = fopen(path, "r");
+        all++;
+        ahead += comm && fgets(name, sizeof name, comm) && strcmp(name, TC_PREFETCH_NAME "\n") == 0;
+        if (comm)
+            fclose(comm);
+    }
+    if (tasks)
+        closedir(tasks);
+    if (all)
+        fprintf(file, "uses: threads: drawing%s; %d of the driver and of libraries\n", ahead ? ", reading ahead" : "",
+                all - 1 - ahead);
+}
+
+void tc_explain_uses(const tc_renderer *renderer, FILE *file)
+{
+    const tc_renderer_use use = tc_renderer_used(renderer);
+    tc_scene_programs_explain(use.surface, use.needs, use.programs, file);
+    print_textures(use.textures, file);
+    print_frame(&use, file);
+    for (int i = 0; i < LIBRARIES; i++)
+        if (tc_plugin_loaded(libraries[i].plugin))
+            fprintf(file, "uses: library: %s: %s\n", libraries[i].name, libraries[i].use);
+    print_threads(file);
+}

@@ -1,0 +1,318 @@
+/* options.c - the viewers' command line; see options.h. A new option is one line of the table and, where its kind is
+ * new, one setter. */
+#include "options.h"
+#include "common/base/status.h"
+#include "common/render/surface.h"
+#include "numbers.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define DEGREE (3.14159265358979323846 / 180)
+
+/* ---- Setters ------------------------------------------------------------------------------------------------ */
+
+static bool set_view(void *options, const char *value)
+{
+    tc_options *o = options;
+    return o->has_view = tc_pose_parse(o->navigation, value, &o->view);
+}
+
+static bool set_size(void *options, const char *value)
+{
+    tc_options *o = options;
+    char text[32];
+    const char *x = strchr(value, 'x');
+    if (!x || (size_t)(x - value) >= sizeof text)
+        return false;
+    snprintf(text, sizeof text, "%.*s", (int)(x - value), value);
+    return tc_read_int(text, 1, 16384, &o->width) && tc_read_int(x + 1, 1, 16384, &o->height);
+}
+
+static bool read_fov(void *fov, const char *value)
+{
+    double degrees;
+    if (!tc_read_number(value, 1, 170, &degrees))
+        return false;
+    *(double *)fov = degrees * DEGREE;
+    return true;
+}
+
+static bool read_background(void *scene, const char *value)
+{
+    tc_scene_options *s = scene;
+    if (strlen(value) != 6 || strspn(value, "0123456789abcdefABCDEF") != 6)
+        return false;
+    unsigned long rgb = strtoul(value, NULL, 16);
+    for (int i = 0; i < 3; i++)
+        s->background[i] = (uint8_t)(rgb >> (16 - 8 * i));
+    return s->background_set = true;
+}
+
+static bool read_n(void *n, const char *value)
+{
+    int *samples = n;
+    return tc_read_int(value, 15, 2047, samples) && (*samples & (*samples + 1)) == 0;
+}
+
+static bool read_n_phi(void *n, const char *value)
+{
+    int *steps = n;
+    return tc_read_int(value, 64, 2048, steps) && *steps % 32 == 0;
+}
+
+static bool read_steps(void *steps, const char *value)
+{
+    return tc_read_int(value, 4, 64, steps) && *(int *)steps % 2 == 0;
+}
+
+static bool read_radius(void *radius, const char *value)
+{
+    return tc_read_number(value, 1e-3, 1e12, radius);
+}
+
+static bool read_scheme(void *scheme, const char *value)
+{
+    *(const char **)scheme = value;
+    return strcmp(value, "rings") == 0 || strcmp(value, "rings-ch06") == 0;
+}
+
+static bool read_samples(void *samples, const char *value)
+{
+    return tc_read_int(value, 1, 16, samples);
+}
+
+static bool read_levels(void *levels, const char *value)
+{
+    return tc_read_int(value, 1, TC_MAX_LEVELS, levels);
+}
+
+static bool read_budget(void *budget, const char *value)
+{
+    return tc_read_integer(value, 1, (int64_t)1 << 40, budget);
+}
+
+static bool read_frames(void *frames, const char *value)
+{
+    return tc_read_int(value, 1, 1000000, frames);
+}
+
+static bool read_backend(void *backend, const char *value)
+{
+    static const char *const names[] = {"auto", "window", "egl", "osmesa"}; /* as tc_backend */
+    for (int i = 0; i < 4; i++)
+        if (strcmp(value, names[i]) == 0) {
+            *(tc_backend *)backend = (tc_backend)i;
+            return true;
+        }
+    return false;
+}
+
+/* ---- The table ---------------------------------------------------------------------------------------------- */
+
+/* One row of the table, and whose it is. A view's texts are the navigation's. */
+typedef enum owner { ALL, FLAT, GLOBE } owner;
+static const struct row {
+    owner of;
+    tc_option option;
+} table[] = {
+    {ALL, {.help = "What is seen"}},
+    {ALL, {0, "view", NULL, NULL, NULL, set_view, 0}},
+    {ALL, {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)}},
+    {ALL, {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0}},
+    {ALL, TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light")},
+    {ALL,
+     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
+      offsetof(tc_options, scene)}},
+    {ALL, TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces")},
+    {ALL, TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail")},
+    {ALL, TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly")},
+    {ALL,
+     {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
+      offsetof(tc_options, scene.samples)}},
+    {ALL, {.help = "Where it goes"}},
+    {ALL,
+     {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
+      offsetof(tc_options, output)}},
+    {ALL,
+     {0, "path", "FILE", "a file name",
+      "fly through the views of FILE, one a line as --view has it; with -o frame-%05d.png write each frame, "
+      "without only measure",
+      tc_read_text, offsetof(tc_options, path)}},
+    {ALL,
+     {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
+      offsetof(tc_options, frames)}},
+    {ALL,
+     {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", read_backend,
+      offsetof(tc_options, backend)}},
+    {ALL, {.help = "How the file is read"}},
+    {ALL,
+     {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", tc_read_spacing,
+      offsetof(tc_options, source.spacing)}},
+    {ALL,
+     {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", tc_read_unit,
+      offsetof(tc_options, source.unit)}},
+    {ALL,
+     {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height", tc_read_nodata,
+      offsetof(tc_options, source)}},
+    {ALL,
+     {0, "voids", "POLICY", TC_EXPECTED_VOIDS, "where there is no height: fill, hole or constant=V (fill)",
+      tc_read_voids, offsetof(tc_options, source)}},
+    {ALL,
+     {0, "threads", "N", TC_EXPECTED_THREADS, "that prepare the terrain (all processors)", tc_read_threads,
+      offsetof(tc_options, threads)}},
+    {ALL, {.help = "Geometry clipmap"}},
+    {FLAT,
+     {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
+      offsetof(tc_options, n)}},
+    {ALL, {0, "levels", "M", "1..32", "of detail at most (all)", read_levels, offsetof(tc_options, levels)}},
+    {ALL,
+     {0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)", read_budget,
+      offsetof(tc_options, scene.budget)}},
+    {GLOBE, {.help = "Planet"}},
+    {GLOBE,
+     {0, "scheme", "NAME", "rings or rings-ch06", "rings, or rings-ch06: the paper's own map transform (rings)",
+      read_scheme, offsetof(tc_options, scheme)}},
+    {GLOBE,
+     {0, "n", "N", "a multiple of 32 of 64..2048",
+      "steps of a ring around the viewer (by the frame's width, 512 or 1024; in a window on a software renderer 256)",
+      read_n_phi, offsetof(tc_options, n)}},
+    {GLOBE,
+     {0, "steps", "M", "an even number of 4..64",
+      "steps outwards in a level of rings (as long as those around, N / 12.6)", read_steps,
+      offsetof(tc_options, steps)}},
+    {GLOBE,
+     {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
+      read_radius, offsetof(tc_options, radius)}},
+    {ALL, {.help = "What is told"}},
+    {ALL,
+     {0, "stats", "FILE.json", "a file name", "write times, counts and memory", tc_read_text,
+      offsetof(tc_options, stats)}},
+    {ALL, TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output")},
+    {ALL, TC_SWITCH(tc_options, explain, 0, "explain",
+                    "print what the scene uses, and what it does not need and was left out")},
+    {ALL, TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress")},
+    {ALL, TC_SWITCH(tc_options, verbose, 'v', "verbose", "how the file was understood, what it is drawn with")},
+};
+static const tc_option last_rows[] = {TC_HELP_AND_VERSION};
+
+static tc_status set_terrain(void *options, const char *operand, tc_error *error)
+{
+    tc_options *o = options;
+    if (o->terrain)
+        return tc_fail(error, TC_ERR_USAGE, "TERRAIN: expected one file, found also '%s'", operand);
+    o->terrain = operand;
+    return TC_OK;
+}
+
+/* The rows of a program. */
+enum { MOST_ROWS = sizeof table / sizeof *table + sizeof last_rows / sizeof *last_rows };
+typedef struct rows {
+    tc_option row[MOST_ROWS];
+    tc_command_line line;
+} rows;
+
+static void make_rows(const tc_options_program *program, rows *r)
+{
+    int count = 0;
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        if (table[i].of == (program->sphere ? FLAT : GLOBE))
+            continue;
+        tc_option *row = &r->row[count++];
+        *row = table[i].option;
+        if (row->set == set_view) {
+            row->argument = program->navigation->form;
+            row->expected = program->navigation->bounds;
+            row->help = program->navigation->help;
+        }
+    }
+    memcpy(r->row + count, last_rows, sizeof last_rows);
+    count += (int)(sizeof last_rows / sizeof *last_rows);
+    r->line = (tc_command_line){.options = r->row, .count = count, .help = "--help", .operand = set_terrain};
+}
+
+/* ---- Parsing ------------------------------------------------------------------------------------------------ */
+
+/* What only shows once all options are there. */
+static tc_status check_together(const tc_options *o, tc_error *error)
+{
+    bool offscreen = o->backend == TC_BACKEND_EGL || o->backend == TC_BACKEND_OSMESA;
+    if (!o->terrain)
+        return tc_fail(error, TC_ERR_USAGE, "TERRAIN: expected a file, found none; --help tells more");
+    if (o->path && !o->frames)
+        return tc_fail(error, TC_ERR_USAGE, "--path: expected --frames N with it, found none");
+    if (o->path && o->output && !tc_frame_pattern_valid(o->output))
+        return tc_fail(error, TC_ERR_USAGE, "--output: expected one number such as %%05d for the frames, found '%s'",
+                       o->output);
+    if (o->frames && !o->path && (o->output || offscreen))
+        return tc_fail(error, TC_ERR_USAGE, "--frames: expected --path FILE with it, found none");
+    if (offscreen && !o->output && !o->path)
+        return tc_fail(error, TC_ERR_USAGE, "--backend: expected -o FILE or --path FILE with it, found neither");
+    if (o->path && o->has_view)
+        return tc_fail(error, TC_ERR_USAGE, "--view: expected either it or --path, found both");
+    return TC_OK;
+}
+
+tc_status tc_options_parse(const tc_options_program *program, int argc, char **argv, tc_options *options_ret,
+                           tc_error *error)
+{
+    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE, .navigation = program->navigation};
+    tc_action action = TC_RUN;
+    rows r;
+    make_rows(program, &r);
+    tc_status status = tc_arguments_read(&r.line, argc, argv, &o, &action, error);
+    if (status == TC_OK && action != TC_RUN)
+        o = (tc_options){.action = action};
+    else if (status == TC_OK)
+        status = check_together(&o, error);
+    if (status == TC_OK)
+        *options_ret = o;
+    return status;
+}
+
+void tc_options_print_help(const tc_options_program *program, FILE *file)
+{
+    fprintf(file, "usage: %s [OPTION]... TERRAIN\n\n%s\n", program->name, program->summary);
+    rows r;
+    make_rows(program, &r);
+    tc_arguments_print(&r.line, file);
+}
+
+/* ---- Names of frames ---------------------------------------------------------------------------------------- */
+
+/* The place of the one number, its digits and what follows it. */
+static bool split_pattern(const char *pattern, int *prefix_ret, int *digits_ret, const char **suffix_ret)
+{
+    const char *percent = strchr(pattern, '%');
+    if (!percent)
+        return false;
+    const char *at = percent + 1;
+    *digits_ret = 1;
+    if (at[0] == '0' && at[1] >= '1' && at[1] <= '9') {
+        *digits_ret = at[1] - '0';
+        at += 2;
+    }
+    if (*at != 'd' || strchr(at, '%'))
+        return false;
+    *prefix_ret = (int)(percent - pattern);
+    *suffix_ret = at + 1;
+    return true;
+}
+
+bool tc_frame_pattern_valid(const char *pattern)
+{
+    int prefix, digits;
+    const char *suffix;
+    return split_pattern(pattern, &prefix, &digits, &suffix);
+}
+
+bool tc_frame_pattern_name(const char *pattern, int frame, char *name, size_t capacity)
+{
+    int prefix, digits;
+    const char *suffix;
+    if (!split_pattern(pattern, &prefix, &digits, &suffix))
+        return false;
+    int length = snprintf(name, capacity, "%.*s%0*d%s", prefix, pattern, digits, frame, suffix);
+    return length >= 0 && (size_t)length < capacity;
+}

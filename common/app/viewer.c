@@ -1,0 +1,395 @@
+/* viewer.c - a viewer from its command line to its exit code: options, terrain, context, renderer, then one of picture,
+ * flight and window, then the figures. */
+#include "viewer_internal.h"
+#include "common/base/status.h"
+#include "common/base/outfile.h"
+#include "explain.h"
+#include "interrupt.h"
+#include "common/input/plugin.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+enum { WINDOW_FRAMES = 65536 };          /* that a window's statistics look back */
+static const double LEAST_HEIGHT = 0.01; /* metres above the ground of a planet */
+
+/* ---- Starting ----------------------------------------------------------------------------------------------- */
+
+/* What the source has to say. */
+static void say(void *context, bool warning, const char *line)
+{
+    const tc_viewer *viewer = context;
+    if (warning ? !viewer->options.quiet : viewer->options.verbose)
+        fprintf(stderr, "%s: %s%s\n", viewer->program->name, warning ? "warning: " : "", line);
+}
+
+static tc_status open_file(tc_viewer *v, tc_error *error)
+{
+    tc_source_options source = v->options.source;
+    source.say = say;
+    source.say_context = v;
+    tc_status status;
+    if (v->program->sphere) {
+        status = tc_planet_open(v->options.terrain, &source, v->options.radius, v->options.threads, &v->planet, error);
+        v->atlas = v->planet.atlas;
+        v->voids = v->planet.voids;
+    } else {
+        status = tc_terrain_open(v->options.terrain, &source, v->options.threads, &v->terrain, error);
+        v->atlas = (tc_atlas){.charts = 1, .chart = {{.field = v->terrain.field}}};
+        v->voids = v->terrain.voids;
+    }
+    v->field = v->atlas.chart[0].field;
+    return status;
+}
+
+static double true_height(const tc_viewer *v, double x, double y)
+{
+    double z = 0;
+    if (v->program->sphere)
+        tc_atlas_height(&v->atlas, x, y, &z);
+    else
+        tc_field_height(v->field, x, y, &z);
+    return z + tc_field_info(v->field)->z_base;
+}
+
+/* The terrain's height, or that of a coarser level which is drawn in its place and may be higher. */
+static double ground_height(void *context, double x, double y)
+{
+    const tc_viewer *v = context;
+    double z = true_height(v, x, y), drawn;
+    if (v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn))
+        z = fmax(z, drawn);
+    return z;
+}
+
+static tc_status load_terrain(tc_viewer *v, tc_error *error)
+{
+    tc_status status = open_file(v, error);
+    if (status != TC_OK)
+        return status;
+    const tc_terrain_info *info = tc_field_info(v->field);
+    const tc_level finest = tc_field_level(v->field, info->levels);
+    v->spacing = fmin(finest.spacing_x, finest.spacing_y);
+    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->atlas.radius};
+    double read = v->terrain.read_ms + v->planet.read_ms, build = v->terrain.build_ms + v->planet.build_ms;
+    if (v->options.verbose)
+        fprintf(stderr,
+                "%s: %s: %" PRId64 " x %" PRId64 " samples every %g x %g m, heights %.2f to %.2f m, %" PRId64
+                " voids; %s in %.0f ms, %d levels in %.0f ms\n",
+                v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
+                info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
+                tc_field_packed_info(v->field) ? "opened" : "read", read, info->levels, build);
+    if (v->options.verbose && v->program->sphere)
+        fprintf(stderr, "%s: radius %.10g m, %d charts\n", v->program->name, v->atlas.radius, v->atlas.charts);
+    return TC_OK;
+}
+
+static tc_flight_box whole_box(const tc_viewer *v)
+{
+    const tc_terrain_info *info = tc_field_info(v->field);
+    const tc_level finest = tc_field_level(v->field, info->levels);
+    const tc_chart *c = &v->atlas.chart[0];
+    return (tc_flight_box){.x_max = (double)(finest.width - 1) * finest.spacing_x,
+                           .y_max = (double)(finest.height - 1) * finest.spacing_y,
+                           .z_min = info->z_base + info->z_min,
+                           .z_max = info->z_base + info->z_max,
+                           .radius = v->atlas.radius,
+                           .west = c->x0,
+                           .south = c->y0,
+                           .east = c->x0 + (double)(finest.width - 1) * c->dx,
+                           .north = c->y0 + (double)(finest.height - 1) * c->dy};
+}
+
+void tc_viewer_place(tc_viewer *v, const tc_pose *view)
+{
+    tc_pose_to_camera(view, &v->camera);
+    if (v->program->sphere) /* an eye inside the planet sees nothing */
+        v->camera.z = fmax(v->camera.z, true_height(v, view->x, view->y) + LEAST_HEIGHT);
+}
+
+/* Lifts the eye out of a planet as it is drawn; whether it had to be. */
+static bool lift(tc_viewer *v)
+{
+    double z;
+    const tc_camera *c = &v->camera;
+    if (!v->program->sphere || !v->surface->drawn_height(v->surface, c, &v->scene.frame, c->x, c->y, &z) ||
+        c->z >= z + LEAST_HEIGHT)
+        return false;
+    v->camera.z = z + 2 * LEAST_HEIGHT;
+    return true;
+}
+
+/* Where the camera starts. */
+static tc_status place_camera(tc_viewer *v, tc_error *error)
+{
+    v->camera.fov = v->options.fov;
+    v->camera.width = v->options.width;
+    v->camera.height = v->options.height;
+    tc_pose view = v->options.view;
+    if (v->options.path) {
+        tc_status status = tc_flight_path_load(v->program->navigation, v->options.path, &v->path, error);
+        if (status != TC_OK)
+            return status;
+        view = v->path.keys[0];
+    } else if (!v->options.has_view) {
+        const tc_flight_box box = whole_box(v);
+        view = v->program->navigation->whole(&box, v->camera.fov, v->camera.width, v->camera.height);
+    }
+    tc_viewer_place(v, &view);
+    return TC_OK;
+}
+
+/* Whether there is to be a window that a person sees. */
+static bool interactive(const tc_options *options)
+{
+    return !options->output && (!options->path || options->backend == TC_BACKEND_WINDOW);
+}
+
+static tc_status open_window(tc_viewer *v, tc_error *error)
+{
+    const void *table;
+    tc_error reason;
+    tc_status status = tc_plugin_load("window", &table, &reason);
+    if (status == TC_OK) {
+        v->window_plugin = table;
+        const tc_window_options options = {.title = v->program->name,
+                                           .width = v->options.width,
+                                           .height = v->options.height,
+                                           .hidden = !interactive(&v->options),
+                                           .drag = v->program->sphere};
+        status = v->window_plugin->open(&options, &v->window, &reason);
+    }
+    if (status == TC_OK)
+        status = tc_gl_load(&v->window_gl, v->window_plugin->get_proc, &reason);
+    if (status != TC_OK)
+        return tc_fail(error, status, "%s%s", reason.text,
+                       v->options.output ? "" : "; -o FILE.png writes a picture without a display");
+    v->gl = &v->window_gl;
+    return TC_OK;
+}
+
+static tc_status open_context(tc_viewer *v, tc_error *error)
+{
+    tc_status status;
+    if (interactive(&v->options) || v->options.backend == TC_BACKEND_WINDOW) {
+        status = open_window(v, error);
+    } else {
+        status = tc_context_create(v->options.backend, &v->context, error);
+        if (status == TC_OK)
+            v->gl = tc_context_gl(v->context);
+    }
+    if (status == TC_OK && v->options.verbose)
+        fprintf(stderr, "%s: OpenGL %s on %s by %s\n", v->program->name, v->gl->GetString(GL_VERSION),
+                v->gl->GetString(GL_RENDERER), v->context ? tc_context_backend(v->context) : "window");
+    return status;
+}
+
+/* The surface and what draws it, as large as frame and machine call for. */
+static tc_status make_scene(tc_viewer *v, tc_error *error)
+{
+    v->scene = v->options.scene;
+    v->scene.holes = v->voids == TC_VOIDS_HOLE;
+    /* A picture waits for all that it needs; in one go unless told otherwise. */
+    if (v->options.output && !v->scene.budget)
+        v->scene.budget = -1;
+    if (!v->scene.samples)
+        v->scene.samples = v->options.output ? 4 : 1;
+    const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(v->field), v->program->sphere);
+    const tc_surface_request request = {.scheme = v->options.scheme,
+                                        .n = v->options.n,
+                                        .levels = v->options.levels,
+                                        .steps = v->options.steps,
+                                        .needs = &needs,
+                                        .interactive = interactive(&v->options) &&
+                                                       tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
+                                        .camera = &v->camera};
+    tc_status status = v->program->make_surface(&v->atlas, &request, &v->surface, error);
+    if (status == TC_OK)
+        status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
+    return status;
+}
+
+/* ---- Frames ------------------------------------------------------------------------------------------------- */
+
+tc_status tc_viewer_measured_frame(tc_viewer *v, tc_frame_stats *frame_ret, tc_error *error)
+{
+    double start = tc_clock_ms();
+    tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, frame_ret, error);
+    if (status == TC_OK)
+        tc_stats_frame(v->stats, tc_clock_ms() - start, frame_ret);
+    return status;
+}
+
+tc_status tc_viewer_resident_frame(tc_viewer *v, tc_error *error)
+{
+    /* Every frame brings something, or nothing more will come. */
+    for (int idle = 0, tries = 0; idle < 3 && tries < 100000 && !tc_interrupted(); tries++) {
+        tc_frame_stats frame;
+        double start = tc_clock_ms();
+        tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, &frame, error);
+        if (status != TC_OK)
+            return status;
+        if (frame.resident && lift(v)) { /* which may call for other levels */
+            tc_stats_load(v->stats, &frame);
+            continue;
+        }
+        if (frame.resident) {
+            tc_stats_frame(v->stats, tc_clock_ms() - start, &frame);
+            return TC_OK;
+        }
+        tc_stats_load(v->stats, &frame);
+        idle = frame.samples_updated > 0 ? 0 : idle + 1;
+    }
+    if (tc_interrupted())
+        return tc_fail(error, TC_ERR_IO, "interrupted");
+    return tc_fail(error, TC_ERR_UNSUPPORTED,
+                   "%s: what the view needs could not be loaded, at %" PRId64 " samples a frame", v->options.terrain,
+                   v->scene.budget);
+}
+
+tc_status tc_viewer_write_frame(tc_viewer *v, const char *path, uint8_t *rgb, tc_error *error)
+{
+    tc_renderer_read(v->renderer, rgb, NULL);
+    return tc_write_picture(path, v->camera.width, v->camera.height, rgb, error);
+}
+
+/* ---- Telling ------------------------------------------------------------------------------------------------ */
+
+static void explain(const tc_viewer *v, const tc_left_out *left_out)
+{
+    tc_explain_uses(v->renderer, stdout);
+    for (int i = 0; i < left_out->count; i++)
+        printf("left out: %s\n", left_out->lines[i]);
+}
+
+static int64_t sum_charts(const tc_viewer *v, int64_t (*count)(const tc_field *field))
+{
+    int64_t sum = 0;
+    for (int chart = 0; chart < v->atlas.charts; chart++)
+        sum += count(v->atlas.chart[chart].field);
+    return sum;
+}
+
+/* Writes --stats, prints --json and --explain, and a line about a measured flight. */
+static tc_status report(tc_viewer *v, tc_error *error)
+{
+    tc_stats_summary summary;
+    tc_stats_summarise(v->stats, &summary);
+    tc_left_out left_out;
+    tc_explain_left_out(v->renderer, &left_out);
+    tc_stats_context context = {.renderer = (const char *)v->gl->GetString(GL_RENDERER),
+                                .backend = v->context ? tc_context_backend(v->context) : "window",
+                                .bytes_decoded = sum_charts(v, tc_terrain_bytes_decoded),
+                                .left_out = left_out.lines};
+    tc_renderer_memory(v->renderer, &context.memory);
+    if (v->options.explain && !v->options.json) /* which says it, too */
+        explain(v, &left_out);
+    if (v->options.json)
+        tc_stats_print(&summary, &context, stdout);
+    else if (v->options.path && !v->options.output && !v->options.quiet)
+        printf("%" PRId64 " frames: %.2f ms median, %.2f ms p95, %.2f ms max; %" PRId64 " triangles, %" PRId64
+               " draws, %" PRId64 " levels\n",
+               summary.frames, summary.frame_median, summary.frame_p95, summary.frame_max, summary.triangles,
+               summary.draws, summary.levels_active);
+    return v->options.stats ? tc_stats_write(v->options.stats, &summary, &context, error) : TC_OK;
+}
+
+/* What could not be shown as it should be. */
+static void report_damage(const tc_viewer *v)
+{
+    int64_t tiles = sum_charts(v, tc_terrain_damaged);
+    if (tiles > 0 && !v->options.quiet)
+        fprintf(stderr, "%s: warning: %s: damaged: %" PRId64 " tiles were shown from the next coarser level\n",
+                v->program->name, v->options.terrain, tiles);
+}
+
+/* Fails now where a file could not be written later, after all the work. */
+static tc_status check_writable(const char *path, tc_error *error)
+{
+    struct stat old;
+    if (!path || (stat(path, &old) == 0 && !S_ISREG(old.st_mode) && !S_ISDIR(old.st_mode)))
+        return TC_OK; /* a device, a pipe: will be seen */
+    return tc_outfile_probe(path, error);
+}
+
+/* ---- The whole ---------------------------------------------------------------------------------------------- */
+
+static tc_status run(tc_viewer *v, tc_error *error)
+{
+    tc_status status = check_writable(v->options.stats, error);
+    if (status == TC_OK) /* of a flight, the pattern itself stands for the frames */
+        status = check_writable(v->options.output, error);
+    if (status == TC_OK && v->options.output)
+        status = tc_check_picture_name(v->options.output, error);
+    if (status == TC_OK)
+        status = load_terrain(v, error);
+    if (status == TC_OK)
+        status = place_camera(v, error);
+    if (status == TC_OK)
+        status = tc_stats_create(v->options.path     ? v->options.frames
+                                 : v->options.output ? 1
+                                                     : WINDOW_FRAMES,
+                                 &v->stats, error);
+    if (status == TC_OK)
+        status = open_context(v, error);
+    if (status == TC_OK)
+        status = make_scene(v, error);
+    if (status != TC_OK)
+        return status;
+
+    tc_watch_interrupts();
+    if (interactive(&v->options))
+        status = tc_viewer_window(v, error);
+    else if (v->options.path)
+        status = tc_viewer_flight(v, error);
+    else
+        status = tc_viewer_picture(v, error);
+    /* A flight that was cut short still tells what it measured. */
+    tc_error unused;
+    tc_status reported = report(v, status == TC_OK ? error : &unused);
+    report_damage(v);
+    return status == TC_OK ? reported : status;
+}
+
+int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
+{
+    /* Without it the software renderer gives its memory back and fetches it anew each frame: a third of its time. */
+#ifdef __GLIBC__
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+#endif
+
+    tc_viewer viewer = {.program = program};
+    tc_error error = {.text = ""};
+    const tc_options_program about = {program->name, program->summary, program->navigation, program->sphere};
+    tc_status status = tc_options_parse(&about, argc, argv, &viewer.options, &error);
+    if (status == TC_OK && viewer.options.action == TC_SHOW_HELP) {
+        tc_options_print_help(&about, stdout);
+        tc_viewer_print_keys(stdout);
+    } else if (status == TC_OK && viewer.options.action == TC_SHOW_VERSION) {
+        printf("%s %s\n", program->name, tc_version());
+    } else if (status == TC_OK) {
+        status = run(&viewer, &error);
+    }
+    if (status == TC_OK && fflush(stdout) != 0)
+        status = tc_fail(&error, TC_ERR_IO, "standard output: cannot be written");
+    if (status != TC_OK)
+        fprintf(stderr, "%s: %s\n", program->name, error.text);
+
+    tc_renderer_destroy(viewer.renderer);
+    tc_context_destroy(viewer.context);
+    if (viewer.window)
+        viewer.window_plugin->close(viewer.window);
+    if (viewer.surface)
+        viewer.surface->destroy(viewer.surface);
+    tc_terrain_close(&viewer.terrain);
+    tc_planet_close(&viewer.planet);
+    tc_flight_path_free(&viewer.path);
+    tc_stats_destroy(viewer.stats);
+    return tc_exit_code(status);
+}

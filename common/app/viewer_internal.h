@@ -1,0 +1,65 @@
+/* viewer_internal.h - what the files of the viewer share. Internal to viewer*.c. */
+#ifndef TC_VIEWER_INTERNAL_H
+#define TC_VIEWER_INTERNAL_H
+
+#include "common/window/clipmap.h"
+#include "common/render/surface.h"
+#include "clock.h"
+#include "common/gl/context.h"
+#include "common/view/flight.h"
+#include "common/view/flight_path.h"
+#include "options.h"
+#include "planet.h"
+#include "common/render/renderer.h"
+#include "stats.h"
+#include "terrain.h"
+#include "viewer.h"
+#include "window.h"
+
+typedef struct tc_viewer {
+    const tc_viewer_program *program;
+    tc_options options;
+
+    tc_terrain terrain; /* or */
+    tc_planet planet;
+    tc_void_policy voids;  /* of either */
+    tc_atlas atlas;        /* of either; not owned */
+    const tc_field *field; /* chart 0's */
+    tc_surface *surface;
+    tc_ground ground;
+    double spacing; /* metres; the smaller of the finest level's two */
+
+    tc_context *context; /* offscreen, or NULL and a window: */
+    const struct tc_window_plugin *window_plugin;
+    tc_window *window;
+    tc_gl window_gl;
+    const tc_gl *gl; /* of either */
+    tc_renderer *renderer;
+
+    tc_scene_options scene; /* as it is now: keys change it */
+    tc_camera camera;
+    tc_flight_path path; /* no keys: none */
+    tc_stats *stats;
+} tc_viewer;
+
+/* Puts the camera where the view says; above the ground of a planet. */
+void tc_viewer_place(tc_viewer *viewer, const tc_pose *view);
+
+/* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
+tc_status tc_viewer_measured_frame(tc_viewer *viewer, tc_frame_stats *frame_ret, tc_error *error);
+
+/* Draws until a frame has all that its view needs; that frame is finished and counted as a measured one. */
+tc_status tc_viewer_resident_frame(tc_viewer *viewer, tc_error *error);
+
+/* Writes the last frame; rgb has room for it. */
+tc_status tc_viewer_write_frame(tc_viewer *viewer, const char *path, uint8_t *rgb, tc_error *error);
+
+/* One picture, a flight written or a flight measured (viewer_offscreen.c); the loop of a window (viewer_window.c). */
+tc_status tc_viewer_picture(tc_viewer *viewer, tc_error *error);
+tc_status tc_viewer_flight(tc_viewer *viewer, tc_error *error);
+tc_status tc_viewer_window(tc_viewer *viewer, tc_error *error);
+
+/* Prints what the keys and the mouse do (viewer_window.c). */
+void tc_viewer_print_keys(FILE *file);
+
+#endif

@@ -1,0 +1,270 @@
+/* viewer_window.c - the viewer's window: keys, flight, title.
+ *
+ * What a key does is one line of the table; the help text comes from it. */
+#include "viewer_internal.h"
+#include "common/base/status.h"
+#include "interrupt.h"
+
+#include <inttypes.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* What is true while the window is open. */
+typedef struct session {
+    tc_viewer *viewer;
+    tc_flight flight, start;
+    tc_camera frozen;    /* culled for, while culling is frozen */
+    bool tell;           /* statistics once a second */
+    bool picture_wanted; /* once the frame is drawn */
+    bool quit;
+    int picture_number; /* to try next */
+    /* Since the title was set last, and since statistics were told last. */
+    double title_since, tell_since;
+    int title_frames, tell_frames;
+} session;
+
+/* ---- Keys --------------------------------------------------------------------------------------------------- */
+
+/* Hands the renderer the changed scene and tells the user. */
+static void changed(session *s, const char *name, bool on)
+{
+    tc_renderer_set_options(s->viewer->renderer, &s->viewer->scene);
+    if (!s->viewer->options.quiet)
+        fprintf(stderr, "%s %s\n", name, on ? "on" : "off");
+}
+
+static void do_help(session *s)
+{
+    (void)s;
+    tc_viewer_print_keys(stderr);
+}
+
+static void do_wireframe(session *s)
+{
+    bool *on = &s->viewer->scene.wireframe;
+    *on = !*on;
+    changed(s, "wireframe", *on);
+}
+
+static void do_level_colours(session *s)
+{
+    bool *on = &s->viewer->scene.level_colours;
+    *on = !*on;
+    changed(s, "level colours", *on);
+}
+
+static void do_morph(session *s)
+{
+    bool *off = &s->viewer->scene.frame.no_morph;
+    *off = !*off;
+    changed(s, "morph", !*off);
+}
+
+static void do_freeze(session *s)
+{
+    tc_frame_options *frame = &s->viewer->scene.frame;
+    s->frozen = s->viewer->camera;
+    frame->cull_camera = frame->cull_camera ? NULL : &s->frozen;
+    changed(s, "frozen culling", frame->cull_camera != NULL);
+}
+
+static void do_tell(session *s)
+{
+    s->tell = !s->tell;
+    s->tell_frames = 0;
+    s->tell_since = tc_clock_ms();
+}
+
+static void do_picture(session *s)
+{
+    s->picture_wanted = true;
+}
+
+static void do_full_screen(session *s)
+{
+    s->viewer->window_plugin->toggle_full_screen(s->viewer->window);
+}
+
+static void do_reset(session *s)
+{
+    s->flight = s->start;
+}
+
+static void do_view(session *s)
+{
+    char text[TC_POSE_TEXT];
+    tc_pose_format(s->viewer->program->navigation, &s->flight.view, s->viewer->spacing, text);
+    printf("--view %s\n", text);
+    fflush(stdout);
+}
+
+static void do_north(session *s)
+{
+    s->flight.view.heading = 0;
+}
+
+static void do_quit(session *s)
+{
+    s->quit = true;
+}
+
+static const struct key {
+    int keys[2]; /* 0 none */
+    const char *label, *help;
+    void (*action)(session *s);
+} keys[] = {
+    {.label = "W A S D, Q E", .help = "fly forward, left, back, right; down, up; the higher, the faster"},
+    {.label = "shift, wheel", .help = "eight times as fast; set the speed, or on a planet come nearer"},
+    {.label = "mouse, arrows",
+     .help = "look around: click to let the mouse turn the view, or hold its right button; on a "
+             "planet its left button turns the globe"},
+    {{'V'}, "V", "print the view as a --view option", do_view},
+    {{'P'}, "P", "write a picture: terraclip-0001.png and on", do_picture},
+    {{'R'}, "R", "back to the first view", do_reset},
+    {{'N'}, "N", "north up", do_north},
+    {{'G'}, "G", "wireframe", do_wireframe},
+    {{'L'}, "L", "level colours", do_level_colours},
+    {{'M'}, "M", "morph on or off", do_morph},
+    {{'C'}, "C", "freeze culling: fly on and see what is left out", do_freeze},
+    {{'T'}, "T", "statistics on the terminal, every second", do_tell},
+    {{TC_KEY_F11}, "F11", "full screen", do_full_screen},
+    {{'H', TC_KEY_F1}, "H, F1", "print this", do_help},
+    {{TC_KEY_ESCAPE}, "Esc", "let the mouse go; again: quit", do_quit},
+};
+
+void tc_viewer_print_keys(FILE *file)
+{
+    fprintf(file, "\nKeys of the window:\n");
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+        fprintf(file, "  %-14s%s\n", keys[i].label, keys[i].help);
+}
+
+static void handle_keys(session *s, const tc_window_input *input)
+{
+    for (int i = 0; i < input->pressed_count; i++)
+        for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+            if (keys[k].action && (keys[k].keys[0] == input->pressed[i] || keys[k].keys[1] == input->pressed[i]))
+                keys[k].action(s);
+}
+
+/* ---- A frame ------------------------------------------------------------------------------------------------ */
+
+/* Writes the frame just drawn under the first free number. */
+static void write_picture(session *s)
+{
+    tc_viewer *v = s->viewer;
+    char name[32];
+    do
+        snprintf(name, sizeof name, "terraclip-%04d.png", ++s->picture_number);
+    while (access(name, F_OK) == 0 && s->picture_number < INT_MAX);
+    tc_error error = {.text = "not enough memory"};
+    uint8_t *rgb = malloc((size_t)v->camera.width * (size_t)v->camera.height * 3);
+    tc_status status = rgb ? tc_viewer_write_frame(v, name, rgb, &error) : TC_ERR_MEMORY;
+    free(rgb);
+    if (status != TC_OK)
+        fprintf(stderr, "%s: %s\n", v->program->name, error.text);
+    else if (!v->options.quiet)
+        fprintf(stderr, "%s\n", name);
+}
+
+/* Brings title and statistics up to date after a frame. */
+static void tell(session *s, const tc_frame_stats *frame)
+{
+    tc_viewer *v = s->viewer;
+    double now = tc_clock_ms();
+    s->title_frames++;
+    if (now - s->title_since >= 250) {
+        char title[256];
+        const char *slash = strrchr(v->options.terrain, '/');
+        snprintf(title, sizeof title, "%.100s - %.1f ms, %" PRId64 " triangles, %d levels - %s",
+                 slash ? slash + 1 : v->options.terrain, (now - s->title_since) / s->title_frames, frame->triangles,
+                 frame->levels_active, v->program->name);
+        v->window_plugin->set_title(v->window, title);
+        s->title_since = now;
+        s->title_frames = 0;
+    }
+    s->tell_frames++;
+    if (s->tell && now - s->tell_since >= 1000) {
+        fprintf(stderr,
+                "%.2f ms a frame (update %.2f, draw %.2f); %" PRId64 " of %" PRId64
+                " triangles, %d draws, %d levels; %" PRId64 " samples updated, %" PRId64 " bytes uploaded%s\n",
+                (now - s->tell_since) / s->tell_frames, frame->update_ms, frame->draw_ms, frame->triangles,
+                frame->triangles_unculled, frame->draws, frame->levels_active, frame->samples_updated,
+                frame->bytes_uploaded, frame->resident ? "" : "; loading");
+        s->tell_since = now;
+        s->tell_frames = 0;
+    }
+}
+
+/* Moves the camera by what the user did in dt seconds. */
+static void fly(session *s, const tc_window_input *input, double dt)
+{
+    /* A pixel of the mouse is a pixel of the picture, on the whole. */
+    double radians_per_pixel = s->viewer->camera.fov / fmax(640, input->width), key_turn = 1.2 * fmin(dt, 0.1);
+    const tc_flight_input flight_input = {.right = input->right,
+                                          .forward = input->forward,
+                                          .up = input->up,
+                                          .turn = input->look_x * radians_per_pixel + input->turn * key_turn,
+                                          .tilt = -input->look_y * radians_per_pixel + input->tilt * key_turn,
+                                          .drag_x = input->drag_x * radians_per_pixel,
+                                          .drag_y = input->drag_y * radians_per_pixel,
+                                          .wheel = input->wheel,
+                                          .fast = input->fast,
+                                          .dt = dt};
+    s->viewer->program->navigation->step(&s->flight, &flight_input, &s->viewer->ground);
+}
+
+tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
+{
+    const tc_camera *camera = &v->camera;
+    const tc_pose start = {camera->x, camera->y, camera->z, camera->heading, camera->pitch};
+    double now = tc_clock_ms();
+    session s = {.viewer = v,
+                 .flight = {start, tc_flight_speed},
+                 .start = {start, tc_flight_speed},
+                 .title_since = now,
+                 .tell_since = now};
+    if (!v->options.quiet && isatty(STDERR_FILENO))
+        fprintf(stderr, "%s: H prints the keys\n", v->program->name);
+
+    tc_status status = TC_OK;
+    double last = now;
+    for (int frames = 0; status == TC_OK && !s.quit && !tc_interrupted();) {
+        tc_window_input input;
+        v->window_plugin->poll(v->window, 0, &input);
+        while ((input.width <= 0 || input.height <= 0) && !input.close && !tc_interrupted()) {
+            v->window_plugin->poll(v->window, 0.2, &input); /* iconified */
+            last = tc_clock_ms();
+        }
+        if (input.close || input.width <= 0 || input.height <= 0 || (v->options.frames && frames == v->options.frames))
+            break;
+        v->camera.width = input.width;
+        v->camera.height = input.height;
+        handle_keys(&s, &input);
+        now = tc_clock_ms();
+        if (v->path.count > 0)
+            s.flight.view = tc_flight_path_view(&v->path, frames, v->options.frames);
+        else
+            fly(&s, &input, (now - last) / 1e3);
+        last = now;
+        tc_viewer_place(v, &s.flight.view);
+
+        tc_frame_stats frame;
+        status = tc_renderer_frame(v->renderer, &v->camera, false, &frame, error);
+        if (status != TC_OK)
+            break;
+        tc_renderer_present(v->renderer, input.width, input.height);
+        v->window_plugin->swap(v->window);
+        tc_stats_frame(v->stats, tc_clock_ms() - now, &frame);
+        tell(&s, &frame);
+        if (s.picture_wanted) {
+            write_picture(&s);
+            s.picture_wanted = false;
+        }
+        frames++;
+    }
+    return status;
+}

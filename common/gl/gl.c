@@ -1,0 +1,58 @@
+/* gl.c - fills in the table of OpenGL functions.
+ *
+ * The version is looked at first and through functions that every OpenGL has: loaders such as libglvnd hand out a
+ * pointer for any name, so a function that is missing cannot be told from one that is there. */
+#include "gl.h"
+#include "common/base/status.h"
+
+#include <string.h>
+
+_Static_assert(sizeof(void *) == sizeof(void (*)(void)), "function pointers travel as void *");
+
+/* Looks up one function and stores its pointer, whatever its type. */
+static bool load(void *(*get_proc)(const char *name), const char *name, void *pointer_ret)
+{
+    void *pointer = get_proc(name);
+    memcpy(pointer_ret, &pointer, sizeof pointer);
+    return pointer != NULL;
+}
+
+static const char *text_of(const tc_gl *gl, GLenum name)
+{
+    const char *text = (const char *)gl->GetString(name);
+    return text ? text : "unknown";
+}
+
+tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *error)
+{
+    tc_gl table;
+    if (!load(get_proc, "glGetString", &table.GetString) || !load(get_proc, "glGetIntegerv", &table.GetIntegerv) ||
+        !load(get_proc, "glGetError", &table.GetError))
+        return tc_fail(error, TC_ERR_CONTEXT, "OpenGL: expected 4.5 or newer, found no functions at all");
+    const char *version = (const char *)table.GetString(GL_VERSION);
+    if (!version)
+        return tc_fail(error, TC_ERR_CONTEXT, "OpenGL: expected 4.5 or newer, found no current context");
+    /* Before OpenGL 3.0 the two queries are errors and leave the numbers alone. */
+    GLint major = 0, minor = 0;
+    table.GetIntegerv(GL_MAJOR_VERSION, &major);
+    table.GetIntegerv(GL_MINOR_VERSION, &minor);
+    bool embedded = strncmp(version, "OpenGL ES", 9) == 0;
+    if (embedded || major < 4 || (major == 4 && minor < 5))
+        return tc_fail(error, TC_ERR_CONTEXT, "OpenGL: expected 4.5 or newer, found %s on %s", version,
+                       text_of(&table, GL_RENDERER));
+    while (table.GetError() != GL_NO_ERROR)
+        ;
+#define TC_GL_LOAD(type, name)                                                                                         \
+    if (!load(get_proc, "gl" #name, &table.name))                                                                      \
+        return tc_fail(error, TC_ERR_CONTEXT, "OpenGL %s on %s: expected the function gl" #name ", found none",        \
+                       version, text_of(&table, GL_RENDERER));
+    TC_GL_FUNCTIONS(TC_GL_LOAD)
+#undef TC_GL_LOAD
+    *gl = table;
+    return TC_OK;
+}
+
+bool tc_gl_software(const char *renderer)
+{
+    return strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe") || strstr(renderer, "swrast");
+}

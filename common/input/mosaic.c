@@ -1,0 +1,343 @@
+/* mosaic.c - files placed on one lattice.
+ *
+ * The first file is the measure of all others: offsets are found by taking their corners through its transform back to
+ * its columns and rows. Neighbouring SRTM tiles come out one sample short of their width apart: they share an edge. */
+#include "mosaic.h"
+
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "mosaic_read.h"
+#include "plugin.h"
+#include "plugin_tables.h"
+
+#include <inttypes.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- What the files say ----------------------------------------------------------------------------------------- */
+
+/* Passes lines of a source on: with the file's name where there are several, and not what was just said of another. */
+static void say(void *context, bool warning, const char *line)
+{
+    tc_mosaic *m = context;
+    if (!m->options.say || m->silent || strcmp(line, m->last_line) == 0)
+        return;
+    snprintf(m->last_line, sizeof m->last_line, "%s", line);
+    char text[sizeof m->last_line + 512];
+    snprintf(text, sizeof text, "%.500s: %s", m->parts[m->said_of].path, line);
+    m->options.say(m->options.say_context, warning, m->count > 1 ? text : line);
+}
+
+tc_status tc_mosaic_open_part(tc_mosaic *m, int part, tc_source **source_ret, tc_error *error)
+{
+    tc_source_options options = m->options;
+    options.say = say;
+    options.say_context = m;
+    if (m->placed) { /* by the first, that all heights are above the same base */
+        options.has_base = true;
+        options.z_base = m->terrain.z_base;
+    }
+    m->said_of = part;
+    return tc_source_open(m->parts[part].path, &options, source_ret, error);
+}
+
+/* ---- Agreement -------------------------------------------------------------------------------------------------- */
+
+static tc_status check_system(const tc_mosaic *m, const char *path, const tc_georef *georef, tc_error *error)
+{
+    const char *first = m->terrain.georef.crs_wkt, *wkt = georef->crs_wkt, *first_path = m->parts[0].path;
+    if (!first != !wkt)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: coordinate system: expected %s as in %s, found %s", path,
+                       first ? "one" : "none", first_path, wkt ? "one" : "none");
+    bool same = !first || strcmp(first, wkt) == 0;
+    if (!same) {
+        /* The same system in other words? */
+        const void *table = NULL;
+        tc_status status = tc_plugin_load("gdal", &table, error);
+        if (status != TC_OK)
+            return status;
+        same = ((const struct tc_gdal_plugin *)table)->same_crs(first, wkt);
+    }
+    if (!same || georef->geographic != m->terrain.georef.geographic) {
+        const char *quote = wkt ? strchr(wkt, '"') : NULL; /* the first string is its name */
+        int length = quote ? (int)strcspn(quote + 1, "\"") : 0;
+        return tc_fail(error, TC_ERR_FORMAT, "%s: coordinate system: expected that of %s, found '%.*s'", path,
+                       first_path, length > 80 ? 80 : length, quote ? quote + 1 : "");
+    }
+    return TC_OK;
+}
+
+/* Column and row of a place, by the transform. */
+static void to_pixels(const double t[6], double x, double y, double *column, double *row)
+{
+    double determinant = t[1] * t[5] - t[2] * t[4];
+    x -= t[0];
+    y -= t[3];
+    *column = (x * t[5] - y * t[2]) / determinant;
+    *row = (y * t[1] - x * t[4]) / determinant;
+}
+
+/* Finds where a file begins in columns and rows of the first one. */
+static tc_status place(const tc_mosaic *m, const char *path, const tc_source_info *info, int64_t *column_ret,
+                       int64_t *row_ret, tc_error *error)
+{
+    const double *t = m->terrain.georef.transform, *u = info->georef.transform;
+    const char *first = m->parts[0].path;
+    for (int k = 1; k <= 5; k += k == 2 ? 2 : 1) { /* the four that are not the origin */
+        double scale = k % 3 == 1 ? hypot(t[1], t[4]) : hypot(t[2], t[5]);
+        if (!(fabs(u[k] - t[k]) <= 1e-6 * scale))
+            return tc_fail(error, TC_ERR_FORMAT, "%s: pixel size: expected %.9g x %.9g as in %s, found %.9g x %.9g",
+                           path, hypot(t[1], t[4]), hypot(t[2], t[5]), first, hypot(u[1], u[4]), hypot(u[2], u[5]));
+    }
+    double w = (double)info->width, h = (double)info->height, column, row, end_column, end_row;
+    to_pixels(t, u[0], u[3], &column, &row);
+    to_pixels(t, u[0] + w * u[1] + h * u[2], u[3] + w * u[4] + h * u[5], &end_column, &end_row);
+    const double limit = 0.01, far = INT_MAX;
+    if (!(fabs(column - rint(column)) <= limit && fabs(row - rint(row)) <= limit))
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: position: expected whole samples from %s, found %.3f columns and %.3f rows", path, first,
+                       column, row);
+    if (!(fabs(end_column - w - rint(column)) <= limit && fabs(end_row - h - rint(row)) <= limit))
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: pixel size: expected that of %s, found one that is %.3f columns and %.3f rows off at the "
+                       "far corner",
+                       path, first, end_column - w - rint(column), end_row - h - rint(row));
+    if (!(fabs(column) < far && fabs(row) < far))
+        return tc_fail(error, TC_ERR_FORMAT, "%s: position: expected less than 2147483647 samples from %s, found %.0f",
+                       path, first, fmax(fabs(column), fabs(row)));
+    *column_ret = llrint(column);
+    *row_ret = llrint(row);
+    return TC_OK;
+}
+
+static tc_status check_agreement(const tc_mosaic *m, const char *path, const tc_source_info *info, tc_error *error)
+{
+    if (!info->georef.known)
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: georeference: expected one, by which several inputs are placed, found none", path);
+    if (m->count > 1 && path == m->parts[0].path)
+        return TC_OK;
+    tc_status status = check_system(m, path, &info->georef, error);
+    if (status != TC_OK)
+        return status;
+    if (info->area_registered != m->terrain.area_registered)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: registration: expected %s as in %s, found %s", path,
+                       m->terrain.area_registered ? "areas" : "points", m->parts[0].path,
+                       info->area_registered ? "areas" : "points");
+    return TC_OK;
+}
+
+/* ---- Opening ---------------------------------------------------------------------------------------------------- */
+
+/* The first file sets the terrain. */
+static tc_status take_first(tc_mosaic *m, const tc_source_info *info, tc_error *error)
+{
+    tc_pack_terrain *t = &m->terrain;
+    *t = (tc_pack_terrain){.spacing_x = info->spacing_x,
+                           .spacing_y = info->spacing_y,
+                           .z_base = info->z_base,
+                           .georef = info->georef,
+                           .area_registered = info->area_registered,
+                           .sample_type = info->type,
+                           .unit = info->unit,
+                           .offset = info->offset,
+                           .has_nodata = info->has_nodata,
+                           .nodata = info->nodata,
+                           .voids = m->options.voids,
+                           .void_constant = m->options.void_constant};
+    t->georef.crs_wkt = info->georef.crs_wkt ? strdup(info->georef.crs_wkt) : NULL;
+    if (info->georef.crs_wkt && !t->georef.crs_wkt)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory to open it", m->parts[0].path);
+    m->first = *info;
+    m->first.georef.crs_wkt = NULL;
+    return TC_OK;
+}
+
+/* Another file may store its heights otherwise. */
+static void take_storage(tc_mosaic *m, const tc_source_info *info)
+{
+    tc_pack_terrain *t = &m->terrain;
+    if (info->type != t->sample_type || info->unit != t->unit || info->offset != t->offset) {
+        t->sample_type = TC_SAMPLE_FLOAT32;
+        t->unit = 1;
+        t->offset = 0;
+        t->has_nodata = false;
+        m->mixed = true;
+    } else if (!m->mixed && !t->has_nodata && info->has_nodata) {
+        t->has_nodata = true;
+        t->nodata = info->nodata;
+    }
+}
+
+static tc_status look_at(tc_mosaic *m, int i, tc_error *error)
+{
+    tc_mosaic_part *part = &m->parts[i];
+    tc_source *source = NULL;
+    tc_status status = tc_mosaic_open_part(m, i, &source, error);
+    if (status != TC_OK)
+        return status;
+    const tc_source_info *info = tc_source_get_info(source);
+    part->width = info->width;
+    part->height = info->height;
+    if (i == 0)
+        status = take_first(m, info, error);
+    if (status == TC_OK && m->count > 1)
+        status = check_agreement(m, part->path, info, error);
+    if (status == TC_OK && i > 0) {
+        status = place(m, part->path, info, &part->column, &part->row, error);
+        take_storage(m, info);
+    }
+    tc_source_close(source);
+    m->placed = true;
+    return status;
+}
+
+/* The rectangle around all files becomes the terrain; places are counted from its south-west sample. */
+static tc_status surround(tc_mosaic *m, tc_error *error)
+{
+    int64_t left = 0, top = 0, right = 0, bottom = 0;
+    for (int i = 0; i < m->count; i++) {
+        const tc_mosaic_part *p = &m->parts[i];
+        left = tc_min64(left, p->column);
+        top = tc_min64(top, p->row);
+        right = tc_max64(right, p->column + p->width);
+        bottom = tc_max64(bottom, p->row + p->height);
+    }
+    tc_pack_terrain *t = &m->terrain;
+    t->width = right - left;
+    t->height = bottom - top;
+    if (t->width > INT_MAX || t->height > INT_MAX)
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: position: expected inputs within 2147483647 samples, found %" PRId64 " x %" PRId64,
+                       m->parts[m->count - 1].path, t->width, t->height);
+    for (int i = 0; i < m->count; i++) {
+        tc_mosaic_part *p = &m->parts[i];
+        p->x0 = p->column - left;
+        p->y0 = bottom - (p->row + p->height);
+    }
+    if (m->count == 1)
+        return TC_OK;
+    double *g = t->georef.transform;
+    g[0] += (double)left * g[1] + (double)top * g[2];
+    g[3] += (double)left * g[4] + (double)top * g[5];
+    if (m->options.spacing == 0)
+        tc_georef_spacing(&m->first, &t->georef, t->width, t->height, &t->spacing_x, &t->spacing_y);
+    return TC_OK;
+}
+
+/* Numbers, and pairs by their first ones. */
+static int compare(const void *a, const void *b)
+{
+    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Counts the samples that the files cover, each once: strip by strip between their western and eastern edges. */
+static tc_status count_samples(tc_mosaic *m, tc_error *error)
+{
+    size_t n = (size_t)m->count;
+    int64_t *edges = malloc(2 * n * sizeof *edges), (*spans)[2] = malloc(n * sizeof *spans);
+    if (!edges || !spans) {
+        free(edges);
+        free(spans);
+        return tc_fail(error, TC_ERR_MEMORY, "mosaic: not enough memory for %zu files", n);
+    }
+    int64_t sum = 0;
+    for (size_t i = 0; i < n; i++) {
+        edges[2 * i] = m->parts[i].x0;
+        edges[2 * i + 1] = m->parts[i].x0 + m->parts[i].width;
+        sum += m->parts[i].width * m->parts[i].height;
+    }
+    qsort(edges, 2 * n, sizeof *edges, compare);
+    m->samples = 0;
+    for (size_t k = 0; k + 1 < 2 * n; k++) {
+        size_t count = 0;
+        if (edges[k] == edges[k + 1])
+            continue;
+        for (size_t i = 0; i < n; i++) {
+            const tc_mosaic_part *p = &m->parts[i];
+            if (p->x0 <= edges[k] && p->x0 + p->width >= edges[k + 1]) {
+                spans[count][0] = p->y0;
+                spans[count++][1] = p->y0 + p->height;
+            }
+        }
+        qsort(spans, count, sizeof *spans, compare);
+        int64_t end = INT64_MIN, covered = 0;
+        for (size_t i = 0; i < count; i++) {
+            covered += tc_max64(0, spans[i][1] - tc_max64(spans[i][0], end));
+            end = tc_max64(end, spans[i][1]);
+        }
+        m->samples += covered * (edges[k + 1] - edges[k]);
+    }
+    m->shared = sum - m->samples;
+    free(edges);
+    free(spans);
+    return TC_OK;
+}
+
+tc_status tc_mosaic_open(const char *const *paths, int count, const tc_source_options *options, tc_mosaic **mosaic_ret,
+                         tc_error *error)
+{
+    static const tc_source_options defaults = {0};
+    if (count < 1)
+        return tc_fail(error, TC_ERR_USAGE, "mosaic: expected at least one file, found none");
+    tc_mosaic *m = calloc(1, sizeof *m + (size_t)count * sizeof *m->parts);
+    if (!m)
+        return tc_fail(error, TC_ERR_MEMORY, "mosaic: not enough memory for %d files", count);
+    m->options = options ? *options : defaults;
+    m->count = count;
+    tc_status status = TC_OK;
+    for (int i = 0; i < count; i++)
+        m->parts[i].path = paths[i];
+    for (int i = 0; i < count && status == TC_OK; i++)
+        status = look_at(m, i, error);
+    if (status == TC_OK)
+        status = surround(m, error);
+    if (status == TC_OK)
+        status = count_samples(m, error);
+    double all = (double)m->terrain.width * (double)m->terrain.height;
+    if (status == TC_OK && (double)m->samples < 0.5 * all && m->options.say) {
+        char text[200];
+        snprintf(text, sizeof text,
+                 "the inputs cover %.3g %% of the rectangle around them, %" PRId64 " x %" PRId64
+                 " samples; the rest is void",
+                 100 * (double)m->samples / all, m->terrain.width, m->terrain.height);
+        m->options.say(m->options.say_context, true, text);
+    }
+    if (status == TC_OK)
+        *mosaic_ret = m;
+    else
+        tc_mosaic_close(m);
+    return status;
+}
+
+void tc_mosaic_close(tc_mosaic *m)
+{
+    if (!m)
+        return;
+    free(m->terrain.georef.crs_wkt);
+    free(m);
+}
+
+const tc_pack_terrain *tc_mosaic_terrain(const tc_mosaic *m)
+{
+    return &m->terrain;
+}
+
+int tc_mosaic_files(const tc_mosaic *m)
+{
+    return m->count;
+}
+
+int64_t tc_mosaic_shared(const tc_mosaic *m)
+{
+    return m->shared;
+}
+
+int64_t tc_mosaic_samples(const tc_mosaic *m)
+{
+    return m->samples;
+}

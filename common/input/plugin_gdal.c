@@ -1,0 +1,399 @@
+/* plugin_gdal.c - terraclip-gdal.so: elevation files through GDAL's C API (GeoTIFF out: plugin_gdal_write.c).
+ *
+ * GDAL is kept silent (messages are collected and the first failure goes into our error), off the network (drivers
+ * that fetch are left out, remote file names inside a VRT are refused) and away from the user's folders (side files
+ * are read, since nodata and coordinate systems live there, but never written). */
+#include "plugin_gdal.h"
+
+#include "common/base/status.h"
+
+#include <cpl_conv.h>
+#include <cpl_error.h>
+#include <cpl_string.h>
+#include <gdal.h>
+#include <ogr_srs_api.h>
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Set-up and messages ---------------------------------------------------------------------------------------- */
+
+static void CPL_STDCALL collect(CPLErr severity, CPLErrorNum number, const char *text)
+{
+    (void)number;
+    tc_gdal_messages *m = CPLGetErrorHandlerUserData();
+    if (!m)
+        return;
+    char *kept = severity >= CE_Failure ? m->failure : severity == CE_Warning ? m->warning : NULL;
+    if (kept && !*kept)
+        snprintf(kept, sizeof m->failure, "%s", text);
+}
+
+void tc_gdal_listen(tc_gdal_messages *m)
+{
+    memset(m, 0, sizeof *m);
+    CPLPushErrorHandlerEx(collect, m);
+}
+
+const char *tc_gdal_heard(const tc_gdal_messages *m)
+{
+    CPLPopErrorHandler();
+    return *m->failure ? m->failure : *m->warning ? m->warning : "GDAL gives no reason";
+}
+
+/* Of GDAL's cache of decoded blocks. */
+enum { CACHE_BYTES = 64 << 20, MOST_CACHE_BYTES = 512 << 20 };
+
+static void start_gdal(void)
+{
+    static const struct {
+        const char *key, *value;
+    } settings[] = {
+        {"GDAL_NUM_THREADS", "ALL_CPUS"},         /* compressed tiles are decoded in parallel */
+        {"GDAL_ERROR_ON_LIBJPEG_WARNING", "YES"}, /* else a truncated JPEG is filled up with grey */
+        {"RAW_CHECK_FILE_SIZE", "YES"},
+        {"GDAL_VRT_ENABLE_PYTHON", "NO"}, /* opening a file runs no code */
+        /* No network: no fetching drivers, no URL has this ending, and were one opened after all, no proxy answers. */
+        {"GDAL_SKIP",
+         "WMS WCS WMTS HTTP PLMOSAIC EEDA EEDAI DAAS OGCAPI NGW STACTA STACIT RDA IIP "
+         "PostGISRaster RasterLite GeoRaster TGA"}, /* TGA: takes truncated files for whole; OpenImageIO reads it */
+        {"CPL_VSIL_CURL_ALLOWED_EXTENSIONS", ".no-network"},
+        {"GDAL_HTTP_PROXY", "127.0.0.1:9"},
+        {"PROJ_NETWORK", "OFF"},
+    };
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++)
+        CPLSetConfigOption(settings[i].key, settings[i].value);
+    CPLSetErrorHandlerEx(collect, NULL); /* also for GDAL's own threads, which inherit no pushed handler */
+    GDALAllRegister();
+    /* Whole rows of blocks are read at once, so a cache of a twentieth of the memory would only hold what has been
+     * converted already. */
+    GDALSetCacheMax64(CACHE_BYTES);
+}
+
+void tc_gdal_start(void)
+{
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, start_gdal);
+}
+
+/* ---- Reading ---------------------------------------------------------------------------------------------------- */
+
+typedef struct gdal_raster {
+    tc_raster base;
+    GDALDatasetH dataset;
+    GDALRasterBandH band, mask;
+    GDALDataType type; /* of the buffer */
+    char path[];
+} gdal_raster;
+
+/* Says how the band's samples lie in a buffer; false for what cannot be heights. */
+static bool choose_type(GDALRasterBandH band, gdal_raster *r)
+{
+    tc_raster_info *info = &r->base.info;
+    info->integer = true;
+    r->type = GDALGetRasterDataType(band);
+    switch (r->type) {
+    case GDT_Byte:
+        info->type = TC_SAMPLE_UINT8;
+        info->type_name = "uint8";
+        const char *signedness = GDALGetMetadataItem(band, "PIXELTYPE", "IMAGE_STRUCTURE");
+        if (signedness && EQUAL(signedness, "SIGNEDBYTE")) {
+            info->type = TC_SAMPLE_INT8;
+            info->type_name = "int8";
+        }
+        return true;
+    case GDT_UInt16:
+        info->type = TC_SAMPLE_UINT16;
+        info->type_name = "uint16";
+        return true;
+    case GDT_Int16:
+        info->type = TC_SAMPLE_INT16;
+        info->type_name = "int16";
+        return true;
+    case GDT_UInt32:
+        info->type = TC_SAMPLE_UINT32;
+        info->type_name = "uint32";
+        return true;
+    case GDT_Int32:
+        info->type = TC_SAMPLE_INT32;
+        info->type_name = "int32";
+        return true;
+    case GDT_Float32:
+        info->type = TC_SAMPLE_FLOAT32;
+        info->type_name = "float32";
+        info->integer = false;
+        return true;
+    case GDT_Float64:
+        info->type = TC_SAMPLE_FLOAT64;
+        info->type_name = "float64";
+        info->integer = false;
+        return true;
+    default: break;
+    }
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 5, 0)
+    if (r->type == GDT_Int64 || r->type == GDT_UInt64) {
+        info->type = TC_SAMPLE_FLOAT64;
+        info->type_name = r->type == GDT_Int64 ? "int64" : "uint64";
+        r->type = GDT_Float64;
+        return true;
+    }
+#endif
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 7, 0)
+    if (r->type == GDT_Int8) {
+        info->type = TC_SAMPLE_INT8;
+        info->type_name = "int8";
+        return true;
+    }
+#endif
+    return false;
+}
+
+static void read_nodata(GDALRasterBandH band, tc_raster_info *info)
+{
+    int has = 0;
+    double value = GDALGetRasterNoDataValue(band, &has);
+#if GDAL_VERSION_NUM >= GDAL_COMPUTE_VERSION(3, 5, 0)
+    if (GDALGetRasterDataType(band) == GDT_Int64)
+        value = (double)GDALGetRasterNoDataValueAsInt64(band, &has);
+    else if (GDALGetRasterDataType(band) == GDT_UInt64)
+        value = (double)GDALGetRasterNoDataValueAsUInt64(band, &has);
+#endif
+    info->has_nodata = has;
+    info->nodata = has ? value : 0;
+}
+
+static void read_georeference(GDALDatasetH dataset, tc_raster_info *info)
+{
+    static const double unset[6] = {0, 1, 0, 0, 0, 1}; /* what GDAL means by "none" where it gives one all the same */
+    double t[6];
+    if (GDALGetGeoTransform(dataset, t) == CE_None && memcmp(t, unset, sizeof t) != 0) {
+        info->has_transform = true;
+        memcpy(info->transform, t, sizeof t);
+    }
+
+    const char *registration = GDALGetMetadataItem(dataset, "AREA_OR_POINT", NULL);
+    info->area_registered = info->has_transform && !(registration && EQUAL(registration, "Point"));
+
+    OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
+    if (!crs)
+        return;
+    if (OSRIsGeographic(crs)) {
+        info->crs = TC_CRS_GEOGRAPHIC;
+        info->crs_unit = OSRGetAngularUnits(crs, NULL);
+    } else if (OSRIsProjected(crs) || OSRIsLocal(crs)) {
+        char *unit = NULL; /* GDAL's */
+        info->crs_unit = OSRGetLinearUnits(crs, &unit);
+        if (unit && EQUAL(unit, "unknown"))
+            return; /* GDAL made the system up for a TIFF that only says how it is registered */
+        info->crs = TC_CRS_PROJECTED;
+    } else {
+        return;
+    }
+    OGRErr failed = OGRERR_NONE;
+    double semi_major = OSRGetSemiMajor(crs, &failed);
+    info->semi_major = failed == OGRERR_NONE ? semi_major : 0; /* on failure GDAL gives the Earth's */
+    failed = OGRERR_NONE;
+    double inverse_flattening = OSRGetInvFlattening(crs, &failed);
+    info->inverse_flattening = failed == OGRERR_NONE ? inverse_flattening : 0;
+
+    char *wkt = NULL;
+    const char *const format[] = {"FORMAT=WKT2_2018", NULL};
+    if (OSRExportToWktEx(crs, &wkt, format) == OGRERR_NONE && wkt && *wkt)
+        info->crs_wkt = strdup(wkt);
+    CPLFree(wkt);
+}
+
+/* Why rows cannot be read: messages of the threads that decode many blocks at once are lost, so the blocks are read one
+ * by one until one fails here. */
+static void find_damage(gdal_raster *r, int y, int height, void *samples, tc_gdal_messages *said)
+{
+    int width = (int)r->base.info.width, block_width = 0, block_height = 0;
+    GDALGetBlockSize(r->band, &block_width, &block_height);
+    if (block_width < 1 || block_height < 1)
+        return;
+    for (int row = y; row < y + height; row += block_height) {
+        int rows = y + height - row < block_height ? y + height - row : block_height;
+        for (int x = 0; x < width; x += block_width) {
+            int columns = width - x < block_width ? width - x : block_width;
+            if (GDALRasterIO(r->band, GF_Read, x, row, columns, rows, samples, columns, rows, r->type, 0, 0) ||
+                *said->failure)
+                return;
+        }
+    }
+}
+
+static tc_status read_rows(tc_raster *raster, int64_t row, int64_t rows, void *samples, uint8_t *mask, tc_error *error)
+{
+    gdal_raster *r = (gdal_raster *)raster;
+    int width = (int)r->base.info.width, y = (int)row, height = (int)rows;
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    CPLErr failed = GDALRasterIO(r->band, GF_Read, 0, y, width, height, samples, width, height, r->type, 0, 0);
+    if (!failed && r->mask)
+        failed = GDALRasterIO(r->mask, GF_Read, 0, y, width, height, mask, width, height, GDT_Byte, 0, 0);
+    if (failed && !*said.failure)
+        find_damage(r, y, height, samples, &said);
+    const char *why = tc_gdal_heard(&said);
+    if (failed)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read to its end, damaged or truncated: %s", r->path, why);
+    return TC_OK;
+}
+
+static void close_raster(tc_raster *raster)
+{
+    gdal_raster *r = (gdal_raster *)raster;
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    if (r->dataset)
+        GDALClose(r->dataset);
+    tc_gdal_heard(&said);
+    CSLDestroy(r->base.info.parts);
+    free(r->base.info.crs_wkt);
+    free(r);
+}
+
+/* A VRT is text that may name files on the network; nothing else that GDAL opens here does. */
+static bool names_remote_files(const char *path)
+{
+    static const char *const remote[] = {"/vsicurl",  "/vsis3",      "/vsigs",   "/vsiaz",  "/vsiadls", "/vsioss",
+                                         "/vsiswift", "/vsiwebhdfs", "/vsihdfs", "http://", "https://", "ftp://"};
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return false;
+    char *line = NULL;
+    size_t size = 0;
+    bool found = false;
+    while (!found && getline(&line, &size, file) > 0)
+        for (size_t i = 0; i < sizeof remote / sizeof *remote; i++)
+            /* Only where a source is named: coordinate systems cite URLs too. */
+            found |= strstr(line, "SourceFilename") && strstr(line, remote[i]);
+    free(line);
+    fclose(file);
+    return found;
+}
+
+/* Rows may be read in smaller portions than those of blocks: none should be decoded twice for that. */
+static void keep_two_rows_of_blocks(const gdal_raster *r)
+{
+    const tc_raster_info *info = &r->base.info;
+    GIntBig bytes = 2 * (GIntBig)info->width * info->block_rows * GDALGetDataTypeSizeBytes(r->type);
+    if (bytes > GDALGetCacheMax64() && bytes <= MOST_CACHE_BYTES)
+        GDALSetCacheMax64(bytes);
+}
+
+/* Fills in what the opened dataset says of itself, or refuses it. */
+static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_error *error)
+{
+    tc_raster_info *info = &r->base.info;
+    int bands = GDALGetRasterCount(r->dataset);
+    if (bands == 0)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: holds no raster of its own, expected one channel of heights",
+                       r->path);
+    r->band = GDALGetRasterBand(r->dataset, 1);
+    if (GDALGetRasterColorInterpretation(r->band) == GCI_PaletteIndex)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected heights, found indices into a palette of colours",
+                       r->path);
+    bool alpha = bands == 2 && GDALGetRasterColorInterpretation(GDALGetRasterBand(r->dataset, 2)) == GCI_AlphaBand;
+    if (bands > 2)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected one channel of heights, found %s channels: %s", r->path,
+                       bands == 3 ? "three" : "more than three", tc_channels_advice());
+    if (bands == 2 && !alpha)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected one channel of heights, found two of which the second is no mask", r->path);
+    if (!choose_type(r->band, r))
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected real numbers, found samples of type %s", r->path,
+                       GDALGetDataTypeName(r->type));
+
+    info->width = GDALGetRasterXSize(r->dataset);
+    info->height = GDALGetRasterYSize(r->dataset);
+    int block_width = 0, block_height = 0;
+    GDALGetBlockSize(r->band, &block_width, &block_height);
+    info->block_rows = block_height > 0 ? block_height : 1;
+    keep_two_rows_of_blocks(r);
+
+    read_nodata(r->band, info);
+    int flags = GDALGetMaskFlags(r->band);
+    if (!(flags & (GMF_ALL_VALID | GMF_NODATA)) || alpha) {
+        r->mask = GDALGetMaskBand(r->band);
+        info->has_mask = r->mask != NULL;
+    }
+    int given = 0;
+    double scale = GDALGetRasterScale(r->band, &given);
+    info->scale = given && scale != 0 && isfinite(scale) ? scale : 1;
+    double offset = GDALGetRasterOffset(r->band, &given);
+    info->offset = given && isfinite(offset) ? offset : 0;
+    snprintf(info->unit_name, sizeof info->unit_name, "%s", GDALGetRasterUnitType(r->band));
+    read_georeference(r->dataset, info);
+
+    char **sets = GDALGetMetadata(r->dataset, "SUBDATASETS");
+    if (CSLCount(sets) > 2 && options->say)
+        options->say(options->say_context, true, "the file holds several rasters; the first is shown");
+    return TC_OK;
+}
+
+static tc_status open_raster(const char *path, const tc_source_options *options, bool *recognised,
+                             tc_raster **raster_ret, tc_error *error)
+{
+    tc_gdal_start();
+    *recognised = false;
+    gdal_raster *r = calloc(1, sizeof *r + strlen(path) + 1);
+    if (!r)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory to open it", path);
+    strcpy(r->path, path);
+    r->base.read = read_rows;
+    r->base.close = close_raster;
+
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    GDALDriverH driver = GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL);
+    const char *name = driver ? GDALGetDriverShortName(driver) : "";
+    bool remote = EQUAL(name, "VRT") && names_remote_files(path);
+    if (driver && !remote) {
+        const char *const only[] = {name, NULL};
+        r->dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, only, NULL, NULL);
+    }
+    const char *why = tc_gdal_heard(&said);
+
+    tc_status status;
+    *recognised = driver != NULL; /* the file's format; whether it opens or not */
+    if (!driver) {
+        status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: of no elevation format that GDAL knows", path);
+    } else if (remote) {
+        status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: names files on the network, expected local files", path);
+    } else if (!r->dataset) {
+        status = tc_fail(error, TC_ERR_FORMAT, "%s: looks like %s but cannot be opened, damaged or truncated: %s", path,
+                         name, why);
+    } else {
+        tc_gdal_listen(&said);
+        if (EQUAL(name, "VRT"))
+            r->base.info.parts = GDALGetFileList(r->dataset);
+        status = describe(r, options, error);
+        tc_gdal_heard(&said);
+    }
+    if (status == TC_OK)
+        *raster_ret = &r->base;
+    else
+        close_raster(&r->base);
+    return status;
+}
+
+static bool same_crs(const char *wkt, const char *other_wkt)
+{
+    tc_gdal_start();
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    OGRSpatialReferenceH a = OSRNewSpatialReference(wkt), b = OSRNewSpatialReference(other_wkt);
+    /* The order of axes does not matter: transforms are always x, y. */
+    const char *const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES", "CRITERION=EQUIVALENT", NULL};
+    bool same = a && b && OSRIsSameEx(a, b, options);
+    OSRDestroySpatialReference(a);
+    OSRDestroySpatialReference(b);
+    tc_gdal_heard(&said);
+    return same;
+}
+
+extern const struct tc_gdal_plugin tc_plugin;
+const struct tc_gdal_plugin tc_plugin = {.open = open_raster, .write_tiff = tc_gdal_write_tiff, .same_crs = same_crs};

@@ -1,0 +1,263 @@
+/* plugin_oiio.cpp - terraclip-oiio.so: pictures through OpenImageIO, behind extern "C".
+ *
+ * Samples are read in their own type: reading integers as float would map them to 0..1. Rows are read one at a time
+ * where the format is row-wise: a read of many rows at once can report success for a truncated file. Loading
+ * OpenImageIO takes a quarter of a second and more than 100 MB, which is why it is a plugin of its own and the last
+ * to be tried. */
+#include "plugin_tables.h"
+
+extern "C" {
+#include "common/base/status.h"
+}
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <new>
+#include <string>
+#include <vector>
+
+#include <sys/stat.h>
+
+namespace
+{
+
+/* ---- Reading ---------------------------------------------------------------------------------------------------- */
+
+struct oiio_raster {
+    tc_raster base; /* first: a tc_raster pointer is one to this */
+    std::string path;
+    std::unique_ptr<OIIO::ImageInput> input;
+    OIIO::TypeDesc type;            /* of the buffers */
+    int alpha;                      /* channel that serves as mask, or -1 */
+    std::vector<unsigned char> row; /* one row or one row of tiles, all channels */
+    int64_t tile_row = -1;          /* which row of tiles it holds */
+};
+
+oiio_raster *self(tc_raster *raster)
+{
+    return reinterpret_cast<oiio_raster *>(raster);
+}
+
+/* OpenImageIO's message without its line ends. */
+std::string one_line(std::string text)
+{
+    while (!text.empty() && (text.back() == '\n' || text.back() == ' '))
+        text.pop_back();
+    std::replace(text.begin(), text.end(), '\n', ',');
+    return text.empty() ? "OpenImageIO gives no reason" : text;
+}
+
+bool choose_type(oiio_raster *r)
+{
+    const OIIO::ImageSpec &spec = r->input->spec();
+    tc_raster_info &info = r->base.info;
+    r->type = OIIO::TypeDesc((OIIO::TypeDesc::BASETYPE)spec.format.basetype);
+    info.integer = true;
+    switch (spec.format.basetype) {
+    case OIIO::TypeDesc::UINT8:
+        info.type = TC_SAMPLE_UINT8;
+        info.type_name = "uint8";
+        return true;
+    case OIIO::TypeDesc::INT8:
+        info.type = TC_SAMPLE_INT8;
+        info.type_name = "int8";
+        return true;
+    case OIIO::TypeDesc::UINT16:
+        info.type = TC_SAMPLE_UINT16;
+        info.type_name = "uint16";
+        return true;
+    case OIIO::TypeDesc::INT16:
+        info.type = TC_SAMPLE_INT16;
+        info.type_name = "int16";
+        return true;
+    case OIIO::TypeDesc::UINT32:
+        info.type = TC_SAMPLE_UINT32;
+        info.type_name = "uint32";
+        return true;
+    case OIIO::TypeDesc::INT32:
+        info.type = TC_SAMPLE_INT32;
+        info.type_name = "int32";
+        return true;
+    default: break;
+    }
+    info.integer = false;
+    switch (spec.format.basetype) {
+    case OIIO::TypeDesc::HALF:
+        info.type = TC_SAMPLE_FLOAT32;
+        info.type_name = "float16";
+        r->type = OIIO::TypeFloat; /* half to float is exact and not rescaled */
+        return true;
+    case OIIO::TypeDesc::FLOAT:
+        info.type = TC_SAMPLE_FLOAT32;
+        info.type_name = "float32";
+        return true;
+    case OIIO::TypeDesc::DOUBLE:
+        info.type = TC_SAMPLE_FLOAT64;
+        info.type_name = "float64";
+        return true;
+    default: return false;
+    }
+}
+
+/* Brings row y (from the top) of all channels to memory; NULL on failure. */
+const unsigned char *fetch_row(oiio_raster *r, int64_t y)
+{
+    const OIIO::ImageSpec &spec = r->input->spec();
+    size_t row_bytes = (size_t)spec.width * spec.nchannels * r->type.size();
+    if (spec.tile_width == 0) {
+        int at = spec.y + (int)y;
+        return r->input->read_scanlines(0, 0, at, at + 1, 0, 0, spec.nchannels, r->type, r->row.data()) ? r->row.data()
+                                                                                                        : nullptr;
+    }
+    int64_t tile_row = y / spec.tile_height;
+    if (tile_row != r->tile_row) {
+        int top = spec.y + (int)(tile_row * spec.tile_height);
+        int bottom = std::min(top + spec.tile_height, spec.y + spec.height);
+        r->tile_row = -1;
+        if (!r->input->read_tiles(0, 0, spec.x, spec.x + spec.width, top, bottom, spec.z, spec.z + 1, 0, spec.nchannels,
+                                  r->type, r->row.data()))
+            return nullptr;
+        r->tile_row = tile_row;
+    }
+    return r->row.data() + (size_t)(y - tile_row * spec.tile_height) * row_bytes;
+}
+
+tc_status read_rows(tc_raster *raster, int64_t row, int64_t rows, void *samples, uint8_t *mask, tc_error *error)
+{
+    oiio_raster *r = self(raster);
+    const OIIO::ImageSpec &spec = r->input->spec();
+    size_t size = r->type.size(), channels = (size_t)spec.nchannels;
+    try {
+        for (int64_t k = 0; k < rows; k++) {
+            const unsigned char *from = fetch_row(r, row + k);
+            if (!from)
+                return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read to its end, damaged or truncated: %s",
+                               r->path.c_str(), one_line(r->input->geterror()).c_str());
+            unsigned char *to = (unsigned char *)samples + (size_t)k * spec.width * size;
+            if (channels == 1) {
+                std::memcpy(to, from, spec.width * size);
+                continue;
+            }
+            static const unsigned char zero[8] = {0};
+            for (int i = 0; i < spec.width; i++) {
+                std::memcpy(to + i * size, from + (i * channels + (1 - r->alpha)) * size, size);
+                mask[k * spec.width + i] = std::memcmp(from + (i * channels + r->alpha) * size, zero, size) != 0;
+            }
+        }
+    } catch (const std::exception &failure) {
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read: %s", r->path.c_str(),
+                       one_line(failure.what()).c_str());
+    }
+    return TC_OK;
+}
+
+void close_raster(tc_raster *raster)
+{
+    delete self(raster);
+}
+
+tc_status describe(oiio_raster *r, const tc_source_options *options, tc_error *error)
+{
+    const OIIO::ImageSpec &spec = r->input->spec();
+    const char *path = r->path.c_str();
+    if (spec.deep || spec.depth > 1 || spec.width < 1 || spec.height < 1)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a flat picture, found a deep or empty one", path);
+    if (spec.nchannels > 2 || spec.nchannels < 1)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected one channel of heights, found %s channels: %s", path,
+                       spec.nchannels == 3 ? "three" : "more than three", tc_channels_advice());
+    r->alpha = spec.nchannels == 2 ? spec.alpha_channel : -1;
+    if (spec.nchannels == 2 && r->alpha < 0)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected one channel of heights, found two of which the second is no mask", path);
+    if (!choose_type(r))
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected real numbers, found samples of type %s", path,
+                       spec.format.c_str());
+    /* OpenEXR reads an uncompressed row that is too short for the claimed width without complaint. */
+    double bytes = (double)spec.width * spec.height * spec.nchannels * spec.format.size();
+    struct stat about;
+    if (spec.get_string_attribute("compression") == "none" && stat(path, &about) == 0 && (double)about.st_size < bytes)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged or truncated: expected at least %.0f bytes, found %lld", path,
+                       bytes, (long long)about.st_size);
+    tc_raster_info &info = r->base.info;
+    info.width = spec.width;
+    info.height = spec.height;
+    info.block_rows = spec.tile_height > 0 ? spec.tile_height : 1;
+    info.has_mask = r->alpha >= 0;
+    info.scale = 1;
+    size_t rows = spec.tile_height > 0 ? (size_t)spec.tile_height : 1;
+    r->row.resize((size_t)spec.width * rows * spec.nchannels * r->type.size());
+    if (options->say && r->input->seek_subimage(1, 0)) {
+        options->say(options->say_context, true, "the file holds several pictures; the first is shown");
+        r->input->seek_subimage(0, 0);
+    }
+    return TC_OK;
+}
+
+tc_status open_raster(const char *path, const tc_source_options *options, bool *recognised, tc_raster **raster_ret,
+                      tc_error *error)
+{
+    *recognised = false;
+    try {
+        auto r = std::make_unique<oiio_raster>();
+        r->base = tc_raster();
+        r->base.read = read_rows;
+        r->base.close = close_raster;
+        r->path = path;
+        OIIO::ImageSpec wish;
+        wish.attribute("oiio:UnassociatedAlpha", 1); /* heights must not come multiplied by their mask */
+        r->input = OIIO::ImageInput::open(path, &wish);
+        if (!r->input)
+            return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: cannot be opened as a picture: %s", path,
+                           one_line(OIIO::geterror()).c_str());
+        *recognised = true;
+        tc_status status = describe(r.get(), options, error);
+        if (status == TC_OK)
+            *raster_ret = &r.release()->base;
+        return status;
+    } catch (const std::bad_alloc &) {
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory to open it", path);
+    } catch (const std::exception &failure) {
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be opened: %s", path, one_line(failure.what()).c_str());
+    }
+}
+
+/* ---- Writing ---------------------------------------------------------------------------------------------------- */
+
+bool can_write(const char *path)
+{
+    bool known = OIIO::ImageOutput::create(path) != nullptr;
+    OIIO::geterror(); /* forget its message */
+    return known;
+}
+
+tc_status write_picture(const char *path, const char *temporary, int width, int height, const uint8_t *rgb,
+                        tc_error *error)
+{
+    try {
+        auto output = OIIO::ImageOutput::create(temporary);
+        if (!output)
+            return tc_fail(error, TC_ERR_USAGE,
+                           "%s: expected a picture format by its extension, found none that is known", path);
+        OIIO::ImageSpec spec(width, height, 3, OIIO::TypeUInt8);
+        spec.attribute("png:compressionLevel", 4); /* a third of the time of the default, a few per cent larger */
+        bool done = output->open(temporary, spec) && output->write_image(OIIO::TypeUInt8, rgb);
+        done = output->close() && done; /* closed in any case: the last bytes are written here */
+        if (!done)
+            return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", path, one_line(output->geterror()).c_str());
+        return TC_OK;
+    } catch (const std::exception &failure) {
+        return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", path, one_line(failure.what()).c_str());
+    }
+}
+
+} // namespace
+
+extern "C" {
+extern const struct tc_oiio_plugin tc_plugin;
+const struct tc_oiio_plugin tc_plugin = {open_raster, write_picture, can_write};
+}

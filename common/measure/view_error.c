@@ -1,0 +1,87 @@
+/* view_error.c - depths of a picture back to places, and their distance to the true terrain. */
+#include "view_error.h"
+
+#include <math.h>
+
+#include "common/view/camera.h"
+
+/* Towards (x, y), as long as it takes to be 1 along the camera's axis. */
+static void direction(const tc_camera *camera, double x, double y, double d[3])
+{
+    tc_basis b = tc_camera_basis(camera);
+    double tx, ty;
+    tc_camera_tangents(camera, &tx, &ty);
+    double u = (2 * x / camera->width - 1) * tx, v = (1 - 2 * y / camera->height) * ty;
+    for (int i = 0; i < 3; i++)
+        d[i] = b.forward[i] + u * b.right[i] + v * b.up[i];
+}
+
+static double length(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+void tc_view_ray(const tc_camera *camera, double x, double y, double ray_ret[3])
+{
+    direction(camera, x, y, ray_ret);
+    double l = length(ray_ret);
+    for (int i = 0; i < 3; i++)
+        ray_ret[i] /= l;
+}
+
+void tc_view_globe_place(const tc_camera *camera, double radius, const double from_eye[3], double position_ret[3])
+{
+    double s = sin(camera->y), c = cos(camera->y), up = radius + camera->z + from_eye[2];
+    double p[3] = {c * up - s * from_eye[1], from_eye[0], s * up + c * from_eye[1]}; /* of the eye's meridian */
+    position_ret[0] = camera->x + atan2(p[1], p[0]);
+    position_ret[1] = atan2(p[2], hypot(p[0], p[1]));
+    position_ret[2] = length(p) - radius;
+}
+
+/* Relative to the eye. */
+static void seen(const tc_camera *camera, double near_plane, double x, double y, float depth, double p[3])
+{
+    direction(camera, x, y, p);
+    for (int i = 0; i < 3; i++)
+        p[i] *= near_plane / (double)depth;
+}
+
+static void place(const tc_camera *camera, double radius, const double from_eye[3], double position[3])
+{
+    if (radius > 0) {
+        tc_view_globe_place(camera, radius, from_eye, position);
+        return;
+    }
+    position[0] = camera->x + from_eye[0];
+    position[1] = camera->y + from_eye[1];
+    position[2] = camera->z + from_eye[2];
+}
+
+void tc_view_unproject(const tc_camera *camera, double near_plane, double radius, double x, double y, float depth,
+                       double position_ret[3])
+{
+    double from_eye[3];
+    seen(camera, near_plane, x, y, depth, from_eye);
+    place(camera, radius, from_eye, position_ret);
+}
+
+tc_status tc_view_error_add(const tc_camera *camera, double near_plane, double radius, const float *depth,
+                            const tc_truth *truth, tc_error_stats *stats)
+{
+    double scale = tc_camera_pixel_scale(camera);
+    for (int j = 0; j < camera->height; j++)
+        for (int i = 0; i < camera->width; i++) {
+            float d = depth[(size_t)j * (size_t)camera->width + (size_t)i];
+            double from_eye[3], p[3], z;
+            if (d <= 0)
+                continue;
+            seen(camera, near_plane, i + 0.5, j + 0.5, d, from_eye);
+            place(camera, radius, from_eye, p);
+            tc_status status = truth->height(truth->context, p[0], p[1], &z);
+            if (status)
+                return status;
+            if (isfinite(z))
+                tc_error_stats_add(stats, fabs(p[2] - z) / length(from_eye) * scale);
+        }
+    return TC_OK;
+}

@@ -1,0 +1,107 @@
+/* container.h - the head of a packed file and where its parts lie: docs/format.md says it byte by byte.
+ *
+ *     head | level base + 1 | level base + 2 | ... | level m
+ *     level: directory of pages | for each page: the page, then its tiles in order
+ *
+ * Levels up to `base` have at most TC_BASE_SIZE samples along a side; the heights of level `base` stand in the head,
+ * and those of coarser levels are made from them. */
+#ifndef TC_CONTAINER_H
+#define TC_CONTAINER_H
+
+#include "common/codec/lifting/codec.h"
+#include "common/field/field.h"
+#include "common/base/byte_order.h"
+#include "index_page.h"
+
+enum {
+    TC_CONTAINER_VERSION = 2, /* the newest; what needs no more is written as version 1 */
+    TC_HEAD_FIXED = 20,       /* bytes that every head begins with; from TC_HEAD_SIZE_AT on, its size */
+    TC_HEAD_SIZE_AT = 12,
+    TC_BASE_SIZE = 16,
+    TC_DIRECTORY_ENTRY = 16,  /* bytes */
+    TC_DIRECTORY_CHUNK = 255, /* entries that share a checksum */
+    TC_CAP_CHARTS = 2         /* north, south */
+};
+
+/* How a level's tiles are coded. */
+typedef enum tc_coder {
+    TC_CODER_LIFTING,     /* codec.h */
+    TC_CODER_CORRECTIONS, /* codec.h, then codec_correction.h on the heights that result */
+    TC_CODER_EXACT,       /* codec_exact.h */
+    TC_CODER_LH04,        /* codec_lh04.h */
+    TC_CODERS
+} tc_coder;
+
+/* A level that is coded in tiles. */
+typedef struct tc_level_record {
+    tc_coder coder;
+    bool mask;                               /* some sample is void */
+    int64_t begin, end;                      /* bytes of the file */
+    int32_t lowest, highest;                 /* reconstructed heights, in height units */
+    float rms, max_error, residual_variance; /* metres, square metres */
+    int32_t correction_snap;                 /* height units; heights are rounded to multiples before corrections */
+    int32_t correction_step;                 /* height units; TC_CODER_CORRECTIONS */
+    uint8_t *model;                          /* header of the level's model; owned */
+    size_t model_size;
+} tc_level_record;
+
+typedef struct tc_container {
+    tc_packed_info info;              /* terrain.georef.crs_wkt owned */
+    int wraps_from;                   /* the coarsest level that wraps; above `levels`: none does */
+    double z_unit, z_origin;          /* a height is z_origin + z_unit * k metres above z_base */
+    double z_min, z_max;              /* metres above z_base, of the source without voids */
+    int64_t voids;                    /* of the finest level */
+    int64_t cap_bytes[TC_CAP_CHARTS]; /* of the caps' containers, which follow level m; planets of 3 charts */
+    int levels, base;
+    tc_level level[TC_MAX_FIELD_LEVELS];         /* [l - 1] */
+    tc_level_record record[TC_MAX_FIELD_LEVELS]; /* [l - 1]; for l > base */
+    int32_t base_z[TC_BASE_SIZE * TC_BASE_SIZE]; /* [j * width + i] */
+    uint8_t base_void[TC_BASE_SIZE * TC_BASE_SIZE];
+} tc_container;
+
+/* Sets levels, base and wraps_from from info.terrain. */
+void tc_container_set_levels(tc_container *c);
+
+/* Level l > 1 as the transform sees it. It wraps where the next coarser one still does: where its width is even. */
+tc_lifting_level tc_container_lifting(const tc_container *c, int l);
+void tc_container_free(tc_container *c);
+
+/* Where cap n, 0 or 1, of a planet with 3 charts begins: behind level m and the caps before. */
+int64_t tc_container_cap_begin(const tc_container *c, int n);
+
+/* A planet's chart of longitude and latitude, radians: sample (i, j) lies at (x0 + i dx, y0 + j dy). round: it goes
+ * once around; poles: it also reaches both to within a row, so that there can be caps. False where the terrain's
+ * georeference has no such chart. */
+typedef struct tc_globe {
+    double x0, y0, dx, dy;
+    bool round, poles;
+} tc_globe;
+bool tc_terrain_globe(const tc_pack_terrain *terrain, tc_globe *globe_ret);
+
+/* Pages of a level, and where its directory's entries stand in its bytes. */
+typedef struct tc_pages {
+    int64_t tiles_x, tiles_y, pages_x, pages_y;
+} tc_pages;
+tc_pages tc_level_pages(const tc_level *level);
+int64_t tc_directory_bytes(const tc_pages *pages);
+static inline int64_t tc_directory_chunk_offset(int64_t chunk)
+{
+    return chunk * (TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY + 4);
+}
+
+/* Tiles of page (px, py): a rectangle of tiles. */
+tc_rect tc_page_tiles(const tc_pages *pages, int64_t px, int64_t py);
+
+/* Head as bytes. Its size does not depend on begin, end, info.bytes and the numbers that measure; so it can be written
+ * again once they are known. */
+tc_status tc_container_write(const tc_container *c, tc_byte_writer *writer);
+
+/* Reads a head. `size`: bytes at hand; *head_size_ret, also where TC_ERR_FORMAT says that they are too few: how many
+ * are needed (0: no packed file). subject is named in errors. */
+tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t size, tc_container *c_ret,
+                            size_t *head_size_ret, tc_error *error);
+
+/* Whether a file starts as packed terrains do. */
+bool tc_container_is(const uint8_t *bytes, size_t size);
+
+#endif

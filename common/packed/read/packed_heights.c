@@ -1,0 +1,411 @@
+/* packed_heights.c - heights of a rectangle, in height units: from the coarser level around half of it and from the
+ * tiles that it touches; the coarser level's likewise, down to a level small enough to be held whole. A damaged tile
+ * counts as one without details. */
+#include "common/base/rect.h"
+#include "packed_internal.h"
+
+static bool is_whole(const packed_field *p, int l)
+{
+    const tc_level *level = &p->head.level[l - 1];
+    return l <= p->file.container.base || (level->width <= WHOLE_SIZE && level->height <= WHOLE_SIZE);
+}
+
+tc_status tc_scratch_plane(scratch *s, tc_rect rect, tc_plane *plane_ret)
+{
+    *plane_ret = (tc_plane){tc_scratch_take(s, (size_t)tc_rect_area(rect) * sizeof(int32_t)), rect.x1 - rect.x0, rect};
+    return plane_ret->z ? TC_OK : TC_ERR_MEMORY;
+}
+
+/* Where a level's tiles go: those of the planes that the coder makes use of. */
+typedef struct tile_planes {
+    tc_plane band[TC_BANDS], sample, correction;
+} tile_planes;
+
+static void copy_rect(const int32_t *from, ptrdiff_t stride, tc_rect rect, const tc_plane *to)
+{
+    tc_rect r = tc_rect_intersect(rect, to->rect);
+    for (int64_t y = r.y0; y < r.y1; y++)
+        memcpy(tc_plane_at(to, r.x0, y), from + (y - rect.y0) * stride + r.x0 - rect.x0,
+               (size_t)(r.x1 - r.x0) * sizeof *from);
+}
+
+/* The same for planes that may stick out of a level `width` wide, on every turn that they reach into. */
+static void copy_round(const int32_t *from, ptrdiff_t stride, tc_rect rect, int64_t width, const tc_plane *to)
+{
+    for (int64_t turn = tc_turn(to->rect.x0, width); turn < to->rect.x1; turn += width)
+        copy_rect(from, stride, (tc_rect){rect.x0 + turn, rect.y0, rect.x1 + turn, rect.y1}, to);
+}
+
+static void copy_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_decoded_tile *tile,
+                      const tile_planes *to)
+{
+    tc_rect samples = tc_level_coder_samples(c, tx, ty), positions = tc_level_coder_positions(c, tx, ty);
+    int64_t width = c->level.width, cw = tc_coarse_size(width);
+    if (c->codec)
+        for (int b = 0; b < TC_BANDS; b++)
+            copy_round(tile->band[b][0], TC_TILE, positions, cw, &to->band[b]);
+    else
+        copy_round(tile->sample[0], TC_TILE_SIDE, samples, width, &to->sample);
+    if (c->correction)
+        copy_round(tile->correction[0], TC_TILE_SIDE, samples, width, &to->correction);
+}
+
+/* ---- Empty tiles -------------------------------------------------------------------------------------------------
+ *
+ * What a tile without a byte gives follows from the coarser level alone, so that it need neither be kept nor made as a
+ * whole: it is worked out where it is wanted. */
+
+/* The rectangle, in positions, of a tile on the turn that begins at `turn`. */
+static tc_rect tile_on_turn(const tc_level_coder *c, int64_t tx, int64_t ty, int64_t turn)
+{
+    tc_rect r = tc_level_coder_positions(c, tx, ty);
+    return (tc_rect){r.x0 + turn, r.y0, r.x1 + turn, r.y1};
+}
+
+static void clear_rect(tc_rect rect, int64_t width, const tc_plane *to)
+{
+    for (int64_t turn = tc_turn(to->rect.x0, width); turn < to->rect.x1; turn += width) {
+        tc_rect r = tc_rect_intersect((tc_rect){rect.x0 + turn, rect.y0, rect.x1 + turn, rect.y1}, to->rect);
+        for (int64_t y = r.y0; y < r.y1; y++)
+            memset(tc_plane_at(to, r.x0, y), 0, (size_t)(r.x1 - r.x0) * sizeof *to->z);
+    }
+}
+
+/* As copy_tile() of what decoding the tile would give. */
+static void predict_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const tc_plane *coarse, const tile_planes *to,
+                         scratch *s)
+{
+    tc_rect all = to->band[0].rect;
+    int64_t cw = tc_coarse_size(c->level.width);
+    for (int64_t turn = tc_turn(all.x0, cw); turn < all.x1; turn += cw) {
+        tc_rect part = tc_rect_intersect(tile_on_turn(c, tx, ty, turn), all);
+        if (!tc_rect_empty(part))
+            tc_codec_predict(c->codec, part, coarse, to->band, s->work[0], TC_SIMD_AUTO);
+    }
+    if (c->correction)
+        clear_rect(tc_level_coder_samples(c, tx, ty), c->level.width, &to->correction);
+}
+
+/* ---- Tiles of a rectangle ---------------------------------------------------------------------------------------- */
+
+/* The least rectangle that holds both. */
+static tc_rect rect_around(tc_rect a, tc_rect b)
+{
+    if (tc_rect_empty(a) || tc_rect_empty(b))
+        return tc_rect_empty(a) ? b : a;
+    return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
+}
+
+/* A tile of a gathering. */
+typedef struct wanted_tile {
+    int64_t tx, ty;
+    int64_t turn;    /* positions: where the gathering goes round, the turn on which it meets the tile first */
+    bool empty;      /* a tile of details without a byte */
+    tc_block *block; /* NULL: it is empty, or another thread is making it */
+} wanted_tile;
+
+/* Columns of tiles that positions x0 .. x1 - 1 touch, each once: the first of them, on its turn; the others follow. */
+typedef struct tile_columns {
+    int64_t turn, first, count, across;
+} tile_columns;
+
+static tile_columns columns_of(const tc_level_coder *c, int64_t x0, int64_t x1)
+{
+    int64_t cw = tc_coarse_size(c->level.width), turn = tc_turn(x0, cw), last_turn = tc_turn(x1 - 1, cw);
+    tile_columns t = {turn, (x0 - turn) / TC_TILE, 0, (cw + TC_TILE - 1) / TC_TILE};
+    t.count = tc_min64(t.across, (last_turn - turn) / cw * t.across + (x1 - 1 - last_turn) / TC_TILE - t.first + 1);
+    return t;
+}
+
+static wanted_tile column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty)
+{
+    int64_t at = t->first + n;
+    return (wanted_tile){at % t->across, ty, t->turn + at / t->across * tc_coarse_size(c->level.width), false, NULL};
+}
+
+static uint64_t tile_key(int l, int64_t across, const wanted_tile *t)
+{
+    return (uint64_t)l << 56 | (uint64_t)(t->ty * across + t->tx);
+}
+
+/* Whether it is known to be empty. now: without reading the file. */
+static bool is_empty(packed_field *p, int l, const wanted_tile *t, bool now)
+{
+    tc_tile_entry entry;
+    return p->level[l - 1].coder.codec && (!now || tc_packed_file_known(&p->file, l, t->tx, t->ty)) &&
+           tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry) == TC_OK && tc_tile_bytes(&entry) == 0;
+}
+
+/* Reads the part of the coarser level that `need` and making the tiles take. */
+static tc_status read_coarse(packed_field *p, int l, tc_rect need, const wanted_tile *tile, int count, tc_plane *coarse,
+                             scratch *s)
+{
+    for (int n = 0; n < count; n++)
+        if (tile[n].block && !tile[n].block->made) {
+            tc_rect own = tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty);
+            own.x0 += tile[n].turn, own.x1 += tile[n].turn;
+            need = rect_around(need, own);
+        }
+    tc_status status = tc_scratch_plane(s, need, coarse);
+    return status ? status : tc_packed_units(p, l - 1, coarse, s);
+}
+
+/* Tiles of one turn read and decoded, one or two. What is wrong with them is counted, and they count as empty. */
+static tc_status make_few(packed_field *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
+                          scratch *s)
+{
+    tc_level_tile job[AT_ONCE];
+    for (int n = 0; n < count; n++) {
+        tc_level_tile *t = &job[n];
+        *t = (tc_level_tile){
+            .tx = tile[n]->tx, .ty = tile[n]->ty, .to = (tc_decoded_tile *)tile[n]->block->bytes, .work = s->work[n]};
+        tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &t->entry);
+        if (!status)
+            status = tc_packed_file_tile(&p->file, &t->entry, s->stream[n], tc_level_coder_bound());
+        if (status && status != TC_ERR_FORMAT) /* no damage: it may come another time */
+            return status;
+        t->bytes = status ? NULL : s->stream[n];
+    }
+    tc_plane turned = *coarse; /* as the tiles see it */
+    turned.rect.x0 -= tile[0]->turn, turned.rect.x1 -= tile[0]->turn;
+    tc_level_coder_decode(&p->level[l - 1].coder, job, count, &turned);
+    for (int n = 0; n < count; n++)
+        if (job[n].status)
+            p->damaged++;
+        else
+            p->decoded += tc_tile_bytes(&job[n].entry);
+    return TC_OK;
+}
+
+/* Makes those tiles that nobody else has made or is making; where the coarser level could not be had (NULL), or bytes
+ * cannot, they fail. */
+static tc_status make_tiles(packed_field *p, int l, const wanted_tile *tile, int count, const tc_plane *coarse,
+                            scratch *s)
+{
+    const wanted_tile *few[AT_ONCE];
+    int held = 0;
+    tc_status status = TC_OK;
+    for (int n = 0; n < count; n++) {
+        if (tile[n].block && !tile[n].block->made)
+            few[held++] = &tile[n];
+        if (held == 0 || (held < AT_ONCE && n < count - 1 && tile[n + 1].turn == few[0]->turn))
+            continue;
+        if (coarse && !status)
+            status = make_few(p, l, few, held, coarse, s);
+        for (; held > 0; held--)
+            tc_block_made(&p->tiles, few[held - 1]->block, coarse && !status);
+    }
+    return status;
+}
+
+/* A tile that another thread was making. */
+static tc_status await_tile(packed_field *p, int l, uint64_t key, wanted_tile *t, scratch *s)
+{
+    if (!(t->block = tc_block_pin(&p->tiles, key)))
+        return TC_ERR_MEMORY;
+    if (t->block->made)
+        return TC_OK;
+    mark m = tc_scratch_here(s);
+    tc_plane coarse = {0};
+    tc_status status = read_coarse(p, l, (tc_rect){0, 0, 0, 0}, t, 1, &coarse, s);
+    tc_status made = make_tiles(p, l, t, 1, status ? NULL : &coarse, s);
+    tc_scratch_return(s, m);
+    return status ? status : made;
+}
+
+/* Reads at least `need` of the coarser level, and copies from all tiles that touch the positions; empty ones it works
+ * out. First it takes the tiles that nobody is making, makes what is missing of them from one reading of the coarser
+ * level, and only then waits for others: who waits for a tile holds no unmade one of its level or a coarser one, so
+ * that somebody always goes on. */
+static tc_status gather(packed_field *p, int l, tc_rect positions, tc_rect need, const tile_planes *to,
+                        tc_plane *coarse, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    tile_columns t = columns_of(coder, positions.x0, positions.x1);
+    int64_t across = t.across, ty = positions.y0 / TC_TILE, all = ((positions.y1 - 1) / TC_TILE + 1 - ty) * t.count;
+    wanted_tile *tile = tc_scratch_take(s, (size_t)all * sizeof *tile);
+    if (!tile)
+        return TC_ERR_MEMORY;
+    int count = 0;
+    tc_status status = TC_OK;
+    for (int64_t k = 0; k < all && !status; k++) {
+        wanted_tile *w = &tile[count];
+        bool busy = false;
+        *w = column(coder, &t, k % t.count, ty + k / t.count);
+        if ((w->empty = is_empty(p, l, w, false)))
+            need = rect_around(need, tc_codec_tile_needs(coder->codec, positions));
+        else
+            w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
+        if (w->empty || w->block || busy)
+            count++;
+        else
+            status = TC_ERR_MEMORY;
+    }
+    if (!status)
+        status = read_coarse(p, l, need, tile, count, coarse, s);
+    tc_status made = make_tiles(p, l, tile, count, status ? NULL : coarse, s);
+    status = status ? status : made;
+    for (int n = 0; n < count; n++) {
+        if (tile[n].empty) {
+            if (!status)
+                predict_tile(coder, tile[n].tx, tile[n].ty, coarse, to, s);
+            continue;
+        }
+        if (!tile[n].block && !status)
+            status = await_tile(p, l, tile_key(l, across, &tile[n]), &tile[n], s);
+        if (!tile[n].block)
+            continue;
+        if (!status)
+            copy_tile(coder, tile[n].tx, tile[n].ty, (const tc_decoded_tile *)tile[n].block->bytes, to);
+        tc_block_release(&p->tiles, tile[n].block);
+    }
+    return status;
+}
+
+/* Details and the coarser level make heights, which may then be corrected. */
+static tc_status synthesise_lifting(packed_field *p, int l, const tc_plane *to, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    tc_rect need = tc_lifting_needs(&coder->level, to->rect);
+    tile_planes planes = {0};
+    tc_plane coarse = {0};
+    tc_status status = TC_OK;
+    for (int b = 0; b < TC_BANDS && !status; b++)
+        status = tc_scratch_plane(s, need, &planes.band[b]);
+    if (!status && coder->correction)
+        status = tc_scratch_plane(s, to->rect, &planes.correction);
+    if (!status)
+        status = gather(p, l, need, need, &planes, &coarse, s);
+    int32_t *work = NULL;
+    if (!status && !(work = tc_scratch_take(s, tc_lifting_synthesise_scratch(&coder->level, to->rect) * sizeof *work)))
+        status = TC_ERR_MEMORY;
+    if (status)
+        return status;
+    tc_lifting_synthesise(&coder->level, &coarse, planes.band, to, work, TC_SIMD_AUTO);
+    for (int64_t y = to->rect.y0; y < to->rect.y1 && coder->correction; y++) {
+        int32_t *z = tc_plane_at(to, to->rect.x0, y);
+        const int32_t *k = tc_plane_at(&planes.correction, to->rect.x0, y);
+        for (int64_t i = 0; i < to->rect.x1 - to->rect.x0; i++)
+            z[i] = tc_corrected(coder, z[i], k[i]);
+    }
+    return TC_OK;
+}
+
+/* Positions whose tiles reading rect takes, and the part of the coarser level. */
+static tc_rect positions_of(const tc_level_coder *c, tc_rect rect)
+{
+    return c->codec ? tc_lifting_needs(&c->level, rect)
+                    : (tc_rect){tc_floor_shift(rect.x0, 1), rect.y0 / 2, tc_ceil_shift(rect.x1, 1), (rect.y1 + 1) / 2};
+}
+
+static tc_rect coarse_of(const tc_level_coder *c, tc_rect rect)
+{
+    return c->codec  ? tc_lifting_needs(&c->level, rect)
+           : c->lh04 ? tc_lh04_needs(&c->level, rect)
+                     : (tc_rect){0, 0, 0, 0};
+}
+
+static tc_status synthesise(packed_field *p, int l, const tc_plane *to, scratch *s)
+{
+    const tc_level_coder *coder = &p->level[l - 1].coder;
+    mark m = tc_scratch_here(s);
+    tc_status status = TC_OK;
+    if (coder->codec) {
+        status = synthesise_lifting(p, l, to, s);
+    } else {
+        tc_plane coarse = {0};
+        status = gather(p, l, positions_of(coder, to->rect), coarse_of(coder, to->rect), &(tile_planes){.sample = *to},
+                        &coarse, s);
+        if (!status && coder->lh04)
+            tc_lh04_assemble(&coder->level, &coarse, to, to);
+    }
+    tc_scratch_return(s, m);
+    return status;
+}
+
+/* Makes a level's decoder and, for a small one, its heights. */
+static tc_status prepare(packed_field *p, int l, scratch *s)
+{
+    level_state *level = &p->level[l - 1];
+    if (level->ready)
+        return level->status;
+    pthread_mutex_lock(&level->mutex);
+    if (!level->ready) {
+        const tc_level *size = &p->head.level[l - 1];
+        const tc_container *c = &p->file.container;
+        tc_lifting_level lifting = l > c->base ? tc_container_lifting(c, l) : (tc_lifting_level){0};
+        tc_status status = l > c->base ? tc_level_coder_init(&level->coder, &lifting, &c->record[l - 1]) : TC_OK;
+        if (!status && l > c->base && is_whole(p, l)) {
+            tc_plane whole = {malloc((size_t)(size->width * size->height) * sizeof(int32_t)),
+                              size->width,
+                              {0, 0, size->width, size->height}};
+            status = whole.z ? synthesise(p, l, &whole, s) : TC_ERR_MEMORY;
+            level->whole = whole.z;
+        }
+        level->status = status;
+        if (status == TC_OK || status == TC_ERR_FORMAT) {
+            level->ready = true;
+        } else { /* another time */
+            tc_level_coder_free(&level->coder);
+            free(level->whole);
+            level->whole = NULL;
+        }
+    }
+    tc_status status = level->status;
+    pthread_mutex_unlock(&level->mutex);
+    return status;
+}
+
+tc_status tc_packed_units(packed_field *p, int l, const tc_plane *to, scratch *s)
+{
+    if (tc_rect_empty(to->rect))
+        return TC_OK;
+    tc_status status = prepare(p, l, s);
+    const level_state *level = &p->level[l - 1];
+    tc_rect r = to->rect;
+    int64_t width = p->head.level[l - 1].width;
+    if (status)
+        return status;
+    if (level->whole) {
+        copy_round(level->whole, width, (tc_rect){0, 0, width, p->head.level[l - 1].height}, width, to);
+        return TC_OK;
+    }
+    if (level->coder.level.wrap_x || (r.x0 >= 0 && r.x1 <= width))
+        return synthesise(p, l, to, s);
+    /* The last level that goes round: what it is made of does not. */
+    for (int64_t x = r.x0, x1; x < r.x1 && !status; x = x1) {
+        int64_t turn = tc_turn(x, width);
+        x1 = tc_min64(r.x1, turn + width);
+        tc_plane part = {tc_plane_at(to, x, r.y0), to->stride, {x - turn, r.y0, x1 - turn, r.y1}};
+        status = synthesise(p, l, &part, s);
+    }
+    return status;
+}
+
+bool tc_packed_decoded(packed_field *p, int l, tc_rect rect)
+{
+    for (; !is_whole(p, l) && !tc_rect_empty(rect); l--) {
+        if (!p->level[l - 1].ready || p->level[l - 1].status)
+            return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
+        const tc_level_coder *coder = &p->level[l - 1].coder;
+        if (!coder->level.wrap_x && (rect.x0 < 0 || rect.x1 > coder->level.width))
+            rect.x0 = 0, rect.x1 = coder->level.width;
+        tc_rect r = positions_of(coder, rect);
+        tile_columns t = columns_of(coder, r.x0, r.x1);
+        int64_t y0 = r.y0 / TC_TILE, y1 = (r.y1 - 1) / TC_TILE + 1;
+        bool empty = false;
+        if ((y1 - y0) * t.count > p->tiles.most / 4)
+            return true;
+        for (int64_t ty = y0; ty < y1; ty++)
+            for (int64_t n = 0; n < t.count; n++) {
+                wanted_tile tile = column(coder, &t, n, ty);
+                if (tc_block_has(&p->tiles, tile_key(l, t.across, &tile)))
+                    continue;
+                if (!is_empty(p, l, &tile, true))
+                    return false;
+                empty = true;
+            }
+        rect = empty ? tc_codec_tile_needs(coder->codec, r) : coarse_of(coder, rect);
+    }
+    return tc_rect_empty(rect) || p->level[l - 1].ready;
+}

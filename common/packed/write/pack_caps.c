@@ -1,0 +1,220 @@
+/* pack_caps.c - a planet's polar caps: resampled from its filled heights once all have been put, and packed as terrains
+ * of their own. */
+#include <errno.h>
+#include <fcntl.h>
+#include <float.h>
+#include <math.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "common/chart/atlas_caps.h"
+#include "common/base/outfile.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "pack_internal.h"
+
+static tc_lonlat lonlat_of(const tc_pack_terrain *t, const tc_globe *g)
+{
+    return (tc_lonlat){t->width, t->height, g->x0, g->y0, g->dx, g->dy};
+}
+
+/* Samples of both caps; 0: there are none. */
+static double cap_samples(const tc_pack_terrain *t)
+{
+    tc_globe globe;
+    if (!(t->radius > 0) || !tc_terrain_globe(t, &globe) || !globe.poles)
+        return 0;
+    tc_lonlat grid = lonlat_of(t, &globe);
+    double side = (double)tc_caps_side(&grid);
+    return TC_CAP_CHARTS * side * side;
+}
+
+double tc_pack_caps_share(const tc_pack_terrain *t)
+{
+    double samples = cap_samples(t);
+    return samples / (samples + (double)t->width * (double)t->height);
+}
+
+/* ---- Heights --------------------------------------------------------------------------------------------------- */
+
+/* The heights of a cap, written in all places at once: a file without a name, which need not stay in memory. */
+typedef struct cap_memory {
+    void *bytes;
+    size_t size;
+    tc_cap_target target;
+} cap_memory;
+
+static tc_status reserve(const tc_packer *p, int64_t side, cap_memory *m, tc_error *error)
+{
+    size_t samples = (size_t)(side * side);
+    m->size = samples * (sizeof(float) + 1);
+    int file = tc_outfile_nameless(p->path);
+    int why = errno;
+    m->bytes = MAP_FAILED;
+    /* All of its room at once: a disk that is full while a mapping is written to would be a signal, not an error. */
+    if (file >= 0 && (why = posix_fallocate(file, 0, (off_t)m->size)) == 0) {
+        m->bytes = mmap(NULL, m->size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+        why = errno;
+    }
+    if (file >= 0)
+        close(file);
+    if (m->bytes == MAP_FAILED) {
+        m->bytes = NULL;
+        return tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made beside it: %s", p->path,
+                       (double)m->size / (1 << 30), strerror(why));
+    }
+    m->target.z = m->bytes;
+    m->target.voids = p->container.voids > 0 ? (uint8_t *)m->bytes + samples * sizeof(float) : NULL;
+    return TC_OK;
+}
+
+/* Lets go of the pages; what they hold stays in the file. */
+static void forget(const cap_memory *m)
+{
+    if (m->bytes)
+        madvise(m->bytes, m->size, MADV_DONTNEED);
+}
+
+static void release(cap_memory *m)
+{
+    if (m->bytes)
+        munmap(m->bytes, m->size);
+    m->bytes = NULL;
+}
+
+/* Gives rows y0 .. y1 - 1 of the planet to the caps. */
+static tc_status give_rows(const tc_packer *p, tc_caps *caps, const cap_memory memory[TC_CAPS], int64_t y0, int64_t y1,
+                           tc_error *error)
+{
+    int64_t w = p->container.info.terrain.width, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, y1 - y0);
+    bool some = p->container.voids > 0;
+    float *z = malloc((size_t)(rows * w) * sizeof *z);
+    uint8_t *voids = some ? malloc((size_t)(rows * w)) : NULL;
+    tc_status status = TC_OK;
+    if (!z || (some && !voids))
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    for (int64_t y = y0; y < y1 && !status; y += rows) {
+        int64_t end = tc_min64(y + rows, y1);
+        status = tc_pack_source_rows(p, y, end, z, error);
+        if (!status && some)
+            status = tc_pack_mask_rows(p, p->container.levels, y, end, voids, w, error);
+        if (!status && (status = tc_caps_put(caps, y, end - y, z, voids)))
+            tc_fail(error, status, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(status));
+        for (int n = 0; n < TC_CAPS; n++)
+            forget(&memory[n]);
+    }
+    free(z), free(voids);
+    return status;
+}
+
+static tc_status make_heights(const tc_packer *p, const tc_lonlat *grid, const cap_memory memory[TC_CAPS],
+                              tc_error *error)
+{
+    const tc_cap_target target[TC_CAPS] = {memory[0].target, memory[1].target};
+    int64_t reach = tc_caps_reach(grid), h = grid->height, north = tc_max64(h - reach, 0);
+    tc_caps *caps = NULL;
+    tc_status status = tc_caps_create(grid, target, p->options.threads, &caps), finished = TC_OK;
+    if (status)
+        return tc_fail(error, status, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(status));
+    status = give_rows(p, caps, memory, 0, tc_min64(reach, h), error);
+    if (!status)
+        status = give_rows(p, caps, memory, tc_max64(north, tc_min64(reach, h)), h, error);
+    if (!status && (finished = tc_caps_finish(caps, NULL)))
+        status = tc_fail(error, finished, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(finished));
+    tc_caps_destroy(caps);
+    return status;
+}
+
+static bool is_all_void(const cap_memory *m, int64_t side)
+{
+    return m->target.voids && !memchr(m->target.voids, 0, (size_t)(side * side));
+}
+
+/* ---- Packing --------------------------------------------------------------------------------------------------- */
+
+/* A cap moves the planet's progress when it is done; whether to go on is asked meanwhile. */
+static bool keep_on(void *planet, double done)
+{
+    (void)done;
+    return tc_pack_progress(planet, 0, NULL) == TC_OK;
+}
+
+/* A cap's error is that of the planet; but resampled heights lie on no lattice. What is lossless is kept to half a
+ * stored unit there, and no error is smaller than what height units and floats hold. */
+static tc_pack_options options_of(tc_packer *p)
+{
+    const double least = 40 * ((double)p->z_max - p->z_min + fmax(fabs((double)p->z_min), fabs((double)p->z_max)));
+    tc_pack_options o = p->options;
+    double origin, error = o.error;
+    if (o.mode == TC_PACK_LOSSLESS) {
+        o.mode = TC_PACK_MAX_ERROR;
+        error = 0.5 * tc_pack_lattice(p, &origin);
+    }
+    o.error = fmax(error, ldexp(least, -23));
+    o.error = fmax(o.error, DBL_MIN);
+    o.lattice = 0;
+    o.progress = keep_on;
+    o.progress_context = p;
+    return o;
+}
+
+static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const cap_memory *memory, tc_packer **cap_ret,
+                          tc_error *error)
+{
+    const tc_pack_terrain *planet = &p->container.info.terrain;
+    int64_t side = tc_caps_side(grid);
+    tc_pack_terrain t = {.width = side,
+                         .height = side,
+                         .spacing_x = grid->dy * planet->radius,
+                         .spacing_y = grid->dy * planet->radius,
+                         .z_base = planet->z_base,
+                         .georef = {.semi_major = planet->georef.semi_major},
+                         .sample_type = TC_SAMPLE_FLOAT32,
+                         .unit = 1,
+                         .offset = planet->z_base,
+                         .voids = planet->voids,
+                         .void_constant = planet->void_constant};
+    tc_pack_options options = options_of(p);
+    tc_status status = tc_packer_create(p->path, &t, &options, cap_ret, error);
+    int64_t rows = tc_clamp64(((int64_t)1 << 20) / side, 1, side);
+    if (!status)
+        (*cap_ret)->filled = true;
+    for (int64_t y = 0; y < side && !status; y += rows) {
+        tc_rect rect = {0, y, side, tc_min64(y + rows, side)};
+        const uint8_t *voids = memory->target.voids;
+        forget(memory); /* the rows before */
+        status =
+            tc_packer_put(*cap_ret, rect, memory->target.z + y * side, voids ? voids + y * side : NULL, side, error);
+    }
+    return status ? status : tc_pack_all_levels(*cap_ret, error);
+}
+
+tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *error)
+{
+    const tc_pack_terrain *t = &p->container.info.terrain;
+    tc_globe globe;
+    if (!tc_terrain_globe(t, &globe) || !globe.poles)
+        return TC_OK;
+    tc_lonlat grid = lonlat_of(t, &globe);
+    int64_t side = tc_caps_side(&grid);
+    cap_memory memory[TC_CAPS] = {{0}};
+    tc_status status = TC_OK;
+    double share = 0.5 * tc_pack_caps_share(t);
+    for (int n = 0; n < TC_CAPS && !status; n++)
+        status = reserve(p, side, &memory[n], error);
+    if (!status)
+        status = make_heights(p, &grid, memory, error);
+    bool empty = false;
+    for (int n = 0; n < TC_CAPS && !status; n++)
+        empty |= is_all_void(&memory[n], side);
+    p->most = 1;
+    for (int n = 0; n < TC_CAPS && !status && !empty; n++) {
+        status = pack_cap(p, &grid, &memory[n], &cap[n], error);
+        release(&memory[n]);
+        if (!status)
+            status = tc_pack_progress(p, share, error);
+    }
+    for (int n = 0; n < TC_CAPS; n++)
+        release(&memory[n]);
+    return status;
+}

@@ -1,0 +1,202 @@
+/* pack_internal.h - what the files pack*.c share.
+ *
+ * Packing goes through the terrain level by level, and holds only strips of rows in memory:
+ *     put       (pack_source.c)   heights in any order into a spool of the finest level
+ *     cascade   (pack_cascade.c)  heights become integers; each level's low band into a spool of its own, fine to
+ * coarse levels    (pack_level.c)    coarse to fine: tiles encoded against the reconstructed coarser level, and decoded
+ *                                 again, so that what the file will give is known and measured
+ *     rate      (pack_rate.c)     which quantiser step reaches the target
+ *     finish    (pack.c)          the order of all this
+ *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
+ *     file      (pack_file.c)     head, levels, caps, and the file into its place */
+#ifndef TC_PACK_INTERNAL_H
+#define TC_PACK_INTERNAL_H
+
+#include "common/packed/file/level_coder.h"
+#include "spool.h"
+
+/* Logarithmic histogram of the magnitudes of a band's details, in height units. */
+enum { TC_DETAIL_BINS = 128 };
+typedef struct tc_detail_histogram {
+    int64_t count[TC_DETAIL_BINS];
+    unsigned __int128 square; /* sum of all squares: exact, so that the order of adding does not tell */
+} tc_detail_histogram;
+
+/* What coding a level came to. */
+typedef struct tc_level_outcome {
+    double square_error; /* square metres, sum over samples that are not void */
+    int64_t samples;     /* of them */
+    double max_error;    /* metres */
+    int64_t bytes;
+} tc_level_outcome;
+
+struct tc_packer {
+    char *path;
+    tc_pack_options options;
+    tc_container container;
+    tc_pack_result result;
+    /* Put. */
+    bool filled;     /* heights under voids are given, in whole rows, each once */
+    tc_spool source; /* floats; see pack_source.c */
+    tc_spool mask;   /* bytes, 1 void; none where no sample is */
+    tc_rect *given;  /* rectangles so far, where not of whole rows in order */
+    size_t given_count, given_room;
+    float z_min, z_max;
+    unsigned lattices; /* of pack_source.c's candidates, those that all heights are multiples of */
+    double done;       /* share of the work */
+    double most;       /* share that its own levels take, the rest is for the caps */
+    /* Cascade. */
+    tc_spool truth[TC_MAX_FIELD_LEVELS]; /* [l - 1] height units, base <= l < m */
+    tc_detail_histogram histogram[TC_MAX_FIELD_LEVELS][TC_BANDS];
+    /* Levels: written here until their places in the file are known. */
+    int body;
+    int64_t body_size;
+};
+
+/* ---- pack_source.c -------------------------------------------------------------------------------------------- */
+
+/* Rows of the finest level as they were given, or filled: metres above z_base; NaN where void and not filled. */
+tc_status tc_pack_source_rows(const tc_packer *p, int64_t y0, int64_t y1, float *z, tc_error *error);
+
+/* Mean and standard deviation of the heights as they were given; the same in whatever order that was. */
+tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret, tc_error *error);
+
+/* Makes the mask and fills the voids of the source. */
+tc_status tc_pack_fill(tc_packer *p, tc_error *error);
+
+/* Largest unit that all heights are multiples of, from the terrain's, the options' or a list; 0: none. Sets the height
+ * of the multiple 0. */
+double tc_pack_lattice(const tc_packer *p, double *origin_ret);
+
+/* ---- pack_cascade.c ------------------------------------------------------------------------------------------- */
+
+/* True heights of level l over rect, in height units; beyond the sides those of the other one. */
+tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptrdiff_t stride, tc_error *error);
+tc_status tc_pack_cascade(tc_packer *p, tc_error *error);
+
+/* The magnitude that a bin of histograms stands for. */
+double tc_detail_bin(int bin);
+
+/* Adds a plane's details to a histogram. */
+void tc_pack_count(const tc_plane *band, tc_detail_histogram *histogram);
+
+/* Void mask of level l over rows y0 .. y1 - 1, whole width. */
+tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, ptrdiff_t stride,
+                            tc_error *error);
+
+static inline float tc_pack_metres(const tc_container *c, int32_t k)
+{
+    return (float)(c->z_origin + c->z_unit * k);
+}
+
+/* ---- pack_level.c --------------------------------------------------------------------------------------------- */
+
+/* How a level is to be coded. */
+typedef struct tc_level_coding {
+    int l;
+    const tc_level_coder *coder;
+    double lambda;
+    int32_t bound;          /* height units: of the error, where the coder corrects it */
+    const tc_spool *coarse; /* reconstructed level l - 1 */
+    const tc_spool *fine;   /* reconstructed level l is written here; NULL: it is not */
+    double share;           /* of the whole work, for progress */
+} tc_level_coding;
+
+/* Appends the level to the body; sets begin, end, lowest, highest and errors of its record. */
+tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_outcome *outcome_ret, tc_error *error);
+
+/* True details of a tile of level l, whose true heights around it `fine` holds: positions rect of the planes. */
+size_t tc_pack_details_scratch(void);
+void tc_pack_details(const tc_lifting_level *level, tc_rect tile, const tc_plane *fine, const tc_plane band[TC_BANDS],
+                     int32_t *scratch);
+/* Samples of the fine level that it looks at. */
+tc_rect tc_pack_details_need(const tc_lifting_level *level, tc_rect tile);
+
+/* ---- pack_sample.c --------------------------------------------------------------------------------------------- */
+
+/* Tiles to learn from, spread over a level: true heights and details, and the coarser level around them. */
+enum { TC_SAMPLE_TILES = 48 };
+typedef struct tc_sample {
+    tc_lifting_level level;
+    int count;
+    tc_training_tile tile[TC_SAMPLE_TILES];
+    tc_plane fine[TC_SAMPLE_TILES];
+} tc_sample;
+
+/* Takes at most `wanted` tiles of level l. The sample is the caller's to free, also where this fails. */
+tc_status tc_pack_sample(const tc_packer *p, int l, const tc_spool *coarse, int wanted, tc_sample **sample_ret,
+                         tc_error *error);
+void tc_sample_free(tc_sample *sample);
+
+/* ---- pack_rate.c ---------------------------------------------------------------------------------------------- */
+
+/* Codes all levels by the lifting so that the target is met. */
+tc_status tc_pack_to_rms(tc_packer *p, tc_error *error);
+
+/* The same by LH04's pyramid of residuals. */
+tc_status tc_pack_lh04(tc_packer *p, tc_error *error);
+
+/* ---- pack_bound.c ---------------------------------------------------------------------------------------------- */
+
+/* Codes all levels so that no height of the finest one is off by more than `bound` height units; 0: lossless, the
+ * heights being multiples of `lattice` height units (1: of none). */
+tc_status tc_pack_to_bound(tc_packer *p, int32_t bound, int32_t lattice, tc_error *error);
+
+/* ---- pack_code.c ----------------------------------------------------------------------------------------------- */
+
+/* What codes levels one after the other: the reconstructed ones at hand, and the last model. */
+typedef struct tc_coding {
+    tc_packer *p;
+    tc_spool coarse;       /* reconstructed level below the one to be coded */
+    tc_detail_model model; /* of the last level coded by the lifting */
+    bool has_model;
+    tc_level_outcome outcome; /* of the last level */
+    double carried; /* square error that the levels kept leave in each sample of the next one, about; height units */
+} tc_coding;
+
+tc_status tc_coding_begin(tc_packer *p, tc_coding *coding, tc_error *error);
+void tc_coding_end(tc_coding *coding);
+
+/* Steps of level l for the step q of a band of norm 1. */
+void tc_coding_steps(const tc_packer *p, int l, double q, int32_t step[TC_BANDS]);
+
+/* Chooses a lifting model for level l and puts it into the level's record. */
+tc_status tc_coding_choose(tc_coding *coding, int l, double q, const tc_sample *sample, tc_error *error);
+
+/* Codes level l as its record says. keep: what is reconstructed becomes `coarse`. */
+tc_status tc_coding_level(tc_coding *coding, int l, int32_t bound, bool keep, double share, tc_error *error);
+
+/* Codes levels base + 1 .. last by the lifting with step q, and keeps them. */
+tc_status tc_coding_below(tc_coding *coding, int last, double q, tc_error *error);
+
+/* Mean square error of the last level's samples, in squared height units. */
+double tc_coding_error(const tc_coding *coding);
+
+/* ---- pack_caps.c ----------------------------------------------------------------------------------------------- */
+
+/* Share of a planet's work that its caps are. */
+double tc_pack_caps_share(const tc_pack_terrain *terrain);
+
+/* Packs the polar caps of a planet whose levels are packed, but for files of their own: packers for the caller to
+ * destroy, also where this fails. None where a cap has no height. */
+tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *error);
+
+/* ---- pack_file.c ----------------------------------------------------------------------------------------------- */
+
+/* Puts a file of all that has been packed into its place. */
+tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], tc_error *error);
+
+/* ---- pack.c --------------------------------------------------------------------------------------------------- */
+
+/* Packs what was put, but for the file. */
+tc_status tc_pack_all_levels(tc_packer *p, tc_error *error);
+
+/* Adds to the work done and says so; TC_ERR_IO where the caller wants to stop. */
+tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error);
+
+/* Shares of the work. */
+#define TC_SHARE_PUT 0.15
+#define TC_SHARE_CASCADE 0.10
+#define TC_SHARE_LEVELS 0.75
+
+#endif

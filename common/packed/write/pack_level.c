@@ -1,0 +1,360 @@
+/* pack_level.c - one level, strip by strip of tiles: encoded, decoded again, measured, indexed.
+ *
+ * A group of rows of tiles is in memory at a time. Details of a tile are taken from the true heights around it; the
+ * decoded details of the group, with some rows before it, give the reconstructed heights but for the last few, which
+ * wait for the next group. A row of tiles whose heights are all known is finished: measured, and handed to its page.
+ * Tiles are tasks that any thread may take; what goes into the file and into sums is put together in their order. */
+#include <errno.h>
+#include <math.h>
+#include <unistd.h>
+
+#include "common/base/parallel.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/base/crc32c.h"
+#include "pack_level.h"
+
+enum {
+    BEFORE = 8, /* rows of positions kept before the group: more than the filters reach */
+    BEYOND = 8, /* columns of planes beyond the seam: more than anything looks at */
+    GROUP_BYTES = 96 << 20,
+    GROUP_TASKS = 64, /* for each thread, at least */
+    CHUNK = 32        /* fine rows synthesised by one task */
+};
+
+/* ---- Group of rows of tiles ------------------------------------------------------------------------------------ */
+
+static int64_t plane_room(int64_t rows, int64_t width, int64_t height)
+{
+    return tc_min64(rows, height) * width;
+}
+
+static bool reserve(level_state *s)
+{
+    int64_t w = s->level.width + 2 * s->beyond, h = s->level.height, cw = s->cw + 2 * s->beyond, g = s->rows_at_once;
+    size_t n = sizeof(int32_t);
+    s->truth.z = malloc((size_t)plane_room((g + 1) * FINE + 4 * MARGIN + 2 * BEFORE, w, h) * n);
+    s->fine.z = malloc((size_t)plane_room((g + 2) * FINE, w, h) * n);
+    s->coarse.z = malloc((size_t)plane_room(g * TC_TILE + 2 * BEFORE, cw, s->ch) * n);
+    bool good = s->truth.z && s->fine.z && s->coarse.z;
+    for (int b = 0; b < TC_BANDS; b++) {
+        s->band[b].z = malloc((size_t)plane_room((g + 1) * TC_TILE + BEFORE, cw, s->ch) * n);
+        good &= s->band[b].z != NULL;
+    }
+    s->tile = calloc((size_t)((g + 1) * s->pages.tiles_x), sizeof *s->tile);
+    s->band_tile = calloc((size_t)(TC_PAGE_ROWS * s->pages.tiles_x), sizeof *s->band_tile);
+    s->directory = calloc((size_t)tc_directory_bytes(&s->pages), 1);
+    good &= s->tile && s->band_tile && s->directory;
+    if (s->coding->l == s->p->container.levels)
+        good &= (s->source = malloc((size_t)plane_room((g + 1) * FINE, w, h) * sizeof(float))) != NULL;
+    if (s->record->mask)
+        good &= (s->voids.v = malloc((size_t)plane_room((g + 1) * FINE + 4 * TC_MASK_MARGIN, w, h))) != NULL;
+    return good;
+}
+
+static void release(level_state *s)
+{
+    free(s->truth.z), free(s->fine.z), free(s->coarse.z);
+    for (int b = 0; b < TC_BANDS; b++)
+        free(s->band[b].z);
+    for (int64_t i = 0; s->tile && i < (s->rows_at_once + 1) * s->pages.tiles_x; i++)
+        free(s->tile[i].bytes);
+    for (int64_t i = 0; s->band_tile && i < TC_PAGE_ROWS * s->pages.tiles_x; i++)
+        free(s->band_tile[i].bytes);
+    free(s->tile), free(s->band_tile), free(s->directory), free(s->source), free(s->voids.v), free(s->out.bytes);
+    tc_pack_tile_memory_free(s);
+    pthread_mutex_destroy(&s->mutex);
+}
+
+/* Lets a plane of whole rows, and columns beyond their ends, start at row y0, keeping what it has from there on. */
+static void slide(tc_plane *plane, int64_t y0, int64_t width, int64_t beyond)
+{
+    int64_t from = tc_clamp64(y0, plane->rect.y0, plane->rect.y1), stride = width + 2 * beyond;
+    memmove(plane->z, plane->z + (from - plane->rect.y0) * stride,
+            (size_t)((plane->rect.y1 - from) * stride) * sizeof *plane->z);
+    plane->stride = stride;
+    plane->rect = (tc_rect){-beyond, from, width + beyond, tc_max64(from, plane->rect.y1)};
+    if (plane->rect.y0 == plane->rect.y1)
+        plane->rect.y0 = plane->rect.y1 = y0;
+}
+
+/* Copies the columns beyond either end of rows y0 .. y1 - 1 from the other side. */
+static void close_ring(const tc_plane *plane, int64_t y0, int64_t y1, int64_t width)
+{
+    for (int64_t y = y0; y < y1; y++) {
+        int32_t *row = tc_plane_at(plane, 0, y);
+        for (int64_t x = plane->rect.x0; x < 0; x++)
+            row[x] = row[x - tc_turn(x, width)];
+        for (int64_t x = width; x < plane->rect.x1; x++)
+            row[x] = row[x - tc_turn(x, width)];
+    }
+}
+
+static void close_mask_ring(const tc_mask_plane *mask, int64_t width)
+{
+    for (int64_t y = mask->rect.y0; y < mask->rect.y1; y++) {
+        uint8_t *row = mask->v + (y - mask->rect.y0) * mask->stride - mask->rect.x0;
+        for (int64_t x = mask->rect.x0; x < 0; x++)
+            row[x] = row[x - tc_turn(x, width)];
+        for (int64_t x = width; x < mask->rect.x1; x++)
+            row[x] = row[x - tc_turn(x, width)];
+    }
+}
+
+/* Rows that are read and converted, by all threads in chunks. */
+typedef struct row_load {
+    level_state *s;
+    enum { LOAD_TRUTH, LOAD_SOURCE, LOAD_MASK } what;
+    int64_t y0, y1;
+    void *to;
+    ptrdiff_t stride;
+    pthread_mutex_t mutex;
+    tc_status status;
+    tc_error error;
+} row_load;
+
+static void load_chunk(void *context, int64_t n)
+{
+    row_load *load = context;
+    const level_state *s = load->s;
+    int64_t y0 = load->y0 + n * CHUNK, y1 = tc_min64(y0 + CHUNK, load->y1), w = s->level.width;
+    ptrdiff_t at = (y0 - load->y0) * load->stride;
+    tc_error error = {TC_OK, ""};
+    tc_status status =
+        load->what == LOAD_TRUTH
+            ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, load->stride, &error)
+        : load->what == LOAD_SOURCE
+            ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
+            : tc_pack_mask_rows(s->p, s->coding->l, y0, y1, (uint8_t *)load->to + at, load->stride, &error);
+    if (!status)
+        return;
+    pthread_mutex_lock(&load->mutex);
+    if (!load->status)
+        load->status = status, load->error = error;
+    pthread_mutex_unlock(&load->mutex);
+}
+
+static tc_status load_rows(level_state *s, int what, int64_t y0, int64_t y1, void *to, ptrdiff_t stride,
+                           tc_error *error)
+{
+    row_load load = {.s = s, .what = what, .y0 = y0, .y1 = y1, .to = to, .stride = stride};
+    pthread_mutex_init(&load.mutex, NULL);
+    tc_parallel_for(s->p->options.threads, (y1 - y0 + CHUNK - 1) / CHUNK, load_chunk, &load);
+    pthread_mutex_destroy(&load.mutex);
+    if (load.status && error)
+        *error = load.error;
+    return load.status;
+}
+
+/* Brings in what rows t0 .. t1 - 1 of tiles need. */
+static tc_status load_group(level_state *s, tc_error *error)
+{
+    int64_t w = s->level.width, h = s->level.height;
+    int64_t j0 = s->t0 * TC_TILE, j1 = tc_min64(s->t1 * TC_TILE, s->ch);
+    slide(&s->truth, tc_min64(s->finished * FINE, tc_max64(2 * (j0 - MARGIN), 0)), w, s->beyond);
+    int64_t from = s->truth.rect.y1, until = tc_min64(2 * (j1 + MARGIN), h);
+    tc_status status = load_rows(s, LOAD_TRUTH, from, until, tc_plane_at(&s->truth, 0, from), s->truth.stride, error);
+    s->truth.rect.y1 = tc_max64(from, until);
+    close_ring(&s->truth, from, s->truth.rect.y1, w);
+    s->coarse.stride = s->cw + 2 * s->beyond;
+    s->coarse.rect = (tc_rect){-s->beyond, tc_max64(j0 - BEFORE, 0), s->cw + s->beyond, tc_min64(j1 + BEFORE, s->ch)};
+    if (!status)
+        status = tc_spool_read_round(s->coding->coarse, s->coarse.rect, s->coarse.z, s->coarse.stride, error);
+    for (int b = 0; b < TC_BANDS; b++) {
+        slide(&s->band[b], tc_max64(s->finished * TC_TILE - BEFORE, 0), s->cw, s->beyond);
+        s->band[b].rect.y1 = j1;
+    }
+    slide(&s->fine, s->finished * FINE, w, 0);
+    s->ready_before = s->ready;
+    bool at_once = !s->coding->coder->codec; /* tiles give heights by themselves */
+    s->ready = j1 == s->ch ? h : tc_max64(s->ready, 2 * (at_once ? j1 : j1 - TC_LIFTING_REACH));
+    s->fine.rect.y1 = s->ready;
+    return status;
+}
+
+static void synthesise_rows(void *context, int64_t n)
+{
+    level_state *s = context;
+    int64_t y0 = s->ready_before + n * CHUNK, y1 = tc_min64(y0 + CHUNK, s->ready), w = s->level.width;
+    tc_plane part = {tc_plane_at(&s->fine, 0, y0), w, {0, y0, w, y1}};
+    int32_t *scratch = malloc(tc_lifting_synthesise_scratch(&s->level, part.rect) * sizeof *scratch);
+    if (scratch)
+        tc_lifting_synthesise(&s->level, &s->coarse, s->band, &part, scratch, TC_SIMD_AUTO);
+    else
+        tc_pack_fail(s, TC_ERR_MEMORY);
+    free(scratch);
+}
+
+/* ---- Finishing ------------------------------------------------------------------------------------------------- */
+
+static tc_status write_body(level_state *s, const void *bytes, size_t size, int64_t at, tc_error *error)
+{
+    const char *from = bytes;
+    for (size_t done = 0; done < size;) {
+        ssize_t n = pwrite(s->p->body, from + done, size - done, s->record->begin + at + (int64_t)done);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n <= 0)
+            return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", s->p->path, strerror(errno));
+        done += (size_t)n;
+    }
+    return TC_OK;
+}
+
+/* Writes the pages and tiles of the row of pages that has been gathered. */
+static tc_status flush_pages(level_state *s, int64_t py, tc_error *error)
+{
+    tc_page_form form = {s->record->coder == TC_CODER_CORRECTIONS, s->record->mask};
+    for (int64_t px = 0; px < s->pages.pages_x; px++) {
+        tc_rect t = tc_page_tiles(&s->pages, px, py);
+        tc_tile_entry entry[TC_PAGE_TILES];
+        int count = 0;
+        for (int64_t ty = t.y0; ty < t.y1; ty++)
+            for (int64_t tx = t.x0; tx < t.x1; tx++)
+                entry[count++] = s->band_tile[(ty - t.y0) * s->pages.tiles_x + tx].entry;
+        s->out.size = 0;
+        uint8_t *page = tc_put_room(&s->out, tc_page_bound());
+        size_t page_size = page ? tc_page_write(form, entry, count, page) : 0;
+        s->out.size = page_size;
+        for (int64_t ty = t.y0; ty < t.y1; ty++)
+            for (int64_t tx = t.x0; tx < t.x1; tx++) {
+                coded_tile *tile = &s->band_tile[(ty - t.y0) * s->pages.tiles_x + tx];
+                tc_put_bytes(&s->out, tile->bytes, tc_tile_bytes(&tile->entry));
+                free(tile->bytes);
+                *tile = (coded_tile){0};
+            }
+        if (s->out.failed)
+            return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", s->p->path);
+        int64_t number = py * s->pages.pages_x + px, chunk = number / TC_DIRECTORY_CHUNK;
+        uint8_t *where =
+            s->directory + tc_directory_chunk_offset(chunk) + number % TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY;
+        tc_store(where, (uint64_t)s->written, 8);
+        tc_store(where + 8, page_size, 4);
+        tc_store(where + 12, tc_crc32c(0, s->out.bytes, page_size), 4);
+        tc_status status = write_body(s, s->out.bytes, s->out.size, s->written, error);
+        if (status)
+            return status;
+        s->written += (int64_t)s->out.size;
+    }
+    return TC_OK;
+}
+
+/* Finishes the rows of tiles whose heights are all there. */
+static tc_status finish_rows(level_state *s, tc_error *error)
+{
+    int64_t h = s->level.height, w = s->level.width, across = s->pages.tiles_x;
+    s->finish_to = s->ready == h ? s->pages.tiles_y : s->ready / FINE;
+    int64_t y0 = s->finished * FINE, y1 = tc_min64(s->finish_to * FINE, h);
+    tc_status status = TC_OK;
+    if (s->source)
+        status = load_rows(s, LOAD_SOURCE, y0, y1, s->source, w, error);
+    if (!status && s->voids.v) {
+        s->voids.stride = w + 2 * s->beyond;
+        s->voids.rect = (tc_rect){-s->beyond, tc_max64(y0 - 2 * TC_MASK_MARGIN, 0), w + s->beyond,
+                                  tc_min64(y1 + 2 * TC_MASK_MARGIN, h)};
+        status =
+            load_rows(s, LOAD_MASK, s->voids.rect.y0, s->voids.rect.y1, s->voids.v + s->beyond, s->voids.stride, error);
+        if (!status)
+            close_mask_ring(&s->voids, w);
+    }
+    if (status)
+        return status;
+    tc_parallel_for(s->p->options.threads, (s->finish_to - s->finished) * across, tc_pack_finish_tile, s);
+    if (s->status)
+        return tc_fail(error, s->status, "%s: %s", s->p->path, tc_status_text(s->status));
+    if (s->coding->fine)
+        status = tc_spool_write(s->coding->fine, (tc_rect){0, y0, w, y1}, tc_plane_at(&s->fine, 0, y0), w, error);
+    for (int64_t ty = s->finished; ty < s->finish_to && !status; ty++) {
+        for (int64_t tx = 0; tx < across; tx++) {
+            coded_tile *tile = &s->tile[(ty - s->finished) * across + tx];
+            s->outcome.square_error += tile->square_error, s->outcome.samples += tile->samples;
+            s->outcome.max_error = fmax(s->outcome.max_error, tile->max_error);
+            s->record->lowest = tile->entry.low < s->record->lowest ? tile->entry.low : s->record->lowest;
+            s->record->highest = tile->entry.high > s->record->highest ? tile->entry.high : s->record->highest;
+            s->band_tile[ty % TC_PAGE_ROWS * across + tx] = *tile;
+            tile->bytes = NULL;
+        }
+        if (ty % TC_PAGE_ROWS == TC_PAGE_ROWS - 1 || ty == s->pages.tiles_y - 1)
+            status = flush_pages(s, ty / TC_PAGE_ROWS, error);
+    }
+    /* What is not finished moves to the front. */
+    int64_t gone = s->finish_to - s->finished, left = s->t1 - s->finish_to;
+    memmove(s->tile, s->tile + gone * across, (size_t)(left * across) * sizeof *s->tile);
+    memset(s->tile + left * across, 0, (size_t)((s->rows_at_once + 1 - left) * across) * sizeof *s->tile);
+    s->finished = s->finish_to;
+    return status;
+}
+
+static tc_status run_group(level_state *s, tc_error *error)
+{
+    tc_status status = load_group(s, error);
+    if (status)
+        return status;
+    tc_parallel_for(s->p->options.threads, (s->t1 - s->t0) * s->pages.tiles_x, tc_pack_code_tile, s);
+    for (int b = 0; b < TC_BANDS && s->coding->coder->codec; b++)
+        close_ring(&s->band[b], s->t0 * TC_TILE, s->band[b].rect.y1, s->cw);
+    if (!s->status && s->coding->coder->codec)
+        tc_parallel_for(s->p->options.threads, (s->ready - s->ready_before + CHUNK - 1) / CHUNK, synthesise_rows, s);
+    if (s->status == TC_ERR_UNSUPPORTED)
+        return tc_fail(error, s->status, "%s: the step is too fine for heights so far apart", s->p->path);
+    if (s->status)
+        return tc_fail(error, s->status, "%s: a tile of level %d cannot be coded: %s", s->p->path, s->coding->l,
+                       tc_status_text(s->status));
+    return finish_rows(s, error);
+}
+
+/* Rows of tiles in memory at once: enough for all threads, but not too many bytes. */
+static int64_t group_rows(const level_state *s)
+{
+    int threads = s->p->options.threads > 0 ? s->p->options.threads : (int)sysconf(_SC_NPROCESSORS_ONLN);
+    int64_t bytes = FINE * s->level.width * 13, wanted = (GROUP_TASKS * threads - 1) / s->pages.tiles_x + 1;
+    return tc_clamp64(wanted, 1, tc_max64(1, tc_min64(GROUP_BYTES / bytes, s->pages.tiles_y)));
+}
+
+static void seal_directory(level_state *s)
+{
+    int64_t entries = s->pages.pages_x * s->pages.pages_y;
+    for (int64_t first = 0, chunk = 0; first < entries; first += TC_DIRECTORY_CHUNK, chunk++) {
+        uint8_t *bytes = s->directory + tc_directory_chunk_offset(chunk);
+        size_t size = (size_t)tc_min64(entries - first, TC_DIRECTORY_CHUNK) * TC_DIRECTORY_ENTRY;
+        tc_store(bytes + size, tc_crc32c(0, bytes, size), 4);
+    }
+}
+
+tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_outcome *outcome_ret, tc_error *error)
+{
+    const tc_level *size = &p->container.level[coding->l - 1];
+    level_state s = {.p = p, .coding = coding, .record = &p->container.record[coding->l - 1]};
+    s.level = coding->coder->level;
+    s.cw = tc_coarse_size(size->width), s.ch = tc_coarse_size(size->height);
+    s.beyond = s.level.wrap_x ? BEYOND : 0;
+    s.pages = tc_level_pages(size);
+    s.rows_at_once = group_rows(&s);
+    s.written = tc_directory_bytes(&s.pages);
+    s.record->begin = p->body_size;
+    s.record->lowest = INT32_MAX, s.record->highest = INT32_MIN;
+    pthread_mutex_init(&s.mutex, NULL);
+    tc_status status = reserve(&s) ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    for (s.t0 = 0; s.t0 < s.pages.tiles_y && !status; s.t0 = s.t1) {
+        s.t1 = tc_min64(s.t0 + s.rows_at_once, s.pages.tiles_y);
+        status = run_group(&s, error);
+        if (!status)
+            status = tc_pack_progress(p, coding->share * (double)(s.t1 - s.t0) / (double)s.pages.tiles_y, error);
+    }
+    if (!status) {
+        seal_directory(&s);
+        status = write_body(&s, s.directory, (size_t)tc_directory_bytes(&s.pages), 0, error);
+    }
+    if (!status) {
+        tc_level_outcome *o = &s.outcome;
+        o->bytes = s.written;
+        s.record->end = p->body_size = s.record->begin + s.written;
+        s.record->rms = (float)(o->samples ? sqrt(o->square_error / (double)o->samples) : 0);
+        s.record->max_error = (float)o->max_error;
+        if (s.record->max_error < o->max_error)
+            s.record->max_error = nextafterf(s.record->max_error, INFINITY);
+        *outcome_ret = *o;
+    }
+    release(&s);
+    return status;
+}

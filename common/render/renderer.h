@@ -1,0 +1,64 @@
+/* renderer.h - draws a surface over a clipmap: vertex textures, programs, frames. */
+#ifndef TC_RENDERER_H
+#define TC_RENDERER_H
+
+#include "common/terraclip.h"
+#include "surface.h"
+#include "common/gl/gl.h"
+#include "level_textures.h"
+#include "scene_needs.h"
+#include "scene_programs.h"
+
+typedef struct tc_frame_stats {
+    double update_ms, draw_ms; /* CPU time of filling windows and uploading; of drawing (until finished, offscreen) */
+    int64_t triangles, triangles_unculled;
+    int draws;
+    int blocks, blocks_unculled;                   /* of the draws those that cover area; with those outside the view */
+    int levels_active, levels_fine, levels_beyond; /* drawn; too fine for the view; beyond the horizon */
+    int64_t samples_updated, bytes_uploaded;
+    bool resident; /* the clipmap held all that this view needs */
+} tc_frame_stats;
+
+/* Bytes by item, on both sides of the driver. */
+typedef struct tc_memory_stats {
+    size_t geometry, heights, normals, imagery, field;
+} tc_memory_stats;
+
+typedef struct tc_renderer tc_renderer;
+
+/* The surface and its clipmaps must outlive the renderer. gl must be current. */
+tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
+                             tc_renderer **renderer_ret, tc_error *error);
+void tc_renderer_destroy(tc_renderer *renderer);
+
+/* Changes what may change while running: level_colours, wireframe, frame, budget. */
+void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *options);
+
+/* Updates the clipmap for the camera within the budget, uploads, and draws a frame of camera->width x height into the
+ * renderer's own framebuffer. finish: waits until it is done, so that draw_ms is the whole cost, and for what must be
+ * decoded first. Over a flat background the terrain's vertices, uniforms and textures stay bound, for tests that run
+ * its vertex stage once more. */
+tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
+                            tc_error *error);
+
+/* Copies the last frame to the bound window framebuffer (id 0). */
+void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height);
+
+/* Reads the last frame: rgb 3 bytes a pixel, rows top to bottom, width x height of its camera. depth, where not NULL:
+ * reversed depth (0 at
+ * infinity; see tc_view_unproject); only where a pixel is one sample, rows top to bottom. */
+void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth);
+
+void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret);
+
+/* What there is for the scene, and its last frame: for explain.c and tests. Valid until the next call. */
+typedef struct tc_renderer_use {
+    const tc_surface *surface;
+    const tc_scene_needs *needs;
+    const tc_scene_programs *programs;
+    const tc_level_textures *textures;
+    const tc_frame_stats *frame;
+} tc_renderer_use;
+tc_renderer_use tc_renderer_used(const tc_renderer *renderer);
+
+#endif

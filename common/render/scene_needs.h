@@ -1,0 +1,45 @@
+/* scene_needs.h - what a scene needs, settled from its options and its terrain in one place: programs are assembled,
+ * windows and textures made from it, and what is not needed is left out (the design's section 8). */
+#ifndef TC_SCENE_NEEDS_H
+#define TC_SCENE_NEEDS_H
+
+#include "surface.h"
+#include "common/terraclip.h"
+
+/* What may be asked of a scene. */
+typedef struct tc_scene_options {
+    bool unlit;            /* colours without light: no normal map */
+    bool background_set;   /* flat background: no sky, no haze */
+    uint8_t background[3]; /* RGB */
+    bool holes;            /* voids, where there are any, are left out of the mesh */
+    int samples;           /* a pixel; 0: 1. The most that the driver has where it has fewer */
+    int64_t budget;        /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
+    bool level_colours;    /* may be switched while running, as may the next two */
+    bool wireframe;
+    tc_frame_options frame;
+} tc_scene_options;
+
+typedef struct tc_scene_needs {
+    bool light;         /* normals and the sun; else colours as they are */
+    bool sky;           /* else a flat background */
+    bool haze;          /* air before the terrain */
+    bool land;          /* rock and snow, not another body's dust */
+    bool water;         /* some of it lies below the sea */
+    bool holes;         /* the mask of voids */
+    bool level_colours; /* may be switched, as may the next */
+    bool morph;         /* else levels meet abruptly */
+    bool multisampled;
+    bool sphere;
+} tc_scene_needs;
+
+tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info, bool sphere);
+
+/* Of the terrain's programs, a line each ("#define LIT\n..."): those that the scene's shaders are assembled by. */
+enum { TC_SCENE_DEFINES = 512 };
+void tc_scene_needs_defines(const tc_scene_needs *needs, char text[TC_SCENE_DEFINES]);
+
+/* What is not needed and why, one short line each ("void mask: no holes to show"); returns how many. */
+enum { TC_SCENE_LEFT_OUT = 12 };
+int tc_scene_needs_left_out(const tc_scene_needs *needs, const char *lines[TC_SCENE_LEFT_OUT]);
+
+#endif
