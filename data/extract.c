@@ -17,7 +17,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 struct arguments {
     const char *file, *output;
@@ -76,14 +75,16 @@ void tc_extract_help(FILE *file)
 
 static tc_status check_together(const struct arguments *a, tc_error *error)
 {
-    struct stat in, out;
     if (!a->file)
         return tc_fail(error, TC_ERR_USAGE, "FILE: expected a packed terrain, found none");
     if (!a->output)
         return tc_fail(error, TC_ERR_USAGE, "extract: expected -o OUT.tif, found none");
-    if (stat(a->file, &in) == 0 && stat(a->output, &out) == 0 && in.st_dev == out.st_dev && in.st_ino == out.st_ino)
-        return tc_fail(error, TC_ERR_USAGE, "%s: expected another file than the input, found the same", a->output);
-    return TC_OK;
+    tc_outputs outputs = {0};
+    tc_status status = tc_outputs_add(&outputs, a->output, error);
+    if (status == TC_OK)
+        status = tc_outputs_spare(&outputs, a->file, error);
+    tc_outputs_free(&outputs);
+    return status;
 }
 
 /* ---- What is written -------------------------------------------------------------------------------------------- */

@@ -19,7 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
 /* The default error: LH04 packs samples 10 m apart with an rms of 1 m, those 30 m apart with 1.8 m. From the distance
  * at which a level is drawn, this share of its spacing is less than a fifth of a pixel; no more than the elevation
@@ -127,14 +126,6 @@ void tc_pack_help(FILE *file)
     tc_arguments_print(&line, file);
 }
 
-/* Whether both paths lead to one file. */
-static bool same_file(const char *a, const char *b)
-{
-    struct stat about_a, about_b;
-    return stat(a, &about_a) == 0 && stat(b, &about_b) == 0 && about_a.st_dev == about_b.st_dev &&
-           about_a.st_ino == about_b.st_ino;
-}
-
 static tc_status check_together(const struct arguments *a, tc_error *error)
 {
     if (a->count == 0)
@@ -157,10 +148,6 @@ static tc_status check_together(const struct arguments *a, tc_error *error)
     if (a->atlas && strcmp(a->atlas, "lonlat") != 0)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "--atlas: expected lonlat, found %s, which is not in this version",
                        a->atlas);
-    for (int i = 0; i < a->count; i++)
-        if (same_file(a->inputs[i], a->output))
-            return tc_fail(error, TC_ERR_USAGE, "%s: expected another file than the input %s, found the same",
-                           a->output, a->inputs[i]);
     return TC_OK;
 }
 
@@ -297,10 +284,19 @@ static tc_status run(struct arguments *a, tc_error *error)
     tc_status status = check_together(a, error);
     if (status != TC_OK)
         return status;
+    tc_outputs outputs = {0};
+    status = tc_outputs_add(&outputs, a->output, error);
+    for (int i = 0; i < a->count && status == TC_OK; i++) /* before the first is opened */
+        status = tc_outputs_spare(&outputs, a->inputs[i], error);
+    if (status != TC_OK) {
+        tc_outputs_free(&outputs);
+        return status;
+    }
     tc_watch_interrupts();
     tc_progress progress = tc_progress_begin("pack", a->quiet, a->verbose);
     tc_mosaic *mosaic = NULL;
     a->source.exact = a->lossless;
+    a->source.outputs = &outputs;
     a->source.say = tc_progress_say;
     a->source.say_context = &progress;
     if (a->planet)
@@ -312,6 +308,7 @@ static tc_status run(struct arguments *a, tc_error *error)
     if (status == TC_OK)
         status = pack(a, mosaic, a->planet ? &planet : NULL, &progress, error);
     tc_mosaic_close(mosaic);
+    tc_outputs_free(&outputs);
     return status;
 }
 

@@ -8,6 +8,7 @@
 #include "common/input/plugin.h"
 
 #include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -34,6 +35,7 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     tc_source_options source = v->options.source;
     source.say = say;
     source.say_context = v;
+    source.outputs = &v->outputs;
     tc_status status;
     if (v->program->sphere) {
         status = tc_planet_open(v->options.terrain, &source, v->options.radius, v->options.threads, &v->planet, error);
@@ -309,6 +311,30 @@ static void report_damage(const tc_viewer *v)
                 v->program->name, v->options.terrain, tiles);
 }
 
+/* What will be written is not what is read: neither file of the command line, nor what they are made of (source.h). */
+static tc_status list_outputs(tc_viewer *v, tc_error *error)
+{
+    const tc_options *o = &v->options;
+    char name[PATH_MAX];
+    tc_status status = TC_OK;
+    if (o->output && !o->path)
+        status = tc_outputs_add(&v->outputs, o->output, error);
+    for (int i = 0; o->output && o->path && i < o->frames && status == TC_OK; i++)
+        if (tc_frame_pattern_name(o->output, i, name, sizeof name)) {
+            status = tc_outputs_add_frame(&v->outputs, name, error);
+            if (status == TC_OK && o->stats && tc_same_place(name, o->stats))
+                status = tc_fail(error, TC_ERR_USAGE, "%s: expected another file than the output %s, found the same",
+                                 o->stats, name);
+        }
+    if (status == TC_OK && o->stats)
+        status = tc_outputs_add(&v->outputs, o->stats, error);
+    if (status == TC_OK)
+        status = tc_outputs_spare(&v->outputs, o->terrain, error);
+    if (status == TC_OK && o->path)
+        status = tc_outputs_spare(&v->outputs, o->path, error);
+    return status;
+}
+
 /* Fails now where a file could not be written later, after all the work. */
 static tc_status check_writable(const char *path, tc_error *error)
 {
@@ -322,7 +348,9 @@ static tc_status check_writable(const char *path, tc_error *error)
 
 static tc_status run(tc_viewer *v, tc_error *error)
 {
-    tc_status status = check_writable(v->options.stats, error);
+    tc_status status = list_outputs(v, error);
+    if (status == TC_OK)
+        status = check_writable(v->options.stats, error);
     if (status == TC_OK) /* of a flight, the pattern itself stands for the frames */
         status = check_writable(v->options.output, error);
     if (status == TC_OK && v->options.output)
@@ -390,6 +418,7 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     tc_terrain_close(&viewer.terrain);
     tc_planet_close(&viewer.planet);
     tc_flight_path_free(&viewer.path);
+    tc_outputs_free(&viewer.outputs);
     tc_stats_destroy(viewer.stats);
     return tc_exit_code(status);
 }

@@ -2,6 +2,7 @@
 #ifndef TC_VIEWER_INTERNAL_H
 #define TC_VIEWER_INTERNAL_H
 
+#include "common/base/outputs.h"
 #include "common/window/clipmap.h"
 #include "common/render/surface.h"
 #include "clock.h"
@@ -39,6 +40,7 @@ typedef struct tc_viewer {
     tc_scene_options scene; /* as it is now: keys change it */
     tc_camera camera;
     tc_flight_path path; /* no keys: none */
+    tc_outputs outputs;  /* files to be written, none of which may be read */
     tc_stats *stats;
 } tc_viewer;
 

@@ -275,6 +275,27 @@ static bool names_remote_files(const char *path)
     return found;
 }
 
+/* All files of a dataset; GDAL names those of a VRT, but not of the VRTs that it is made of. */
+static char **all_files(GDALDatasetH dataset)
+{
+    enum { MOST = 1 << 16 };
+    char **files = GDALGetFileList(dataset);
+    for (int i = 1; files && i < CSLCount(files) && i < MOST; i++) {
+        GDALDriverH driver = GDALIdentifyDriverEx(files[i], GDAL_OF_RASTER, NULL, NULL);
+        if (!driver || !EQUAL(GDALGetDriverShortName(driver), "VRT") || names_remote_files(files[i]))
+            continue;
+        GDALDatasetH part = GDALOpenEx(files[i], GDAL_OF_RASTER | GDAL_OF_READONLY, NULL, NULL, NULL);
+        char **inner = part ? GDALGetFileList(part) : NULL;
+        for (int k = 0; inner && inner[k]; k++)
+            if (CSLFindString(files, inner[k]) < 0)
+                files = CSLAddString(files, inner[k]);
+        CSLDestroy(inner);
+        if (part)
+            GDALClose(part);
+    }
+    return files;
+}
+
 /* Rows may be read in smaller portions than those of blocks: none should be decoded twice for that. */
 static void keep_two_rows_of_blocks(const gdal_raster *r)
 {
@@ -368,8 +389,7 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
                          name, why);
     } else {
         tc_gdal_listen(&said);
-        if (EQUAL(name, "VRT"))
-            r->base.info.parts = GDALGetFileList(r->dataset);
+        r->base.info.parts = all_files(r->dataset);
         status = describe(r, options, error);
         tc_gdal_heard(&said);
     }

@@ -38,7 +38,7 @@ typedef struct tc_raster_info {
     double semi_major;         /* metres; 0 unknown */
     double inverse_flattening; /* 0: a sphere */
     char *crs_wkt;             /* NULL none; freed with the raster */
-    char **parts;              /* files that a mosaic is made of, NULL at the end; NULL none; freed with the raster */
+    char **parts; /* all files that it is made of, NULL at the end; NULL: path alone; freed with the raster */
 } tc_raster_info;
 
 typedef struct tc_raster tc_raster;

@@ -253,7 +253,9 @@ tc_status tc_source_open(const char *path, const tc_source_options *options, tc_
     if (status != TC_OK)
         return status;
     tc_raster *raster = NULL;
-    status = open_raster(path, options, &raster, error);
+    status = tc_outputs_spare(options->outputs, path, error);
+    if (status == TC_OK)
+        status = open_raster(path, options, &raster, error);
     if (status != TC_OK)
         return status;
     tc_source *source = calloc(1, sizeof *source + strlen(path) + 1);
@@ -264,8 +266,11 @@ tc_status tc_source_open(const char *path, const tc_source_options *options, tc_
     strcpy(source->path, path);
     source->options = *options;
     source->raster = raster;
-    for (char **part = raster->info.parts; part && *part && status == TC_OK; part++)
-        status = tc_check_whole(*part, error);
+    for (char **part = raster->info.parts; part && *part && status == TC_OK; part++) {
+        status = tc_outputs_spare(options->outputs, *part, error);
+        if (status == TC_OK)
+            status = tc_check_whole(*part, error);
+    }
     if (status == TC_OK)
         status = settle(source, error);
     if (status != TC_OK) {

@@ -7,6 +7,7 @@
 #ifndef TC_SOURCE_H
 #define TC_SOURCE_H
 
+#include "common/base/outputs.h"
 #include "common/terraclip.h"
 
 /* Zero is the default everywhere. */
@@ -19,8 +20,9 @@ typedef struct tc_source_options {
     tc_void_policy voids;
     double void_constant; /* metres, for TC_VOIDS_CONSTANT */
     bool has_base;
-    double z_base; /* metres; instead of what suits the file */
-    bool exact;    /* refuse heights from which, as floats, the stored values do not come back */
+    double z_base;             /* metres; instead of what suits the file */
+    const tc_outputs *outputs; /* files, and files of which they are made, that are refused; NULL none */
+    bool exact;                /* refuse heights from which, as floats, the stored values do not come back */
     /* Called with one line without newline for what a user should know (a warning: 8-bit steps, ...) or may want to
      * (said with -v: how degrees became metres, ...). NULL: not said. */
     void (*say)(void *context, bool warning, const char *line);
