@@ -8,7 +8,7 @@
 #include "common/base/status.h"
 #include "common/app/arguments.h"
 #include "common/app/interrupt.h"
-#include "common/app/numbers.h"
+#include "common/base/numbers.h"
 #include "common/base/outfile.h"
 #include "common/app/terrain.h"
 #include "progress.h"

@@ -13,7 +13,7 @@
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/app/arguments.h"
-#include "common/app/numbers.h"
+#include "common/base/numbers.h"
 #include "common/app/terrain.h"
 
 #include <inttypes.h>

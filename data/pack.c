@@ -10,7 +10,7 @@
 #include "common/app/interrupt.h"
 #include "common/app/json.h"
 #include "common/input/mosaic.h"
-#include "common/app/numbers.h"
+#include "common/base/numbers.h"
 #include "pack_planet.h"
 #include "progress.h"
 

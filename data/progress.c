@@ -1,7 +1,7 @@
 /* progress.c - see progress.h. */
 #include "progress.h"
 
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -6,7 +6,7 @@
 
 #include "common/base/status.h"
 #include "common/app/arguments.h"
-#include "common/app/numbers.h"
+#include "common/base/numbers.h"
 #include "common/base/outfile.h"
 #include "common/input/source.h"
 #include "synth_planar.h"

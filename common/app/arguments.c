@@ -2,7 +2,7 @@
 #include "arguments.h"
 
 #include "common/base/status.h"
-#include "numbers.h"
+#include "common/base/numbers.h"
 
 #include <ctype.h>
 #include <math.h>

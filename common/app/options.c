@@ -3,7 +3,7 @@
 #include "options.h"
 #include "common/base/status.h"
 #include "common/render/surface.h"
-#include "numbers.h"
+#include "common/base/numbers.h"
 
 #include <math.h>
 #include <stdlib.h>

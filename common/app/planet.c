@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "common/map/atlas_packed.h"
 #include "common/map/atlas.h"
 #include "common/chart/row_resample.h"

@@ -1,7 +1,7 @@
 /* terrain.c - a terrain from any file. No library is loaded for a packed one. */
 #include "terrain.h"
 
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "common/base/status.h"
 #include "common/input/source_internal.h"
 

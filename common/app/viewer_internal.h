@@ -5,7 +5,7 @@
 #include "common/base/outputs.h"
 #include "common/window/clipmap.h"
 #include "common/render/surface.h"
-#include "clock.h"
+#include "common/base/clock.h"
 #include "common/gl/context.h"
 #include "common/view/flight.h"
 #include "common/view/flight_path.h"

@@ -16,7 +16,7 @@
 #include "common/base/status.h"
 #include "level_textures.h"
 #include "palette.h"
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "scene_programs.h"
 
 enum { SLOTS = 3 }; /* frames whose buffers may be in flight */

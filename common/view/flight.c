@@ -4,7 +4,7 @@
  * is 2 m or 20 km up, and one key takes it from one to the other in a few seconds. */
 #include "flight.h"
 
-#include "common/app/numbers.h"
+#include "common/base/numbers.h"
 #include "camera.h"
 
 #include <math.h>

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "planar/square_internal.h"
 #include "tests/support/measure.h"
 #include "tests/support/plain_mesh.h"

@@ -16,7 +16,7 @@
 
 #include "common/base/rect.h"
 #include "common/packed/read/prefetch.h"
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "common/input/plugin.h"
 #include "spherical/rings_internal.h"
 #include "tests/support/lean_scenes.h"

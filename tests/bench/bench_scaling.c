@@ -21,7 +21,7 @@
 
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "planar/square.h"
 #include "tests/support/frame_clock.h"
 #include "tests/support/made_files.h"

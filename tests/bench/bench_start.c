@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "common/view/camera.h"
 #include "common/view/flight.h"
 #include "common/input/source.h"

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 #include "tests/support/frame_clock.h"
 #include "tests/support/measured.h"
 #include "tests/support/plain_mesh.h"

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/app/clock.h"
+#include "common/base/clock.h"
 
 enum { IN_A_ROW = 8 };
 
