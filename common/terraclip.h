@@ -125,7 +125,7 @@ bool tc_field_wraps(const tc_field *field, int level);
 
 /* Copies the samples of rect, which must lie within the level (on a level that wraps: its rows), to z[(j - rect.y0) *
  * stride + (i - rect.x0)], metres above z_base. voids, where not NULL, gets 1 for void and 0 for valid samples in the
- * same layout. Thread-safe. */
+ * same layout. z may be NULL: then only voids are read. Thread-safe. */
 tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
 
 /* Lower and upper bound of the level's heights over rect (cut to the level where that does not wrap; metres above

@@ -7,17 +7,17 @@
 static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *request, tc_surface **surface_ret,
                               tc_error *error)
 {
-    tc_clipmap_options options = {.n = request->n,
-                                  .max_levels = request->levels,
-                                  .normals = request->needs->light,
-                                  .holes = request->needs->holes};
+    tc_ground_options options = {.n = request->n,
+                                 .max_levels = request->levels,
+                                 .normals = request->needs->light,
+                                 .holes = request->needs->holes};
     if (!options.n) {
         options.n = tc_clipmap_n_for(request->camera);
         if (request->interactive && options.n > 255)
             options.n = 255;
     }
     tc_clipmap *clipmap;
-    tc_status status = tc_clipmap_create(atlas->chart[0].field, &options, &clipmap, error);
+    tc_status status = tc_ground_create(atlas->chart[0].field, &options, &clipmap, error);
     return status ? status : tc_square_create(clipmap, surface_ret, error);
 }
 

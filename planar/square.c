@@ -254,7 +254,7 @@ static void set_uniforms(assembly *a, const tc_frame_options *options)
 static bool seen_from_above(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options)
 {
     double z;
-    return !tc_clipmap_voids(clipmap, 1) && !options->two_sided &&
+    return !tc_ground_voids(clipmap, 1) && !options->two_sided &&
            tc_square_drawn_height(clipmap, camera, options, camera->x, camera->y, &z) && camera->z > z + 1e-6 * fabs(z);
 }
 
@@ -270,8 +270,9 @@ static bool square_drawn_height(tc_surface *surface, const tc_camera *camera, co
 }
 
 static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                         tc_frame *frame_ret)
+                         const int held[TC_MAX_CHARTS], tc_frame *frame_ret)
 {
+    (void)held; /* layers are levels */
     square_surface *s = (square_surface *)surface;
     const tc_clipmap *clipmap = surface->clipmap[0];
     const tc_field *field = tc_clipmap_field(clipmap);
@@ -362,7 +363,6 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
                      .extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y),
                      .charts = 1,
                      .clipmap = {clipmap},
-                     .layers = {tc_clipmap_levels(clipmap)},
                      .wanted = square_wanted,
                      .frame = square_frame,
                      .drawn_height = square_drawn_height,

@@ -139,7 +139,7 @@ static double vertex_height(const tc_clipmap *clipmap, int level, const square_m
 {
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
     int64_t mask = tc_clipmap_n(clipmap);
-    const float *z = tc_clipmap_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+    const float *z = tc_ground_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
     double cell = ldexp(1, l->shift);
     double x = (double)(tc_min64(i << l->shift, l->edge_x) - viewer->snap_x) / cell;
     double y = (double)(tc_min64(j << l->shift, l->edge_y) - viewer->snap_y) / cell;

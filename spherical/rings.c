@@ -154,20 +154,20 @@ static void set4(float *out, double x, double y, double z, double w)
 }
 
 /* What rings.glsl needs to know of a chart: of one without layers, one level that holds nothing. */
-static void set_chart(rings_surface *s, const rings_view *v, int chart)
+static void set_chart(rings_surface *s, const rings_view *v, const int held_levels[TC_MAX_CHARTS], int chart)
 {
     float(*u)[4] = (float(*)[4])s->surface_uniforms;
     const rings_near *near = &v->near[chart];
     const rings_place *at = &v->place[chart];
     tc_clipmap *clipmap = s->head.clipmap[chart];
-    int levels = tc_clipmap_levels(clipmap), first = tc_surface_first_layer(&s->head, chart);
-    int held = s->head.layers[chart], finest = tc_clipmap_level(clipmap, levels)->shift;
+    int levels = tc_clipmap_levels(clipmap), first = tc_first_layer(held_levels, chart);
+    int held = held_levels[chart], finest = tc_clipmap_level(clipmap, levels)->shift;
     double z = near->z;
     int fine_layer = first + levels - 1 + finest; /* of shift 0, were there one */
     set4(u[4 + chart], z, z - (double)(float)z, z - v->z, fine_layer);
     set4(u[7 + chart], 0, 0, 0, -1);
     if (held == 0) {
-        int nothing = tc_surface_first_layer(&s->head, s->head.charts);
+        int nothing = tc_first_layer(held_levels, s->head.charts);
         float(*q)[4] = (float(*)[4])s->layer_uniforms[nothing];
         u[4 + chart][3] = (float)nothing;
         u[10][chart] = 0;
@@ -194,7 +194,7 @@ static void set_chart(rings_surface *s, const rings_view *v, int chart)
 }
 
 /* What rings.glsl names surface[...] and layer[...]. */
-static void set_uniforms(rings_surface *s, const rings_view *v)
+static void set_uniforms(rings_surface *s, const rings_view *v, const int held[TC_MAX_CHARTS])
 {
     float(*u)[4] = (float(*)[4])s->surface_uniforms;
     const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
@@ -206,7 +206,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
          caps ? 1 / (hi - lo) : 0, s->outside - v->z);
     set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), v->detail, tc_rings_partial(s));
     for (int chart = 0; chart < s->head.charts; chart++)
-        set_chart(s, v, chart);
+        set_chart(s, v, held, chart);
     u[10][3] = v->no_morph;
     if (!caps) {
         const tc_chart *c = &s->atlas->chart[0];
@@ -221,7 +221,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v)
 }
 
 static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                        tc_frame *frame_ret)
+                        const int held[TC_MAX_CHARTS], tc_frame *frame_ret)
 {
     rings_surface *s = (rings_surface *)surface;
     rings_view view = tc_rings_view(s, camera);
@@ -244,13 +244,13 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
             a.sectors += s->geometry.sectors;
         }
     }
-    set_uniforms(s, &view);
+    set_uniforms(s, &view, held);
     *frame_ret =
         (tc_frame){.draws = s->draws,
                    .strip_draws = a.count,
                    .triangles = a.triangles,
                    .triangles_unculled = a.triangles_unculled,
-                   .one_sided = !options->two_sided && !tc_clipmap_voids(surface->clipmap[0], 1) && view.z_eye > view.z,
+                   .one_sided = !options->two_sided && !tc_ground_voids(surface->clipmap[0], 1) && view.z_eye > view.z,
                    .draws_unculled = a.sectors,
                    .levels_active = view.finest - first + 1,
                    .levels_fine = s->geometry.levels - 1 - view.finest,
@@ -285,19 +285,18 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
     s->z_lo = INFINITY, s->z_hi = -INFINITY;
     for (int chart = 0; chart < s->atlas->charts; chart++) {
         const tc_chart *c = &s->atlas->chart[chart];
-        tc_clipmap_options clip = {.n = n,
-                                   .max_levels = o->max_levels,
-                                   .normals = o->normals,
-                                   .holes = o->holes,
-                                   .wraps = c->wraps,
-                                   .relief = RELIEF,
-                                   .spacing_x = c->dx * s->atlas->radius,
-                                   .spacing_y = c->dy * s->atlas->radius};
-        tc_status status = tc_clipmap_create(c->field, &clip, &s->head.clipmap[chart], error);
+        tc_ground_options clip = {.n = n,
+                                  .max_levels = o->max_levels,
+                                  .normals = o->normals,
+                                  .holes = o->holes,
+                                  .wraps = c->wraps,
+                                  .relief = RELIEF,
+                                  .spacing_x = c->dx * s->atlas->radius,
+                                  .spacing_y = c->dy * s->atlas->radius};
+        tc_status status = tc_ground_create(c->field, &clip, &s->head.clipmap[chart], error);
         if (status)
             return status;
         s->head.charts = chart + 1;
-        s->head.layers[chart] = tc_clipmap_levels(s->head.clipmap[chart]);
         for (int l = tc_clipmap_field_level(s->head.clipmap[chart], 1); l <= tc_field_info(c->field)->levels; l++) {
             tc_level size = tc_field_level(c->field, l);
             float lo, hi;

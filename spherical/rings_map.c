@@ -142,7 +142,7 @@ double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sam
     double t[2] = {fmin(sample->u - i, fmin(1, r.x1 - i)), fmin(sample->v - j, fmin(1, r.y1 - j))}, z[4];
     for (int k = 0; k < 4; k++) {
         int64_t x = ((int64_t)i + (k & 1)) & mask, y = ((int64_t)j + (k >> 1)) & mask;
-        const float *q = tc_clipmap_heights(clipmap, sample->level)[y * (mask + 1) + x];
+        const float *q = tc_ground_heights(clipmap, sample->level)[y * (mask + 1) + x];
         z[k] = (1 - sample->alpha) * (double)q[0] + sample->alpha * (double)q[1];
     }
     double south = z[0] + t[0] * (z[1] - z[0]), north = z[2] + t[0] * (z[3] - z[2]);

@@ -143,7 +143,7 @@ void tc_rings_ground(const rings_surface *s, rings_view *v)
             for (int64_t y = there.y0; y < there.y1; y++)
                 for (int64_t x = there.x0; x < there.x1; x++)
                     z[(y - there.y0) * BLOCK + x - there.x0] =
-                        tc_clipmap_heights(clipmap, at.level)[(y & mask) * (mask + 1) + (x & mask)][0];
+                        tc_ground_heights(clipmap, at.level)[(y & mask) * (mask + 1) + (x & mask)][0];
             v->near[chart] = near_of(z, there.x1 - there.x0, there.y1 - there.y0, BLOCK, at.u - (double)there.x0,
                                      at.v - (double)there.y0, tc_clipmap_level(clipmap, at.level)->shift);
             v->near[chart].z = tc_rings_sample_height(s, chart, &at);

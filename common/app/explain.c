@@ -34,12 +34,12 @@ static void add(tc_left_out *list, const char *format, ...)
 }
 
 /* Charts without a layer, and layers that there would be for all levels of all charts. */
-static void count_layers(const tc_surface *surface, int *unseen_ret, int *all_ret)
+static void count_layers(const tc_renderer_use *use, int *unseen_ret, int *all_ret)
 {
     *unseen_ret = *all_ret = 0;
-    for (int chart = 0; chart < surface->charts; chart++) {
-        *unseen_ret += surface->layers[chart] == 0;
-        *all_ret += tc_clipmap_levels(surface->clipmap[chart]);
+    for (int chart = 0; chart < use->surface->charts; chart++) {
+        *unseen_ret += use->textures->held[chart] == 0;
+        *all_ret += tc_clipmap_levels(use->surface->clipmap[chart]);
     }
 }
 
@@ -49,7 +49,7 @@ static void add_frame(const tc_renderer_use *use, tc_left_out *list)
     const tc_frame_stats *f = use->frame;
     bool sphere = use->needs->sphere;
     int levels = f->levels_active + f->levels_fine + f->levels_beyond, unseen, layers;
-    count_layers(use->surface, &unseen, &layers);
+    count_layers(use, &unseen, &layers);
     if (sphere) {
         add(list, "%d of %d rings: beyond the horizon", f->levels_beyond, levels);
         add(list, "%d of %d rings: finer than a pixel", f->levels_fine, levels);
@@ -87,14 +87,11 @@ void tc_explain_left_out(const tc_renderer *renderer, tc_left_out *list)
 
 static void print_textures(const tc_level_textures *t, FILE *file)
 {
-    fprintf(file, "uses: texture: heights: RG32F, %d x %d x %d, %zu bytes\n", t->size, t->size, t->layers,
-            t->height_bytes);
-    if (t->normals)
-        fprintf(file, "uses: texture: normals: RGBA8_SNORM, %d x %d x %d, %zu bytes\n", 2 * t->size, 2 * t->size,
-                t->layers, t->normal_bytes);
-    if (t->voids)
-        fprintf(file, "uses: texture: voids: R8, %d x %d x %d, %zu bytes\n", t->size, t->size, t->layers,
-                t->void_bytes);
+    for (int k = 0; k < t->contents; k++) {
+        const tc_level_texture *c = &t->content[k];
+        fprintf(file, "uses: texture: %s: %s, %d x %d x %d, %zu bytes\n", c->content->name,
+                tc_gl_format_of(c->content->format)->name, c->size, c->size, t->layers, c->bytes);
+    }
     fprintf(file, "uses: texture: colours: RGBA8, %d, %d bytes\n", TC_RAMP_SIZE, 4 * TC_RAMP_SIZE);
 }
 
@@ -106,10 +103,10 @@ static void print_frame(const tc_renderer_use *use, FILE *file)
     int held = 0, all = 0;
     for (int chart = 0; chart < surface->charts; chart++)
         for (int level = 1; level <= tc_clipmap_levels(surface->clipmap[chart]); level++, all++)
-            held += level <= surface->layers[chart] &&
+            held += level <= use->textures->held[chart] &&
                     !tc_rect_empty(tc_clipmap_level(surface->clipmap[chart], level)->clip);
     for (int chart = 0; sphere && chart < surface->charts; chart++)
-        fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, surface->layers[chart],
+        fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, use->textures->held[chart],
                 tc_clipmap_levels(surface->clipmap[chart]));
     fprintf(file, "uses: levels: %d of %d hold samples\n", held, all);
     fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "rings" : "levels", f->levels_active,

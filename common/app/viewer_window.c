@@ -19,6 +19,7 @@ typedef struct session {
     tc_camera frozen;    /* culled for, while culling is frozen */
     bool tell;           /* statistics once a second */
     bool picture_wanted; /* once the frame is drawn */
+    bool failing;        /* a part of the terrain cannot be read at the moment, which was said */
     bool quit;
     int picture_number; /* to try next */
     /* Since the title was set last, and since statistics were told last. */
@@ -170,6 +171,19 @@ static void write_picture(session *s)
         fprintf(stderr, "%s\n", name);
 }
 
+/* Says once that a part of the terrain cannot be read, and again where it comes back. */
+static void tell_failure(session *s, const tc_frame_stats *frame)
+{
+    const tc_viewer *v = s->viewer;
+    if (frame->failed == s->failing)
+        return;
+    s->failing = frame->failed;
+    if (!v->options.quiet)
+        fprintf(stderr, "%s: warning: %s: %s\n", v->program->name, v->options.terrain,
+                frame->failed ? "a part of it cannot be read and is shown coarser; it will be tried again"
+                              : "all of it can be read again");
+}
+
 /* Brings title and statistics up to date after a frame. */
 static void tell(session *s, const tc_frame_stats *frame)
 {
@@ -260,6 +274,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         v->window_plugin->swap(v->window);
         tc_stats_frame(v->stats, tc_clock_ms() - now, &frame);
         tell(&s, &frame);
+        tell_failure(&s, &frame);
         if (s.picture_wanted) {
             write_picture(&s);
             s.picture_wanted = false;

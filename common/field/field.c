@@ -83,7 +83,7 @@ tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z
         int64_t width = piece.x1 - piece.x0;
         status = field->class->read(field, level, piece, z, voids, stride);
         rect.x0 += width;
-        z += width;
+        z = z ? z + width : NULL;
         voids = voids ? voids + width : NULL;
     }
     return status;

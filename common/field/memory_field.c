@@ -32,7 +32,8 @@ static tc_status memory_read(const tc_field *field, int level, tc_rect rect, flo
     const memory_level *l = &((const memory_field *)field)->level[level - 1];
     int64_t width = field->level[level - 1].width, w = rect.x1 - rect.x0;
     for (int64_t j = rect.y0; j < rect.y1; j++) {
-        memcpy(z + (j - rect.y0) * stride, l->z + j * width + rect.x0, (size_t)w * sizeof *z);
+        if (z)
+            memcpy(z + (j - rect.y0) * stride, l->z + j * width + rect.x0, (size_t)w * sizeof *z);
         if (voids && l->voids)
             memcpy(voids + (j - rect.y0) * stride, l->voids + j * width + rect.x0, (size_t)w);
         else if (voids)

@@ -40,8 +40,7 @@ tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *e
     if (embedded || major < 4 || (major == 4 && minor < 5))
         return tc_fail(error, TC_ERR_CONTEXT, "OpenGL: expected 4.5 or newer, found %s on %s", version,
                        text_of(&table, GL_RENDERER));
-    while (table.GetError() != GL_NO_ERROR)
-        ;
+    tc_gl_forget_errors(&table);
 #define TC_GL_LOAD(type, name)                                                                                         \
     if (!load(get_proc, "gl" #name, &table.name))                                                                      \
         return tc_fail(error, TC_ERR_CONTEXT, "OpenGL %s on %s: expected the function gl" #name ", found none",        \
@@ -50,6 +49,13 @@ tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *e
 #undef TC_GL_LOAD
     *gl = table;
     return TC_OK;
+}
+
+void tc_gl_forget_errors(const tc_gl *gl)
+{
+    enum { MOST = 64 };
+    for (int i = 0; i < MOST && gl->GetError() != GL_NO_ERROR; i++)
+        ;
 }
 
 bool tc_gl_software(const char *renderer)

@@ -20,6 +20,9 @@ typedef struct tc_gl {
 /* Whether a GL_RENDERER string names one of Mesa's drivers that draw on the processor. */
 bool tc_gl_software(const char *renderer);
 
+/* Takes up to some errors that wait to be asked for. A lost context has them without end. */
+void tc_gl_forget_errors(const tc_gl *gl);
+
 /* Fills in the table and checks that the current context is OpenGL 4.5 or newer. */
 tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *error);
 

@@ -6,125 +6,144 @@
 #include "common/base/rect.h"
 #include "common/base/status.h"
 
-static GLuint array_texture(const tc_gl *gl, GLenum format, int size, int layers, GLint filter)
+const tc_gl_format *tc_gl_format_of(tc_texel_format format)
+{
+    static const tc_gl_format formats[TC_TEXEL_FORMATS] = {
+        [TC_TEXEL_RG32F] = {"RG32F", GL_RG32F, GL_RG, GL_FLOAT, GL_NEAREST},
+        [TC_TEXEL_RGBA8_SNORM] = {"RGBA8_SNORM", GL_RGBA8_SNORM, GL_RGBA, GL_BYTE, GL_LINEAR},
+        [TC_TEXEL_RGBA8] = {"RGBA8", GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR},
+        [TC_TEXEL_R8] = {"R8", GL_R8, GL_RED, GL_UNSIGNED_BYTE, GL_NEAREST}};
+    return &formats[format];
+}
+
+/* ---- Allocation -------------------------------------------------------------------------------------------------- */
+
+static GLuint array_texture(const tc_gl *gl, const tc_gl_format *format, int size, int layers)
 {
     GLuint t;
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t);
-    gl->TextureStorage3D(t, 1, format, size, size, layers);
-    gl->TextureParameteri(t, GL_TEXTURE_MIN_FILTER, filter);
-    gl->TextureParameteri(t, GL_TEXTURE_MAG_FILTER, filter);
+    gl->TextureStorage3D(t, 1, format->internal, size, size, layers);
+    gl->TextureParameteri(t, GL_TEXTURE_MIN_FILTER, format->filter);
+    gl->TextureParameteri(t, GL_TEXTURE_MAG_FILTER, format->filter);
     gl->TextureParameteri(t, GL_TEXTURE_WRAP_S, GL_REPEAT);
     gl->TextureParameteri(t, GL_TEXTURE_WRAP_T, GL_REPEAT);
     return t;
 }
 
-static tc_status create(const tc_gl *gl, const tc_surface *surface, int layers, tc_level_textures *textures_ret,
-                        tc_error *error)
+static tc_status create(const tc_gl *gl, const tc_clipmap *clipmap, tc_level_textures *t, tc_error *error)
 {
-    const tc_clipmap *clipmap = surface->clipmap[0];
-    int size = tc_clipmap_n(clipmap) + 1;
-    while (gl->GetError() != GL_NO_ERROR) /* what went wrong before is none of ours */
-        ;
-    size_t texels = (size_t)size * (size_t)size * (size_t)layers;
-    tc_level_textures t = {.heights = array_texture(gl, GL_RG32F, size, layers, GL_NEAREST),
-                           .size = size,
-                           .layers = layers,
-                           .empty = true,
-                           .height_bytes = texels * 8};
-    if (tc_clipmap_normals(clipmap, 1)) {
-        t.normals = array_texture(gl, GL_RGBA8_SNORM, 2 * size, layers, GL_LINEAR);
-        t.normal_bytes = texels * 16;
+    int n = tc_clipmap_n(clipmap);
+    tc_gl_forget_errors(gl); /* what went wrong before is none of ours */
+    t->contents = tc_clipmap_contents(clipmap);
+    for (int k = 0; k < t->contents; k++) {
+        const tc_content_class *content = tc_clipmap_content(clipmap, k);
+        int size = content->scale * (n + 1);
+        size_t texels = (size_t)size * (size_t)size * (size_t)t->layers;
+        t->content[k] = (tc_level_texture){
+            .content = content,
+            .texture = array_texture(gl, tc_gl_format_of(content->format), size, t->layers),
+            .size = size,
+            .bytes = texels * tc_texel_bytes(content->format),
+        };
     }
-    if (tc_clipmap_voids(clipmap, 1)) {
-        t.voids = array_texture(gl, GL_R8, size, layers, GL_NEAREST);
-        t.void_bytes = texels;
-    }
-    if (gl->GetError() != GL_NO_ERROR) {
-        tc_level_textures_destroy(gl, &t);
-        *textures_ret = (tc_level_textures){0};
-        return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", layers, size, size);
-    }
-    *textures_ret = t;
-    return TC_OK;
+    if (gl->GetError() == GL_NO_ERROR)
+        return TC_OK;
+    tc_gl_forget_errors(gl);
+    tc_level_textures_destroy(gl, t);
+    return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", t->layers, n + 1, n + 1);
 }
 
-tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, tc_surface *surface,
+/* Takes over the layers that there were. */
+static void copy_layers(const tc_gl *gl, const tc_level_textures *from, tc_level_textures *to, int charts)
+{
+    for (int chart = 0, old = 0, now = 0; chart < charts; old += from->held[chart], now += to->held[chart], chart++) {
+        if (from->held[chart] == 0)
+            continue;
+        memcpy(&to->cursor[now], &from->cursor[old], (size_t)from->held[chart] * sizeof *to->cursor);
+        for (int k = 0; k < to->contents; k++)
+            gl->CopyImageSubData(from->content[k].texture, GL_TEXTURE_2D_ARRAY, 0, 0, 0, old, to->content[k].texture,
+                                 GL_TEXTURE_2D_ARRAY, 0, 0, 0, now, to->content[k].size, to->content[k].size,
+                                 from->held[chart]);
+    }
+}
+
+tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, const tc_surface *surface,
                                  const int levels[TC_MAX_CHARTS], tc_error *error)
 {
-    int held[TC_MAX_CHARTS], layers = 0;
-    bool grows = !textures->heights;
+    tc_level_textures grown = {0};
+    bool grows = textures->contents == 0;
     for (int chart = 0; chart < surface->charts; chart++) {
-        int now = textures->heights ? surface->layers[chart] : 0, all = tc_clipmap_levels(surface->clipmap[chart]);
-        held[chart] = now;
+        int now = textures->held[chart], all = tc_clipmap_levels(surface->clipmap[chart]);
+        grown.held[chart] = now;
         if (levels[chart] > now) {
-            held[chart] = (int)tc_min64(all, tc_max64(levels[chart], now + (now ? (all + 1) / 2 : 0)));
+            grown.held[chart] = (int)tc_min64(all, tc_max64(levels[chart], now + (now ? (all + 1) / 2 : 0)));
             grows = true;
         }
-        layers += held[chart];
+        grown.layers += grown.held[chart];
     }
     if (!grows)
         return TC_OK;
+    grown.layers = grown.layers > 0 ? grown.layers : 1;
+    tc_status status = create(gl, surface->clipmap[0], &grown, error);
+    if (status != TC_OK)
+        return status;
+    if (textures->contents)
+        copy_layers(gl, textures, &grown, surface->charts);
     tc_level_textures_destroy(gl, textures);
-    memcpy(surface->layers, held, (size_t)surface->charts * sizeof *held);
-    return create(gl, surface, layers > 0 ? layers : 1, textures, error);
+    *textures = grown;
+    return TC_OK;
 }
 
 void tc_level_textures_destroy(const tc_gl *gl, tc_level_textures *textures)
 {
-    gl->DeleteTextures(3, (GLuint[]){textures->heights, textures->normals, textures->voids});
+    for (int k = 0; k < textures->contents; k++)
+        gl->DeleteTextures(1, &textures->content[k].texture);
+    textures->contents = 0;
 }
 
-/* What upload_wrapped needs to know of a texture. */
-typedef struct target {
-    const tc_gl *gl;
-    GLuint texture;
-    GLenum format, type;
-    int64_t size; /* texels along a side: a power of two */
-    int bytes;    /* a texel */
-    int layer;
-    const void *texels; /* the whole toroidal array */
-} target;
-
-static int64_t upload_wrapped(const target *t, int64_t x, int64_t y, int64_t w, int64_t h)
+tc_level_texture tc_level_texture_of(const tc_level_textures *textures, const tc_content_class *content)
 {
-    w = tc_min64(w, t->size);
-    h = tc_min64(h, t->size);
-    t->gl->PixelStorei(GL_UNPACK_ROW_LENGTH, (GLint)t->size);
+    for (int k = 0; k < textures->contents; k++)
+        if (textures->content[k].content == content)
+            return textures->content[k];
+    return (tc_level_texture){0};
+}
+
+/* ---- Uploads ----------------------------------------------------------------------------------------------------- */
+
+/* Texels r of a layer, from the whole toroidal array. */
+static int64_t upload_wrapped(const tc_gl *gl, const tc_level_texture *t, int layer, const void *texels, tc_rect r)
+{
+    const tc_gl_format *format = tc_gl_format_of(t->content->format);
+    int64_t size = t->size, bytes = (int64_t)tc_texel_bytes(t->content->format);
+    int64_t w = tc_min64(r.x1 - r.x0, size), h = tc_min64(r.y1 - r.y0, size);
+    gl->PixelStorei(GL_UNPACK_ROW_LENGTH, t->size);
     for (int64_t dy = 0, run_y; dy < h; dy += run_y) {
-        int64_t ty = (y + dy) & (t->size - 1);
-        run_y = tc_min64(h - dy, t->size - ty);
+        int64_t ty = (r.y0 + dy) & (size - 1);
+        run_y = tc_min64(h - dy, size - ty);
         for (int64_t dx = 0, run_x; dx < w; dx += run_x) {
-            int64_t tx = (x + dx) & (t->size - 1);
-            run_x = tc_min64(w - dx, t->size - tx);
-            t->gl->TextureSubImage3D(t->texture, 0, (GLint)tx, (GLint)ty, t->layer, (GLsizei)run_x, (GLsizei)run_y, 1,
-                                     t->format, t->type, (const char *)t->texels + (ty * t->size + tx) * t->bytes);
+            int64_t tx = (r.x0 + dx) & (size - 1);
+            run_x = tc_min64(w - dx, size - tx);
+            gl->TextureSubImage3D(t->texture, 0, (GLint)tx, (GLint)ty, layer, (GLsizei)run_x, (GLsizei)run_y, 1,
+                                  format->format, format->type, (const char *)texels + (ty * size + tx) * bytes);
         }
     }
-    return w * h * t->bytes;
+    return w * h * bytes;
 }
 
-/* Uploads what changed of a level, whose layer it is, or all of it. */
-static int64_t upload_level(const tc_gl *gl, const tc_level_textures *textures, tc_clipmap *clipmap, int level,
+/* Uploads what changed of a level, whose layer it is. */
+static int64_t upload_level(const tc_gl *gl, tc_level_textures *textures, const tc_clipmap *clipmap, int level,
                             int layer)
 {
-    int64_t bytes = 0, size = tc_clipmap_n(clipmap) + 1;
+    int64_t bytes = 0;
     tc_rect changes[TC_MAX_CHANGES];
-    int count = tc_clipmap_take_changes(clipmap, level, changes);
-    if (textures->empty) {
-        changes[0] = (tc_rect){0, 0, size, size};
-        count = tc_rect_empty(tc_clipmap_level(clipmap, level)->clip) ? 0 : 1;
-    }
-    target heights = {gl, textures->heights, GL_RG, GL_FLOAT, size, 8, layer, tc_clipmap_heights(clipmap, level)};
-    target voids = {gl, textures->voids, GL_RED, GL_UNSIGNED_BYTE, size, 1, layer, tc_clipmap_voids(clipmap, level)};
-    target normals = {gl, textures->normals, GL_RGBA, GL_BYTE, 2 * size, 4, layer, tc_clipmap_normals(clipmap, level)};
-    for (int i = 0; i < count; i++) {
-        tc_rect r = changes[i];
-        bytes += upload_wrapped(&heights, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
-        if (textures->voids)
-            bytes += upload_wrapped(&voids, r.x0, r.y0, r.x1 - r.x0, r.y1 - r.y0);
-        if (textures->normals) /* from half a sample before to half a sample behind */
-            bytes += upload_wrapped(&normals, 2 * r.x0 - 1, 2 * r.y0 - 1, 2 * (r.x1 - r.x0) + 1, 2 * (r.y1 - r.y0) + 1);
-    }
+    int count = tc_clipmap_changes(clipmap, level, &textures->cursor[layer], changes);
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < textures->contents; k++) {
+            const tc_level_texture *t = &textures->content[k];
+            bytes += upload_wrapped(gl, t, layer, tc_clipmap_texels(clipmap, t->content, level),
+                                    tc_content_rect(t->content, changes[i]));
+        }
     return bytes;
 }
 
@@ -134,9 +153,8 @@ int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, c
     int layer = 0;
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     for (int chart = 0; chart < surface->charts; chart++)
-        for (int level = 1; level <= surface->layers[chart]; level++)
+        for (int level = 1; level <= textures->held[chart]; level++)
             bytes += upload_level(gl, textures, surface->clipmap[chart], level, layer++);
     gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
-    textures->empty = false;
     return bytes;
 }

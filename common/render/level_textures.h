@@ -1,4 +1,5 @@
-/* level_textures.h - the windows of a surface's clipmaps as array textures, one layer a level of a chart.
+/* level_textures.h - the windows of a surface's clipmaps as array textures: one a content, one layer a level of a
+ * chart.
  *
  * Only levels that a view has asked for so far have layers: not those too fine for all heights above ground flown at,
  * and not charts out of sight. */
@@ -8,21 +9,38 @@
 #include "surface.h"
 #include "common/gl/gl.h"
 
+/* How a texel format is stored by OpenGL. */
+typedef struct tc_gl_format {
+    const char *name; /* of the internal format, "RG32F" */
+    GLenum internal, format, type;
+    GLint filter;
+} tc_gl_format;
+const tc_gl_format *tc_gl_format_of(tc_texel_format format);
+
+typedef struct tc_level_texture {
+    const tc_content_class *content;
+    GLuint texture; /* scale * (n + 1) texels along a side, repeating */
+    int size;
+    size_t bytes;
+} tc_level_texture;
+
 typedef struct tc_level_textures {
-    GLuint heights; /* RG32F, (z, z_c), (n+1)^2 */
-    GLuint normals; /* RGBA8_SNORM, (n, n_c) at twice the resolution, filtered, repeating; 0 where not kept */
-    GLuint voids;   /* R8; 0 where not kept */
-    int size, layers;
-    bool empty; /* new: all that is held is to be uploaded */
-    size_t height_bytes, normal_bytes, void_bytes;
+    tc_level_texture content[TC_MAX_CONTENTS]; /* of all clipmaps of the surface */
+    int contents;
+    int held[TC_MAX_CHARTS]; /* levels of each chart, from the coarsest on, that have a layer */
+    int layers;              /* of all charts, at least one */
+    uint64_t cursor[TC_MAX_LAYERS];
 } tc_level_textures;
 
-/* Has layers for at least the first levels[chart] levels of each chart, and sets surface->layers to what there is.
- * Once allocated, textures only grow, and then by half of a chart's levels at least: a flight makes them a few times
- * anew and then no more. A picture does not depend on how often. */
-tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, tc_surface *surface,
+/* Has layers for at least the first levels[chart] levels of each chart. Once allocated, textures only grow, and then by
+ * half of a chart's levels at least: a flight makes them a few times anew, copying on the GPU what there was, and then
+ * no more. A picture does not depend on how often. On failure they are as before. */
+tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, const tc_surface *surface,
                                  const int levels[TC_MAX_CHARTS], tc_error *error);
 void tc_level_textures_destroy(const tc_gl *gl, tc_level_textures *textures);
+
+/* The texture of a content, zero where it is not kept. */
+tc_level_texture tc_level_texture_of(const tc_level_textures *textures, const tc_content_class *content);
 
 /* Uploads what has changed since the last call; returns the bytes. Call before anything is drawn in a frame: an upload
  * to a texture that a queued draw reads waits for that draw. */

@@ -213,7 +213,7 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     int64_t torus = 2 * (tc_clipmap_n(r->surface->clipmap[0]) + 1);
     int layer = 0;
     for (int chart = 0; chart < r->surface->charts; chart++)
-        for (int l = 1; l <= r->surface->layers[chart]; l++) {
+        for (int l = 1; l <= r->textures.held[chart]; l++) {
             tc_rect c = tc_clipmap_level(r->surface->clipmap[chart], l)->clip;
             float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
                                (float)(c.y1 - 1 - c.y0)};
@@ -285,10 +285,10 @@ static void draw(tc_renderer *r, const tc_frame *frame)
                                     (float[]){(float)bg[0] / 255, (float)bg[1] / 255, (float)bg[2] / 255, 1});
     gl->NamedBufferSubData(r->uniforms[r->slot], 0, sizeof r->values, &r->values);
     gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, r->uniforms[r->slot]);
-    gl->BindTextureUnit(0, r->textures.heights);
+    gl->BindTextureUnit(0, tc_level_texture_of(&r->textures, &tc_heights_content).texture);
     gl->BindTextureUnit(1, r->ramp);
-    gl->BindTextureUnit(2, r->textures.normals);
-    gl->BindTextureUnit(3, r->textures.voids);
+    gl->BindTextureUnit(2, tc_level_texture_of(&r->textures, &tc_normals_content).texture);
+    gl->BindTextureUnit(3, tc_level_texture_of(&r->textures, &tc_voids_content).texture);
     gl->Enable(GL_DEPTH_TEST);
     gl->DepthFunc(GL_GREATER);
     gl->BindVertexArray(r->vao);
@@ -349,8 +349,10 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     surface->wanted(surface, camera, r->wanted);
     for (int chart = 0; chart < surface->charts; chart++) { /* each gets at least what makes progress */
         int64_t share = budget < 0 ? -1 : tc_max64(n, budget - stats.samples_updated);
-        stats.samples_updated += tc_clipmap_update(surface->clipmap[chart], r->wanted[chart], share, finish);
+        stats.samples_updated +=
+            tc_clipmap_update(surface->clipmap[chart], r->wanted[chart], share, finish, 1e-3 * start);
         stats.resident &= tc_clipmap_resident(surface->clipmap[chart]);
+        stats.failed |= tc_clipmap_failed(surface->clipmap[chart]) != TC_OK;
     }
     status = hold_levels(r, error);
     if (status)
@@ -359,7 +361,7 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     double updated = tc_clock_ms();
 
     tc_frame frame;
-    surface->frame(surface, camera, &r->options.frame, &frame);
+    surface->frame(surface, camera, &r->options.frame, r->textures.held, &frame);
     r->slot = (r->slot + 1) % SLOTS;
     set_uniforms(r, camera, &frame);
     upload_draws(r, &frame);
@@ -377,10 +379,7 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     stats.levels_fine = frame.levels_fine;
     stats.levels_beyond = frame.levels_beyond;
     *stats_ret = r->last = stats;
-    for (int chart = 0; chart < surface->charts; chart++)
-        if (tc_clipmap_failed(surface->clipmap[chart]))
-            return tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read");
-    return TC_OK;
+    return finish && stats.failed ? tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read") : TC_OK;
 }
 
 /* The framebuffer to read colours from. */
@@ -426,10 +425,11 @@ void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth)
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
 {
     const tc_geometry *g = &renderer->surface->geometry;
+    const tc_level_textures *t = &renderer->textures;
     size_t draws = 0, heights = 0, normals = 0, fields = 0;
     for (int chart = 0; chart < renderer->surface->charts; chart++) {
         size_t h, n;
-        tc_clipmap_bytes(renderer->surface->clipmap[chart], &h, &n);
+        tc_ground_bytes(renderer->surface->clipmap[chart], &h, &n);
         heights += h, normals += n;
         fields += tc_field_bytes(tc_clipmap_field(renderer->surface->clipmap[chart]));
     }
@@ -437,8 +437,9 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
         draws += renderer->draw_capacity[i] * draw_size(renderer) + sizeof(frame_uniforms);
     *stats_ret = (tc_memory_stats){.geometry = (size_t)g->vertex_count * vertex_size(g) +
                                                (size_t)g->index_count * sizeof *g->indices + draws,
-                                   .heights = renderer->textures.height_bytes + renderer->textures.void_bytes + heights,
-                                   .normals = renderer->textures.normal_bytes + normals,
+                                   .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
+                                              tc_level_texture_of(t, &tc_voids_content).bytes + heights,
+                                   .normals = tc_level_texture_of(t, &tc_normals_content).bytes + normals,
                                    .field = fields};
 }
 

@@ -17,6 +17,7 @@ typedef struct tc_frame_stats {
     int levels_active, levels_fine, levels_beyond; /* drawn; too fine for the view; beyond the horizon */
     int64_t samples_updated, bytes_uploaded;
     bool resident; /* the clipmap held all that this view needs */
+    bool failed;   /* a part of that could not be read, and will be tried again */
 } tc_frame_stats;
 
 /* Bytes by item, on both sides of the driver. */

@@ -8,7 +8,7 @@
 
 #include "common/map/atlas.h"
 #include "common/terraclip.h"
-#include "common/window/clipmap.h"
+#include "common/content/ground.h"
 
 /* Static support geometry: vertices and indices of triangle strips or triangles. TC_RESTART ends a strip and begins the
  * next. */
@@ -82,13 +82,13 @@ struct tc_surface {
     tc_geometry geometry;
     int charts;
     tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. The surface's own */
-    int layers[TC_MAX_CHARTS];          /* levels of each chart, from the coarsest on, that have a layer of the vertex
-                                           textures: all, unless who draws sets fewer */
     /* Windows wanted at each level for this camera: wanted[chart][level - 1]; empty for levels too fine for it, and for
      * all levels of a chart that no vertex reads. */
     void (*wanted)(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
-    /* What is visible of the clipmaps as they stand. */
-    void (*frame)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, tc_frame *frame_ret);
+    /* What is visible of the clipmaps as they stand. held: levels of each chart, from the coarsest on, that have a
+     * layer of the vertex textures. */
+    void (*frame)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
+                  const int held[TC_MAX_CHARTS], tc_frame *frame_ret);
     /* Height drawn at map position (x, y), in the camera's units, for this camera, by the same rules as the GLSL, in
      * double: metres absolute. False where nothing is drawn. */
     bool (*drawn_height)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
@@ -97,11 +97,11 @@ struct tc_surface {
 };
 
 /* The layer of a chart's level 1; of the chart behind the last: how many layers there are. */
-static inline int tc_surface_first_layer(const tc_surface *surface, int chart)
+static inline int tc_first_layer(const int held[TC_MAX_CHARTS], int chart)
 {
     int layer = 0;
     for (int c = 0; c < chart; c++)
-        layer += surface->layers[c];
+        layer += held[c];
     return layer;
 }
 

@@ -11,12 +11,41 @@
 #include <string.h>
 
 #include "common/view/camera.h"
-#include "clipmap_internal.h"
 #include "common/base/rect.h"
 #include "common/field/field.h"
 #include "common/base/status.h"
 
-static const tc_clip_state *state(const tc_clipmap *clipmap, int level)
+typedef struct clip_state {
+    tc_clip_level view;
+    int field_level;
+    int64_t width, height;         /* samples that the field has at this level; vertices beyond lie on the edge */
+    void *texels[TC_MAX_CONTENTS]; /* toroidal */
+    tc_rect changes[TC_MAX_CHANGES];
+    uint64_t changed;  /* how often; the last ones are in changes[(k - 1) % TC_MAX_CHANGES] */
+    int failures;      /* in a row */
+    double not_before; /* when to try again */
+} clip_state;
+
+struct tc_clipmap {
+    const tc_field *field;
+    int n, levels, contents;
+    tc_content content[TC_MAX_CONTENTS];
+    clip_state level[TC_MAX_LEVELS]; /* [l - 1] */
+    void *scratch;
+    tc_status failed; /* of the last filling that failed, while any level waits to be read again */
+};
+
+/* Seconds until what could not be read is tried again: first, and at most. */
+static const double FIRST_PAUSE = 0.25, LONGEST_PAUSE = 30;
+
+size_t tc_texel_bytes(tc_texel_format format)
+{
+    static const size_t bytes[TC_TEXEL_FORMATS] = {
+        [TC_TEXEL_RG32F] = 8, [TC_TEXEL_RGBA8_SNORM] = 4, [TC_TEXEL_RGBA8] = 4, [TC_TEXEL_R8] = 1};
+    return bytes[format];
+}
+
+static const clip_state *state(const tc_clipmap *clipmap, int level)
 {
     return &clipmap->level[level - 1];
 }
@@ -47,17 +76,42 @@ const tc_clip_level *tc_clipmap_level(const tc_clipmap *clipmap, int level)
 {
     return &state(clipmap, level)->view;
 }
-const float (*tc_clipmap_heights(const tc_clipmap *clipmap, int level))[2]
+int tc_clipmap_contents(const tc_clipmap *clipmap)
 {
-    return state(clipmap, level)->heights;
+    return clipmap->contents;
 }
-const int8_t (*tc_clipmap_normals(const tc_clipmap *clipmap, int level))[4]
+const tc_content_class *tc_clipmap_content(const tc_clipmap *clipmap, int content)
 {
-    return state(clipmap, level)->normals;
+    return clipmap->content[content].class;
 }
-const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level)
+const void *tc_clipmap_texels(const tc_clipmap *clipmap, const tc_content_class *content, int level)
 {
-    return state(clipmap, level)->voids;
+    for (int k = 0; k < clipmap->contents; k++)
+        if (clipmap->content[k].class == content)
+            return state(clipmap, level)->texels[k];
+    return NULL;
+}
+
+/* Texels along a side of a content's arrays. */
+static int64_t side_of(const tc_clipmap *c, const tc_content_class *content)
+{
+    return (int64_t)content->scale * (c->n + 1);
+}
+
+static size_t array_bytes(const tc_clipmap *c, const tc_content_class *content)
+{
+    size_t side = (size_t)side_of(c, content);
+    return side * side * tc_texel_bytes(content->format);
+}
+
+static size_t scratch_bytes(const tc_clipmap *c)
+{
+    size_t most = 0;
+    for (int k = 0; k < c->contents; k++) {
+        size_t bytes = c->content[k].class->scratch_bytes(c->n);
+        most = bytes > most ? bytes : most;
+    }
+    return most;
 }
 
 /* Vertices from 0 to the terrain's edge, rounded up so that the last one is even. */
@@ -100,7 +154,7 @@ static const int64_t ENDLESS = INT64_C(1) << 50;
 
 static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *options)
 {
-    tc_clip_state *s = &c->level[level - 1];
+    clip_state *s = &c->level[level - 1];
     int finest = tc_field_info(c->field)->levels;
     tc_level top = tc_field_level(c->field, finest), own = tc_field_level(c->field, s->field_level);
     s->width = own.width;
@@ -112,18 +166,16 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     s->view.edge_y = top.height - 1;
     s->view.extent = (tc_rect){0, 0, vertices_to_edge(s->view.edge_x, s->view.shift),
                                vertices_to_edge(s->view.edge_y, s->view.shift)};
-    s->wraps = options->wraps;
-    s->relief = tc_normal_relief(sqrt(s->view.spacing_x * s->view.spacing_y), options->relief);
-    if (s->wraps) {
+    s->view.wraps = options->wraps;
+    if (s->view.wraps) {
         s->view.edge_x = ENDLESS;
         s->view.extent.x1 = (ENDLESS >> s->view.shift) + 1;
         s->view.extent.x0 = 1 - s->view.extent.x1;
     }
-    size_t count = (size_t)(c->n + 1) * (size_t)(c->n + 1);
-    s->heights = calloc(count, sizeof *s->heights);
-    s->normals = options->normals ? calloc(4 * count, sizeof *s->normals) : NULL;
-    s->voids = options->holes ? calloc(count, 1) : NULL;
-    return s->heights && (s->normals || !options->normals) && (s->voids || !options->holes) ? TC_OK : TC_ERR_MEMORY;
+    for (int k = 0; k < c->contents; k++)
+        if (!(s->texels[k] = calloc(1, array_bytes(c, c->content[k].class))))
+            return TC_ERR_MEMORY;
+    return TC_OK;
 }
 
 /* Once around with two samples more on either side and an even perimeter: half a turn from the viewer in either
@@ -141,6 +193,41 @@ static bool fits_window(const tc_field *field, int level, bool wraps, int n)
     int shift = info->levels - level;
     int64_t x = wraps ? once_around(tc_field_level(field, level).width) : vertices_to_edge(top.width - 1, shift);
     return x <= n && vertices_to_edge(top.height - 1, shift) <= n;
+}
+
+tc_status tc_clipmap_fill(tc_clipmap *c, int level, tc_rect rect)
+{
+    clip_state *s = &c->level[level - 1];
+    tc_status status = TC_OK;
+    for (int k = 0; k < c->contents && !status; k++) {
+        const tc_fill f = {.clipmap = c,
+                           .content = &c->content[k],
+                           .level = level,
+                           .rect = rect,
+                           .texels = s->texels[k],
+                           .coarse = level > 1 ? s[-1].texels[k] : NULL,
+                           .size = side_of(c, c->content[k].class),
+                           .scratch = c->scratch};
+        status = c->content[k].class->fill(&f);
+    }
+    if (!status)
+        s->changes[s->changed++ % TC_MAX_CHANGES] = rect;
+    return status;
+}
+
+/* Fills a rectangle; false, and the level's pause begins, where it cannot be. */
+static bool fill(tc_clipmap *c, int level, tc_rect rect, double now)
+{
+    clip_state *s = &c->level[level - 1];
+    tc_status status = tc_clipmap_fill(c, level, rect);
+    if (status) {
+        c->failed = status;
+        s->not_before = now + fmin(ldexp(FIRST_PAUSE, s->failures < 16 ? s->failures : 16), LONGEST_PAUSE);
+        s->failures++;
+        return false;
+    }
+    s->failures = 0;
+    return true;
 }
 
 tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *options, tc_clipmap **clipmap_ret,
@@ -174,7 +261,9 @@ tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *opt
     c->field = field;
     c->n = n;
     c->levels = levels;
-    c->scratch = malloc(tc_fill_scratch(n, options->normals) * sizeof *c->scratch);
+    c->contents = options->contents;
+    memcpy(c->content, options->content, sizeof c->content);
+    c->scratch = malloc(scratch_bytes(c));
     tc_status status = c->scratch ? TC_OK : TC_ERR_MEMORY;
     for (int l = 1; l <= levels && !status; l++) {
         c->level[l - 1].field_level = first + l - 1;
@@ -184,16 +273,15 @@ tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *opt
         tc_clipmap_destroy(c);
         return tc_fail(error, status, "clipmap: not enough memory for %d levels of %dx%d", levels, n, n);
     }
-    tc_clip_state *s = &c->level[0];
+    clip_state *s = &c->level[0];
     tc_rect whole = s->view.extent;
-    if (s->wraps)
+    if (s->view.wraps)
         whole.x0 = 0, whole.x1 = once_around(s->width);
-    tc_clipmap_fill(c, 1, whole);
-    s->view.clip = s->view.active = s->view.wanted = whole;
-    if (c->failed) {
+    if (!fill(c, 1, whole, 0)) {
         tc_clipmap_destroy(c);
         return tc_fail(error, TC_ERR_IO, "clipmap: the coarsest level cannot be read");
     }
+    s->view.clip = s->view.active = s->view.wanted = whole;
     *clipmap_ret = c;
     return TC_OK;
 }
@@ -202,11 +290,9 @@ void tc_clipmap_destroy(tc_clipmap *clipmap)
 {
     if (!clipmap)
         return;
-    for (int l = 0; l < TC_MAX_LEVELS; l++) {
-        free(clipmap->level[l].heights);
-        free(clipmap->level[l].normals);
-        free(clipmap->level[l].voids);
-    }
+    for (int l = 0; l < TC_MAX_LEVELS; l++)
+        for (int k = 0; k < TC_MAX_CONTENTS; k++)
+            free(clipmap->level[l].texels[k]);
     free(clipmap->scratch);
     free(clipmap);
 }
@@ -230,56 +316,80 @@ static tc_rect seed(tc_rect target, int64_t budget)
     return tc_rect_intersect(target, (tc_rect){x, y, x + side, y + side});
 }
 
-/* Whether filling rect need not wait for the pyramid. */
+/* The samples that filling rect reads of its level, or of the next finer one. */
+static tc_rect grown(tc_rect r, int reach)
+{
+    return (tc_rect){r.x0 - reach, r.y0 - reach, r.x1 + reach, r.y1 + reach};
+}
+
+/* Whether filling rect need not wait for the field. */
 static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
 {
-    enum { REACH = 3 }; /* of normals and of the terrain's edge, at least */
-    const tc_clip_state *s = &c->level[level - 1];
-    tc_rect own = {rect.x0 - REACH, rect.y0 - REACH, rect.x1 + REACH, rect.y1 + REACH};
-    bool ready = tc_field_ready(c->field, s->field_level, own);
-    if (s->normals && s->field_level < tc_field_info(c->field)->levels)
-        ready &= tc_field_ready(c->field, s->field_level + 1, refine(own));
+    const clip_state *s = &c->level[level - 1];
+    int own = 0, finer = -1;
+    for (int k = 0; k < c->contents; k++) {
+        const tc_content_class *content = c->content[k].class;
+        own = content->reach > own ? content->reach : own;
+        finer = content->reach_finer > finer ? content->reach_finer : finer;
+    }
+    bool ready = tc_field_ready(c->field, s->field_level, grown(rect, own));
+    if (finer >= 0 && s->field_level < tc_field_info(c->field)->levels)
+        ready &= tc_field_ready(c->field, s->field_level + 1, grown(refine(rect), finer));
     return ready;
 }
 
-/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. Without waiting, what
- * the pyramid would have to decode first is left to a later call. */
-static int64_t grow(tc_clipmap *c, int level, tc_rect target, int64_t budget, bool wait)
+/* How an update is to be made. */
+typedef struct effort {
+    int64_t budget; /* samples; below 0: no limit */
+    bool wait;
+    double now;
+} effort;
+
+/* Adds a rectangle to what is held, which becomes `held` with it. */
+static bool add_rect(tc_clipmap *c, int level, tc_rect add, tc_rect held, const effort *e)
 {
-    tc_clip_state *s = &c->level[level - 1];
+    if (tc_rect_empty(add) || (!e->wait && !is_ready(c, level, add)) || !fill(c, level, add, e->now))
+        return false;
+    c->level[level - 1].view.clip = held;
+    return true;
+}
+
+/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. Without waiting, what
+ * the field would have to decode first is left to a later call. */
+static int64_t grow(tc_clipmap *c, int level, tc_rect target, effort e)
+{
+    clip_state *s = &c->level[level - 1];
     tc_rect *clip = &s->view.clip;
     int64_t spent = 0;
-    if (tc_rect_empty(*clip) && !tc_rect_empty(target)) {
-        tc_rect first = seed(target, budget);
-        if (tc_rect_empty(first) || (!wait && !is_ready(c, level, first)))
+    if (tc_rect_empty(target) || (!e.wait && s->failures && e.now < s->not_before))
+        return 0;
+    if (tc_rect_empty(*clip)) {
+        tc_rect first = seed(target, e.budget);
+        if (!add_rect(c, level, first, first, &e))
             return 0;
-        tc_clipmap_fill(c, level, first);
-        *clip = first;
         spent += tc_rect_area(first);
     }
-    for (int side = 0; side < 4 && !tc_rect_empty(target); side++) {
-        int64_t w = clip->x1 - clip->x0, h = clip->y1 - clip->y0, left = budget < 0 ? -1 : tc_max64(0, budget - spent);
-        tc_rect add = *clip, grown = *clip;
+    for (int side = 0; side < 4; side++) {
+        int64_t w = clip->x1 - clip->x0, h = clip->y1 - clip->y0,
+                left = e.budget < 0 ? -1 : tc_max64(0, e.budget - spent);
+        tc_rect add = *clip, held = *clip;
         switch (side) {
         case 0:
-            grown.x0 -= affordable(clip->x0 - target.x0, h, left);
-            add.x0 = grown.x0, add.x1 = clip->x0;
+            held.x0 -= affordable(clip->x0 - target.x0, h, left);
+            add.x0 = held.x0, add.x1 = clip->x0;
             break;
         case 1:
-            grown.x1 += affordable(target.x1 - clip->x1, h, left);
-            add.x0 = clip->x1, add.x1 = grown.x1;
+            held.x1 += affordable(target.x1 - clip->x1, h, left);
+            add.x0 = clip->x1, add.x1 = held.x1;
             break;
         case 2:
-            grown.y0 -= affordable(clip->y0 - target.y0, w, left);
-            add.y0 = grown.y0, add.y1 = clip->y0;
+            held.y0 -= affordable(clip->y0 - target.y0, w, left);
+            add.y0 = held.y0, add.y1 = clip->y0;
             break;
-        default: grown.y1 += affordable(target.y1 - clip->y1, w, left); add.y0 = clip->y1, add.y1 = grown.y1;
+        default: held.y1 += affordable(target.y1 - clip->y1, w, left); add.y0 = clip->y1, add.y1 = held.y1;
         }
-        if (tc_rect_empty(add) || (!wait && !is_ready(c, level, add)))
-            continue;
-        tc_clipmap_fill(c, level, add);
-        *clip = grown;
-        spent += tc_rect_area(add);
+        if (add_rect(c, level, add, held, &e))
+            spent += tc_rect_area(add);
     }
     return spent;
 }
@@ -297,15 +407,15 @@ static void set_active(tc_clipmap *c, int level)
     v->active = even_perimeter(tc_rect_intersect(v->clip, around));
 }
 
-int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait)
+int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait, double now)
 {
     int64_t samples = 0;
     for (int l = 1; l <= clipmap->levels; l++) {
         tc_clip_level *v = &clipmap->level[l - 1].view;
-        if (l == 1 && clipmap->level[0].wraps && !tc_rect_empty(wanted[0])) {
+        if (l == 1 && v->wraps && !tc_rect_empty(wanted[0])) {
             v->wanted = tc_rect_intersect(wanted[0], v->extent);
             v->clip = tc_rect_intersect(v->clip, v->wanted);
-            samples += grow(clipmap, 1, v->wanted, -1, true); /* always whole */
+            samples += grow(clipmap, 1, v->wanted, (effort){-1, true, now}); /* always whole */
         } else if (l > 1) {
             const tc_clip_level *coarse = &clipmap->level[l - 2].view;
             tc_rect allowed = refine(erode(coarse->clip, coarse->extent, 1));
@@ -314,7 +424,7 @@ int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t bu
             v->wanted = tc_rect_intersect(tc_rect_intersect(wanted[l - 1], v->extent), room);
             tc_rect target = tc_rect_intersect(v->wanted, allowed);
             v->clip = tc_rect_intersect(v->clip, target);
-            int64_t spent = grow(clipmap, l, target, budget, wait);
+            int64_t spent = grow(clipmap, l, target, (effort){budget, wait, now});
             samples += spent;
             if (budget >= 0)
                 budget = tc_max64(0, budget - spent);
@@ -332,27 +442,34 @@ bool tc_clipmap_resident(const tc_clipmap *clipmap)
     return true;
 }
 
-bool tc_clipmap_failed(const tc_clipmap *clipmap)
+tc_status tc_clipmap_failed(const tc_clipmap *clipmap)
 {
-    return clipmap->failed;
+    for (int l = 1; l <= clipmap->levels; l++)
+        if (state(clipmap, l)->failures)
+            return clipmap->failed;
+    return TC_OK;
 }
 
-int tc_clipmap_take_changes(tc_clipmap *clipmap, int level, tc_rect changes[TC_MAX_CHANGES])
+int tc_clipmap_changes(const tc_clipmap *clipmap, int level, uint64_t *cursor, tc_rect changes[TC_MAX_CHANGES])
 {
-    tc_clip_state *s = &clipmap->level[level - 1];
-    int count = s->change_count;
-    memcpy(changes, s->changes, (size_t)count * sizeof *changes);
-    s->change_count = 0;
+    const clip_state *s = state(clipmap, level);
+    uint64_t since = *cursor;
+    int count = 0;
+    /* Of the first change on, a cursor is above 0. */
+    *cursor = s->changed + 1;
+    if (since == 0 || s->changed + 1 - since > TC_MAX_CHANGES) {
+        changes[0] = (tc_rect){0, 0, clipmap->n + 1, clipmap->n + 1};
+        return tc_rect_empty(s->view.clip) ? 0 : 1;
+    }
+    for (uint64_t k = since - 1; k < s->changed; k++)
+        changes[count++] = s->changes[k % TC_MAX_CHANGES];
     return count;
 }
 
-void tc_clipmap_bytes(const tc_clipmap *clipmap, size_t *heights_ret, size_t *normals_ret)
+size_t tc_clipmap_bytes(const tc_clipmap *clipmap, const tc_content_class *content)
 {
-    size_t count = (size_t)(clipmap->n + 1) * (size_t)(clipmap->n + 1);
-    *heights_ret = tc_fill_scratch(clipmap->n, clipmap->level[0].normals) * sizeof(float);
-    *normals_ret = 0;
-    for (int l = 0; l < clipmap->levels; l++) {
-        *heights_ret += count * (sizeof(float[2]) + (clipmap->level[l].voids ? 1 : 0));
-        *normals_ret += clipmap->level[l].normals ? 4 * count * sizeof(int8_t[4]) : 0;
-    }
+    if (!content)
+        return scratch_bytes(clipmap);
+    bool kept = tc_clipmap_texels(clipmap, content, 1) != NULL;
+    return kept ? (size_t)clipmap->levels * array_bytes(clipmap, content) : 0;
 }

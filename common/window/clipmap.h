@@ -1,8 +1,8 @@
-/* clipmap.h - geometry clipmaps: nested toroidal windows of a pyramid around the viewer (LH04 sections 3 to 5).
+/* clipmap.h - geometry clipmaps: nested toroidal windows of a field around the viewer (LH04 sections 3 to 5).
  *
- * Level l holds a clip region of at most n x n samples (n = 2^k - 1) in a toroidal array of (n+1) x (n+1): sample
- * (i, j) lies at (i mod (n+1), j mod (n+1)), so a move fills only the newly exposed L. Each sample is the pair
- * (z, z_c): the level's height and that of the coarser level's mesh at the same place, the target of the morph.
+ * Level l holds a clip region of at most n x n samples (n = 2^k - 1) in toroidal arrays of (n+1) x (n+1): sample
+ * (i, j) lies at (i mod (n+1), j mod (n+1)), so a move fills only the newly exposed L. What a sample is in the arrays
+ * is the affair of contents (common/content), of which a clipmap keeps one or several; the regions are one for all.
  *
  * The map of level l is its extent, 0 <= i < extent.x1: the level's own samples and, where the finest level does not
  * end on one of them, one more vertex that lies ON the terrain's edge (and a second one on the same spot where needed
@@ -11,31 +11,73 @@
  * Where the map wraps, extents have no end in x: column `width` of a level is column 0 again. Level 1 is then held not
  * as the whole map but once around, about where it is wanted.
  *
- * No GL in it. */
+ * No GL in it. A clipmap belongs to one thread; any number of them may share a field. */
 #ifndef TC_CLIPMAP_H
 #define TC_CLIPMAP_H
-
-#include <math.h>
 
 #include "common/terraclip.h"
 
 typedef struct tc_clipmap tc_clipmap;
 
-enum { TC_MAX_LEVELS = 32, TC_CLIPMAP_MAX_N = 2047 };
+enum { TC_MAX_LEVELS = 32, TC_CLIPMAP_MAX_N = 2047, TC_MAX_CONTENTS = 4 };
+
+/* ---- Contents ---------------------------------------------------------------------------------------------------- */
+
+/* How a texel lies in memory; who draws makes textures by it. */
+typedef enum tc_texel_format {
+    TC_TEXEL_RG32F,       /* two floats */
+    TC_TEXEL_RGBA8_SNORM, /* four signed bytes, -127 .. 127 for -1 .. 1 */
+    TC_TEXEL_RGBA8,       /* four bytes, 0 .. 255 for 0 .. 1 */
+    TC_TEXEL_R8,          /* one */
+    TC_TEXEL_FORMATS
+} tc_texel_format;
+size_t tc_texel_bytes(tc_texel_format format);
+
+typedef struct tc_content_class tc_content_class;
+
+/* A content of a clipmap: its class, and what that is told. */
+typedef struct tc_content {
+    const tc_content_class *class;
+    double parameter;    /* or, where that is not enough: */
+    const void *context; /* outlives the clipmap */
+} tc_content;
+
+/* What is to be filled: samples rect of a level, within its extent. */
+typedef struct tc_fill {
+    const tc_clipmap *clipmap;
+    const tc_content *content;
+    int level;
+    tc_rect rect;
+    void *texels;       /* the level's toroidal array, */
+    const void *coarse; /* and the coarser level's, which holds rect / 2; NULL for level 1 */
+    int64_t size;       /* texels along a side of both: a power of two */
+    void *scratch;      /* of scratch_bytes() */
+} tc_fill;
+
+struct tc_content_class {
+    const char *name;
+    tc_texel_format format;
+    int scale;       /* texels a sample along a side */
+    int border;      /* texels to all sides of a rectangle's that change with it */
+    int reach;       /* samples of the level around a rectangle that fill reads, */
+    int reach_finer; /* and of the next finer level, where there is one; -1: it reads none of it */
+    size_t (*scratch_bytes)(int n);
+    /* Reads the field and stores texels, toroidally. On failure what it has stored does not count. */
+    tc_status (*fill)(const tc_fill *fill);
+};
+
+/* ---- Clipmaps ---------------------------------------------------------------------------------------------------- */
 
 typedef struct tc_clipmap_options {
     int n;          /* window size, 2^k - 1, 15 .. TC_CLIPMAP_MAX_N; 0: 255 */
-    int max_levels; /* 0: as many as the pyramid needs */
-    bool normals;   /* keep normals, too, at twice the resolution */
-    bool holes;     /* keep the void mask, too */
-    bool wraps;     /* go on in x beyond the pyramid's sides, where its levels wrap; a sample then has many numbers */
-    double spacing_x, spacing_y; /* metres between the finest samples, for normals; 0: the pyramid's */
-    /* Metres: levels of spacing g keep slopes times tc_normal_relief(g, relief), since slopes between samples far apart
-     * are gentle and would be lost in eight bits. 0: as they are. */
-    double relief;
+    int max_levels; /* 0: as many as the field needs */
+    bool wraps;     /* go on in x beyond the field's sides, where its levels wrap; a sample then has many numbers */
+    double spacing_x, spacing_y; /* metres between the finest samples; 0: the field's */
+    tc_content content[TC_MAX_CONTENTS];
+    int contents;
 } tc_clipmap_options;
 
-/* The levels of a clipmap are the pyramid's from the first that fits in a window to the finest (or max_levels of
+/* The levels of a clipmap are the field's from the first that fits in a window to the finest (or max_levels of
  * them); they are numbered 1 (coarsest, always resident as a whole) to m. */
 tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *options, tc_clipmap **clipmap_ret,
                             tc_error *error);
@@ -49,14 +91,8 @@ int tc_clipmap_n(const tc_clipmap *clipmap);
 int tc_clipmap_levels(const tc_clipmap *clipmap);
 const tc_field *tc_clipmap_field(const tc_clipmap *clipmap);
 
-/* The pyramid's number of a clipmap level. */
+/* The field's number of a clipmap level. */
 int tc_clipmap_field_level(const tc_clipmap *clipmap, int level);
-
-/* By how much a level's normals are steeper than the terrain; at least 1. */
-static inline double tc_normal_relief(double spacing, double relief)
-{
-    return relief > 0 && spacing > relief ? sqrt(spacing / relief) : 1;
-}
 
 /* One level as it stands. */
 typedef struct tc_clip_level {
@@ -64,41 +100,58 @@ typedef struct tc_clip_level {
     tc_rect clip;                /* samples held */
     tc_rect active;              /* samples to be drawn: LH04's active region; its perimeter lies on even samples */
     tc_rect wanted;              /* what clip is on its way to */
-    int shift;                   /* spacing = the pyramid's finest << shift */
+    int shift;                   /* spacing = the field's finest << shift */
     double spacing_x, spacing_y; /* metres */
-    int64_t edge_x, edge_y;      /* where the terrain ends, in samples of the pyramid's finest level */
+    int64_t edge_x, edge_y;      /* where the terrain ends, in samples of the field's finest level */
+    bool wraps;                  /* in x */
 } tc_clip_level;
 const tc_clip_level *tc_clipmap_level(const tc_clipmap *clipmap, int level);
 
-/* Toroidal arrays of a level, row stride n+1 (normals: 2(n+1)): pairs (z, z_c) in metres above z_base; normals as
- * (x, y) in 1/127, the level's own and then the coarser level's on the same spot; voids 0 or 255. NULL where not kept.
- */
-const float (*tc_clipmap_heights(const tc_clipmap *clipmap, int level))[2];
-const int8_t (*tc_clipmap_normals(const tc_clipmap *clipmap, int level))[4];
-const uint8_t *tc_clipmap_voids(const tc_clipmap *clipmap, int level);
+/* A content's toroidal array of a level, scale * (n + 1) texels along a side; NULL where it is not kept. */
+const void *tc_clipmap_texels(const tc_clipmap *clipmap, const tc_content_class *content, int level);
+
+/* What is kept, 0 .. contents - 1. */
+int tc_clipmap_contents(const tc_clipmap *clipmap);
+const tc_content_class *tc_clipmap_content(const tc_clipmap *clipmap, int content);
+
+/* Texels of a content that change with a rectangle of samples. */
+static inline tc_rect tc_content_rect(const tc_content_class *content, tc_rect r)
+{
+    return (tc_rect){content->scale * r.x0 - content->border, content->scale * r.y0 - content->border,
+                     content->scale * (r.x1 - 1) + 1 + content->border,
+                     content->scale * (r.y1 - 1) + 1 + content->border};
+}
 
 /* Moves the windows towards wanted[level - 1] (each at most n x n, even origin, within the extent), coarse to fine,
  * filling at most budget height samples, whole rows or columns (budget < 0: no limit; use at least n for progress).
- * A window that reaches beyond what the coarser one wanted can surround is cut. What a packed pyramid has yet to decode
- * is waited for, or left to later calls and decoded by a thread meanwhile. Crops what falls behind so that LH04's four
- * constraints hold: clip(l+1) within clip(l) eroded by 1; active(l) within clip(l); perimeter of active(l) on even
+ * A window that reaches beyond what the coarser one wanted can surround is cut. Crops what falls behind so that LH04's
+ * four constraints hold: clip(l+1) within clip(l) eroded by 1; active(l) within clip(l); perimeter of active(l) on even
  * samples; active(l+1) within active(l) eroded by 2 (each in the coarser level's samples; nothing is eroded where the
- * terrain ends). Returns the height samples filled, which the budget counts (normals read up to four times as many from
- * the next finer level). */
-int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait);
+ * terrain ends).
+ *
+ * wait: what a packed field has yet to decode is waited for. Else it is left to later calls, and decoded by a thread
+ * meanwhile; and what could not be read is left alone for a time that grows with each failure, by the clock `now`,
+ * seconds of any origin. Nothing is held that was not filled. Returns the samples filled, which the budget counts
+ * (normals read up to four times as many from the next finer level). */
+int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait, double now);
+
+/* Fills samples of a level, whose coarser level holds those around half of it, with all contents, whatever is wanted or
+ * held: what an update does of a rectangle, for measuring it. */
+tc_status tc_clipmap_fill(tc_clipmap *clipmap, int level, tc_rect rect);
 
 /* Whether every wanted window is held. */
 bool tc_clipmap_resident(const tc_clipmap *clipmap);
 
-/* Whether the pyramid could not be read at some time: what is shown there is older data. */
-bool tc_clipmap_failed(const tc_clipmap *clipmap);
+/* Why a part of what is wanted could not be read the last time it was tried; TC_OK: it could. */
+tc_status tc_clipmap_failed(const tc_clipmap *clipmap);
 
-/* Rectangles of a level's toroidal array changed since they were last taken, in samples of the level (one may wrap);
- * returns how many and forgets them. */
+/* Rectangles of a level's samples changed since the reader of this cursor last asked (one may wrap); returns how many
+ * and moves the cursor on. A cursor begins as 0, for which, as for one that has fallen too far behind, all of the array
+ * has changed, if the level holds anything. */
 enum { TC_MAX_CHANGES = 64 };
-int tc_clipmap_take_changes(tc_clipmap *clipmap, int level, tc_rect changes[TC_MAX_CHANGES]);
+int tc_clipmap_changes(const tc_clipmap *clipmap, int level, uint64_t *cursor, tc_rect changes[TC_MAX_CHANGES]);
 
-/* Bytes held by heights with their void masks and working space, and by normals. */
-void tc_clipmap_bytes(const tc_clipmap *clipmap, size_t *heights_ret, size_t *normals_ret);
+/* Bytes held by a content; NULL: by working space. */
+size_t tc_clipmap_bytes(const tc_clipmap *clipmap, const tc_content_class *content);
 
 #endif

@@ -30,7 +30,7 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
 {
     tc_frame frame;
     tc_frame_options options = {0};
-    s->surface->frame(s->surface, camera, &options, &frame);
+    s->surface->frame(s->surface, camera, &options, tc_renderer_used(s->renderer).textures->held, &frame);
     const tc_geometry *g = &s->surface->geometry;
     square_viewer viewer = tc_square_viewer(s->clipmap, camera);
     int count = frame.strip_draws + frame.list_draws;
@@ -56,7 +56,7 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
             const uint16_t *vertex = (const uint16_t *)g->vertices + 2 * k;
             int64_t rx = v[0] + ((int64_t)vertex[0] << l->shift), ry = v[1] + ((int64_t)vertex[1] << l->shift);
             int64_t i = (rx + viewer.snap_x) >> l->shift, j = (ry + viewer.snap_y) >> l->shift;
-            const float *z = tc_clipmap_heights(s->clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+            const float *z = tc_ground_heights(s->clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
             double cell = ldexp(1, l->shift), a = tc_square_alpha(&morph, (double)rx / cell, (double)ry / cell);
             positions[used][0] = (float)((double)rx * finest.spacing_x - viewer.rest_x);
             positions[used][1] = (float)((double)ry * finest.spacing_y - viewer.rest_y);

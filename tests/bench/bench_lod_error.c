@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-#include "common/window/clipmap.h"
+#include "common/content/ground.h"
 #include "common/measure/lod_error.h"
 #include "tests/support/flat_data.h"
 #include "tests/support/measure.h"
@@ -20,7 +20,7 @@ static bool measure(const measure_options *o, const dataset *d)
     tc_error error;
     if (!flat_data_load(d, o->quick ? QUICK : 0, &grid))
         return true;
-    if (tc_field_build(&grid, 0, &p, &error) || tc_clipmap_create(p, &(tc_clipmap_options){.n = WINDOW}, &c, &error)) {
+    if (tc_field_build(&grid, 0, &p, &error) || tc_ground_create(p, &(tc_ground_options){.n = WINDOW}, &c, &error)) {
         fprintf(stderr, "%s: %s\n", d->name, error.text);
         return false;
     }

@@ -146,8 +146,8 @@ static scene open_scene(const bench *b, const tc_field *field, int n, int max_le
     const tc_scene_options look = {.unlit = true, .background_set = true, .budget = budget};
     scene s = {.field = field};
     tc_error error;
-    tc_clipmap_options clip = {.n = n, .max_levels = max_levels};
-    terrain_must(tc_clipmap_create(field, &clip, &s.clipmap, &error), &error);
+    tc_ground_options clip = {.n = n, .max_levels = max_levels};
+    terrain_must(tc_ground_create(field, &clip, &s.clipmap, &error), &error);
     terrain_must(tc_square_create(s.clipmap, &s.surface, &error), &error);
     terrain_must(tc_renderer_create(tc_context_gl(b->context), s.surface, &look, &s.renderer, &error), &error);
     return s;

@@ -63,7 +63,7 @@ static int draw(const char *path)
     tc_memory_stats m;
     size_t heights, normals;
     tc_renderer_memory(s.renderer, &m);
-    tc_clipmap_bytes(s.clipmap, &heights, &normals);
+    tc_ground_bytes(s.clipmap, &heights, &normals);
     h.levels = tc_clipmap_levels(s.clipmap);
     h.clip_heights = (double)heights, h.clip_normals = (double)normals;
     h.gpu_heights = (double)(m.heights - heights), h.gpu_normals = (double)(m.normals - normals);

@@ -250,7 +250,7 @@ static int64_t masks_differ(const tc_clipmap *clipmap, const double *z)
         for (int64_t j = v->clip.y0; j < v->clip.y1 && j << v->shift < SIZE; j++)
             for (int64_t i = v->clip.x0; i < v->clip.x1 && i << v->shift < SIZE; i++) {
                 bool is_void = isnan(z[(SIZE - 1 - (j << v->shift)) * SIZE + (i << v->shift)]);
-                differ += tc_clipmap_voids(clipmap, l)[(j & mask) * (mask + 1) + (i & mask)] != (is_void ? 255 : 0);
+                differ += tc_ground_voids(clipmap, l)[(j & mask) * (mask + 1) + (i & mask)] != (is_void ? 255 : 0);
             }
     }
     return differ;
@@ -280,15 +280,15 @@ static void look_at_windows(const terrain *t, const tc_field *p)
     tc_clipmap *clipmap;
     tc_error error;
     tc_rect wanted[TC_MAX_LEVELS];
-    const tc_clipmap_options options = {.n = N, .normals = true, .holes = t->voids == TC_VOIDS_HOLE};
-    must(tc_clipmap_create(p, &options, &clipmap, &error), &error);
+    const tc_ground_options options = {.n = N, .normals = true, .holes = t->voids == TC_VOIDS_HOLE};
+    must(tc_ground_create(p, &options, &clipmap, &error), &error);
     test_random r = {12};
     int broken = 0, looked = 0;
     char first[200] = "nothing broken";
     for (int v = 0; v < 3; v++) {
         tc_camera c = view(&r, p);
         tc_square_wanted(clipmap, &c, wanted);
-        tc_clipmap_update(clipmap, wanted, -1, true);
+        tc_clipmap_update(clipmap, wanted, -1, true, 0);
         for (int l = 1; l <= tc_clipmap_levels(clipmap); l++, looked++) {
             const char *what = content_broken(clipmap, l, v, 5);
             if (what && !broken++)

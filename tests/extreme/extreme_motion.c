@@ -42,7 +42,7 @@ static journey journey_start(const char *name, const tc_field *p, int n, int64_t
     if (context) {
         j.scene = scene_create(context, p, n, &lit);
         j.clipmap = j.scene.surface->clipmap[0];
-    } else if (tc_clipmap_create(p, &(tc_clipmap_options){.n = n, .normals = true}, &j.clipmap, NULL)) {
+    } else if (tc_ground_create(p, &(tc_ground_options){.n = n, .normals = true}, &j.clipmap, NULL)) {
         exit(99);
     }
     return j;
@@ -84,7 +84,7 @@ static const char *window_astray(const journey *j, const tc_camera *camera)
 static void move_to(journey *j, const tc_camera *camera, bool look_at_heights)
 {
     tc_square_wanted(j->clipmap, camera, j->wanted);
-    int64_t samples = tc_clipmap_update(j->clipmap, j->wanted, j->budget, true);
+    int64_t samples = tc_clipmap_update(j->clipmap, j->wanted, j->budget, true, 0);
     j->updates++, j->samples += samples, j->most = tc_max64(j->most, samples);
     broken(j, window_astray(j, camera), &j->astray);
     broken(j, regions_broken(j->clipmap), &j->constraints);

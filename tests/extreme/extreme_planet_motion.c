@@ -46,7 +46,7 @@ static void move(journey *j, const tc_camera *c, int64_t budget)
     tc_surface *s = j->surface;
     s->wanted(s, c, wanted);
     for (int chart = 0; chart < s->charts; chart++) {
-        j->samples += tc_clipmap_update(s->clipmap[chart], wanted[chart], budget, true);
+        j->samples += tc_clipmap_update(s->clipmap[chart], wanted[chart], budget, true, 0);
         const char *broken = regions_broken(s->clipmap[chart]);
         look(j, broken);
         if (j->updates % CHECKED == CHECKED - 1)
@@ -191,7 +191,7 @@ static void spoiled(const tc_atlas *atlas)
     const tc_clipmap *clipmap = j.surface->clipmap[0];
     int level = tc_clipmap_levels(clipmap), n = tc_clipmap_n(clipmap);
     tc_rect r = tc_clipmap_level(clipmap, level)->clip;
-    float *z = (float *)tc_clipmap_heights(clipmap, level)[((r.y0 + r.y1) / 2 & n) * (n + 1) + ((r.x0 + r.x1) / 2 & n)];
+    float *z = (float *)tc_ground_heights(clipmap, level)[((r.y0 + r.y1) / 2 & n) * (n + 1) + ((r.x0 + r.x1) / 2 & n)];
     bool sound = !heights_broken(clipmap);
     *z += 1;
     extreme_at_most("a height of a window spoiled", "not found", !(sound && heights_broken(clipmap)), 0,

@@ -44,7 +44,7 @@ static tc_status try_scene(const tc_field *p, int n, tc_error *error)
 {
     tc_clipmap *clipmap = NULL;
     tc_surface *surface = NULL;
-    tc_status status = tc_clipmap_create(p, &(tc_clipmap_options){.n = n}, &clipmap, error);
+    tc_status status = tc_ground_create(p, &(tc_ground_options){.n = n}, &clipmap, error);
     if (!status)
         status = tc_square_create(clipmap, &surface, error);
     if (!status)

@@ -31,7 +31,7 @@ static double cell_difference(const tc_clipmap *c, int level, double px, double 
         int64_t a = i + (k & 1), b = j + (k >> 1);
         if (a < l->active.x0 || b < l->active.y0 || a >= l->active.x1 || b >= l->active.y1)
             return 0;
-        const float *z = tc_clipmap_heights(c, level)[(b & mask) * (mask + 1) + (a & mask)];
+        const float *z = tc_ground_heights(c, level)[(b & mask) * (mask + 1) + (a & mask)];
         most = fmax(most, fabs((double)z[0] - (double)z[1]));
     }
     return most;
@@ -56,15 +56,15 @@ static void settle(walk *w)
 {
     tc_rect wanted[TC_MAX_LEVELS];
     tc_square_wanted(w->clipmap, &w->camera, wanted);
-    tc_clipmap_update(w->clipmap, wanted, -1, true);
+    tc_clipmap_update(w->clipmap, wanted, -1, true, 0);
     assert_true(tc_clipmap_resident(w->clipmap));
 }
 
 static walk start(terrain_kind kind)
 {
     walk w = {.field = terrain_field(kind, 1025, 1025, 30, 3)};
-    tc_clipmap_options options = {.n = N};
-    assert_int_equal(tc_clipmap_create(w.field, &options, &w.clipmap, NULL), TC_OK);
+    tc_ground_options options = {.n = N};
+    assert_int_equal(tc_ground_create(w.field, &options, &w.clipmap, NULL), TC_OK);
     w.camera = (tc_camera){.x = 400 * 30 + 0.3, .y = 450 * 30 + 7, .z = 4100, .fov = 1.5, .width = 64, .height = 64};
     double ground;
     tc_field_height(w.field, w.camera.x, w.camera.y, &ground);

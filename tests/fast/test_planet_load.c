@@ -1,7 +1,7 @@
 /* test_planet_load.c - planets from files: where their samples lie, and what is refused. */
 #include "tests/support/test.h"
 
-#include "common/window/clipmap.h"
+#include "common/content/ground.h"
 #include "common/app/planet.h"
 #include "common/map/planet_place.h"
 #include "tests/support/loading.h"
@@ -161,10 +161,10 @@ static void globes_higher_than_wide(void **state)
         const map m = {w, h, -180 + 180. / w, 90 - 90. / h, 360. / w, false, 4326, 0, 180. / h};
         tc_planet p = planet_of(make_map("tall.tif", &m), 0, true, NULL);
         assert_true(p.width == kinds[k].resampled && p.height == h && p.atlas.charts == 3);
-        const tc_clipmap_options options = {.n = 255, .wraps = true};
+        const tc_ground_options options = {.n = 255, .wraps = true};
         tc_clipmap *clipmap;
         tc_error error;
-        if (tc_clipmap_create(p.atlas.chart[0].field, &options, &clipmap, &error) != TC_OK)
+        if (tc_ground_create(p.atlas.chart[0].field, &options, &clipmap, &error) != TC_OK)
             fail_msg("%d x %d: %s", w, h, error.text);
         tc_clipmap_destroy(clipmap);
         tc_planet_close(&p);

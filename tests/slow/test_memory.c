@@ -12,7 +12,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/window/clipmap_internal.h"
+#include "common/content/ground.h"
 #include "common/view/flight.h"
 #include "common/view/flight_path.h"
 #include "common/app/stats.h"
@@ -255,7 +255,7 @@ static void items_add_up(void **state)
         /* A level's window is (n + 1)^2 pairs of floats, in a texture and beside it; with light 2 x 2 normals for each,
          * the level's own and the coarser one's, of two bytes. Beside it there is room to read a window into. */
         int levels = tc_clipmap_levels(s.clipmap);
-        double window = (double)levels * (N + 1) * (N + 1), scratch = (double)tc_fill_scratch(N, lit) * sizeof(float);
+        double window = (double)levels * (N + 1) * (N + 1), scratch = (double)tc_clipmap_bytes(s.clipmap, NULL);
         assert_about(lit ? "heights and normals, lit" : "heights and normals, unlit", (double)(m.heights + m.normals),
                      2 * window * (8 + lit * 16) + scratch);
         assert_true((double)m.heights >= 2 * window * 8);

@@ -71,8 +71,8 @@ static int64_t run(const tour *t, uint64_t seed)
     if (t->packed)
         p = packed(p);
     tc_clipmap *c;
-    tc_clipmap_options options = {.n = t->n, .normals = t->normals};
-    assert_int_equal(tc_clipmap_create(p, &options, &c, NULL), TC_OK);
+    tc_ground_options options = {.n = t->n, .normals = t->normals};
+    assert_int_equal(tc_ground_create(p, &options, &c, NULL), TC_OK);
     wanderer w = wanderer_start(p, seed);
     test_random r = {seed + 1};
     tc_rect wanted[TC_MAX_LEVELS];
@@ -80,7 +80,7 @@ static int64_t run(const tour *t, uint64_t seed)
     for (int move = 0; move < t->moves; move++) {
         wanderer_move(&w, p);
         tc_square_wanted(c, &w.camera, wanted);
-        int64_t filled = tc_clipmap_update(c, wanted, t->budget, !t->packed);
+        int64_t filled = tc_clipmap_update(c, wanted, t->budget, !t->packed, 0);
         assert_true(t->budget < 0 || filled <= t->budget);
         samples += filled;
         check(regions_broken(c), move);
@@ -92,7 +92,7 @@ static int64_t run(const tour *t, uint64_t seed)
         assert_true(frames < 10000);
         if (t->packed)
             usleep(1000); /* for the thread that decodes */
-        tc_clipmap_update(c, wanted, t->budget, !t->packed);
+        tc_clipmap_update(c, wanted, t->budget, !t->packed, 0);
     }
     for (int level = 1; level <= tc_clipmap_levels(c); level++)
         check(content_broken(c, level, 0, 1), t->moves);

@@ -114,7 +114,7 @@ static void look_at_heights(const tc_clipmap *clipmap, drawn_figures *f)
         for (int64_t j = c.y0; j < c.y1; j++)
             for (int64_t i = c.x0; i < c.x1; i++)
                 for (int k = 0; k < 2; k++)
-                    count_number(tc_clipmap_heights(clipmap, l)[(j & mask) * (mask + 1) + (i & mask)][k], f);
+                    count_number(tc_ground_heights(clipmap, l)[(j & mask) * (mask + 1) + (i & mask)][k], f);
     }
 }
 
@@ -156,7 +156,7 @@ static void vertex(const tc_clipmap *clipmap, const tc_camera *camera, const squ
     tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     int64_t mask = tc_clipmap_n(clipmap), x = tc_min64(i << l->shift, l->edge_x),
             y = tc_min64(j << l->shift, l->edge_y);
-    const float *z = tc_clipmap_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+    const float *z = tc_ground_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
     double cell = ldexp(1, l->shift);
     double a = tc_square_alpha(morph, (double)(x - viewer->snap_x) / cell, (double)(y - viewer->snap_y) / cell);
     p[0] = (long double)x * finest.spacing_x - camera->x;
@@ -187,7 +187,7 @@ void drawn_vertices(drawn *d, const tc_camera *camera, const tc_frame_options *o
     look_at_uniforms(d, figures);
     look_at_heights(clipmap, figures);
     tc_frame frame;
-    s->surface->frame(s->surface, camera, options, &frame);
+    s->surface->frame(s->surface, camera, options, tc_renderer_used(s->renderer).textures->held, &frame);
     if (!frame.strip_draws)
         return;
     square_viewer viewer = tc_square_viewer(clipmap, camera);

@@ -216,9 +216,9 @@ scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *
         const tc_rings_options rings = {.n_phi = 256, .m = 20, .normals = needs->light, .holes = needs->holes};
         must(tc_rings_create(atlas, &rings, &surface, &error), &error);
     } else {
-        const tc_clipmap_options clip = {.n = N, .normals = needs->light, .holes = needs->holes};
+        const tc_ground_options clip = {.n = N, .normals = needs->light, .holes = needs->holes};
         tc_clipmap *clipmap;
-        must(tc_clipmap_create(field, &clip, &clipmap, &error), &error);
+        must(tc_ground_create(field, &clip, &clipmap, &error), &error);
         must(tc_square_create(clipmap, &surface, &error), &error);
     }
     scene made = {.field = field, .clipmap = surface->clipmap[0], .surface = surface};

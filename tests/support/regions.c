@@ -140,14 +140,14 @@ static const char *normal_broken(const tc_clipmap *clipmap, int level, int64_t i
             double dx = (half_sample(p, pl, a + 1, b) - half_sample(p, pl, a - 1, b)) / v->spacing_x;
             double dy = (half_sample(p, pl, a, b + 1) - half_sample(p, pl, a, b - 1)) / v->spacing_y;
             double scale = -127 / sqrt(1 + dx * dx + dy * dy);
-            const int8_t *n = tc_clipmap_normals(clipmap, level)[(b & mask) * (mask + 1) + (a & mask)];
+            const int8_t *n = tc_ground_normals(clipmap, level)[(b & mask) * (mask + 1) + (a & mask)];
             if (fabs(n[0] - dx * scale) > 0.51 || fabs(n[1] - dy * scale) > 0.51)
                 return say("normal", level, a, b, n[0], dx * scale);
             for (int k = 0; k < 2; k++) { /* the coarser level's map, between its texels */
                 double sum = 0;
                 for (int corner = 0; corner < 4; corner++) {
                     int64_t u = (a + (corner & 1)) >> 1 & mask, w = (b + (corner >> 1)) >> 1 & mask;
-                    sum += level == 1 ? n[k] : tc_clipmap_normals(clipmap, level - 1)[w * (mask + 1) + u][k];
+                    sum += level == 1 ? n[k] : tc_ground_normals(clipmap, level - 1)[w * (mask + 1) + u][k];
                 }
                 if (fabs(n[2 + k] - sum / 4) > 0.51)
                     return say("coarser normal", level, a, b, n[2 + k], sum / 4);
@@ -170,7 +170,7 @@ const char *heights_broken(const tc_clipmap *clipmap)
             float row[2048];
             if (tc_field_read(p, pl, (tc_rect){v->clip.x0, j, x1, j + 1}, row, NULL, 2048))
                 return "the pyramid cannot be read";
-            const float(*z)[2] = tc_clipmap_heights(clipmap, l) + (j & mask) * (mask + 1);
+            const float(*z)[2] = tc_ground_heights(clipmap, l) + (j & mask) * (mask + 1);
             for (int64_t i = v->clip.x0; i < x1; i++)
                 if (z[i & mask][0] != row[i - v->clip.x0])
                     return say("height", l, i, j, z[i & mask][0], row[i - v->clip.x0]);
@@ -189,7 +189,7 @@ const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_r
     double range = tc_field_info(p)->z_max - (double)tc_field_info(p)->z_min;
     for (int64_t j = v->clip.y0 + first_row; j < v->clip.y1; j += step)
         for (int64_t i = v->clip.x0; i < v->clip.x1; i++) {
-            const float *z = tc_clipmap_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+            const float *z = tc_ground_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
             bool inside = i < size.width && j < size.height;
             double want = sample(p, pl, i, j, false);
             if (inside ? (double)z[0] != want : !(fabs(z[0] - want) <= 1e-5 * range))
@@ -198,15 +198,15 @@ const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_r
             bool exact = inside && (level == 1 || ((i | j) & 1) == 0);
             if (exact ? (double)z[1] != want : !(fabs(z[1] - want) <= 1e-5 * range))
                 return say("morph target", level, i, j, z[1], want);
-            if (tc_clipmap_voids(clipmap, level)) {
+            if (tc_ground_voids(clipmap, level)) {
                 float unused;
                 uint8_t is_void;
                 int64_t a = tc_min64(i, size.width - 1), b = tc_min64(j, size.height - 1);
                 if (tc_field_read(p, pl, (tc_rect){a, b, a + 1, b + 1}, &unused, &is_void, 1) ||
-                    tc_clipmap_voids(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)] != (is_void ? 255 : 0))
+                    tc_ground_voids(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)] != (is_void ? 255 : 0))
                     return say("void", level, i, j, is_void, is_void);
             }
-            const char *broken = tc_clipmap_normals(clipmap, level) ? normal_broken(clipmap, level, i, j) : NULL;
+            const char *broken = tc_ground_normals(clipmap, level) ? normal_broken(clipmap, level, i, j) : NULL;
             if (broken)
                 return broken;
         }

@@ -2,7 +2,7 @@
 #ifndef REGIONS_H
 #define REGIONS_H
 
-#include "common/window/clipmap.h"
+#include "common/content/ground.h"
 #include "terrains.h"
 
 /* LH04's four constraints of section 5, and that no region leaves its window or the terrain; NULL, or what is broken.

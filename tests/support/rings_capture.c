@@ -70,11 +70,13 @@ static double apart(double a, double turn)
 }
 
 /* Samples between where the driver looked and where it should have, in the level that it read. */
-static double texel_error(const rings_surface *s, const captured_vertex *v, const oracle_vertex *o, int chart)
+static double texel_error(const rings_capture *capture, const captured_vertex *v, const oracle_vertex *o, int chart)
 {
+    const rings_surface *s = (const rings_surface *)capture->globe->surface;
+    const int *held = tc_renderer_used(capture->globe->renderer).textures->held;
     const tc_clipmap *clipmap = s->head.clipmap[chart];
     const tc_chart *c = &s->atlas->chart[chart];
-    int first = tc_surface_first_layer(&s->head, chart), layer = (int)v->map[chart][2];
+    int first = tc_first_layer(held, chart), layer = (int)v->map[chart][2];
     if (layer < 0)
         return 0;
     int shift = tc_clipmap_level(clipmap, layer - first + 1)->shift;
@@ -89,16 +91,17 @@ static double texel_error(const rings_surface *s, const captured_vertex *v, cons
 }
 
 /* What vertex v is off the oracle's o. */
-static void add_error(const rings_surface *s, const tc_camera *camera, const captured_vertex *v, const oracle_vertex *o,
-                      rings_error *e)
+static void add_error(const rings_capture *capture, const tc_camera *camera, const captured_vertex *v,
+                      const oracle_vertex *o, rings_error *e)
 {
+    const rings_surface *s = (const rings_surface *)capture->globe->surface;
     double d = 0;
     for (int i = 0; i < 3; i++)
         d = hypot(d, (double)(v->position[i] - o->position[i]));
     e->over_radius = worse(e->over_radius, d / s->atlas->radius);
     for (int chart = 0; chart < s->head.charts; chart++)
         if (o->weight[chart] > 1e-6L)
-            e->texels = worse(e->texels, texel_error(s, v, o, chart));
+            e->texels = worse(e->texels, texel_error(capture, v, o, chart));
     long double pixel[2];
     e->vertices++;
     if (!rings_oracle_pixel(camera, o->position, pixel))
@@ -109,9 +112,10 @@ static void add_error(const rings_surface *s, const tc_camera *camera, const cap
     e->seen++;
 }
 
-static void compare(const rings_surface *s, const rings_view *view, const tc_camera *camera, const captured_vertex *v,
-                    long double theta, long double phi, long double w, rings_error *e)
+static void compare(const rings_capture *capture, const rings_view *view, const tc_camera *camera,
+                    const captured_vertex *v, long double theta, long double phi, long double w, rings_error *e)
 {
+    const rings_surface *s = (const rings_surface *)capture->globe->surface;
     oracle_vertex o = rings_oracle(s, view, camera, theta, phi, w);
     const tc_chart *c = &s->atlas->chart[0];
     /* Half a turn from the viewer is on both sides, and each may hold another level: either is right. */
@@ -120,7 +124,7 @@ static void compare(const rings_surface *s, const rings_view *view, const tc_cam
         rings_error side[2] = {{0}};
         for (int k = 0; k < 2; k++) {
             o = rings_oracle(s, view, camera, theta, phi + (k ? 1e-12L : -1e-12L), w);
-            add_error(s, camera, v, &o, &side[k]);
+            add_error(capture, camera, v, &o, &side[k]);
         }
         const rings_error *best = &side[side[1].over_radius < side[0].over_radius];
         e->over_radius = worse(e->over_radius, best->over_radius);
@@ -132,7 +136,7 @@ static void compare(const rings_surface *s, const rings_view *view, const tc_cam
     double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
     height = tc_rings_height(s, view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
     e->differ += !(fabs((double)(height - o.height)) <= 1e-12 * s->atlas->radius);
-    add_error(s, camera, v, &o, e);
+    add_error(capture, camera, v, &o, e);
 }
 
 void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, rings_error error[RINGS_MAX_LEVELS])
@@ -148,7 +152,7 @@ void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, 
         for (int k = row % step; k < g->n_phi; k += step) {
             int i = view.first + row / g->m;
             long double j = row % g->m, theta = ldexpl(pi, -i) * (1 - j / (2 * g->m));
-            compare(s, &view, camera, &c->vertices[row * g->stride + k], theta, 2 * pi * k / g->n_phi, i + j / g->m,
+            compare(c, &view, camera, &c->vertices[row * g->stride + k], theta, 2 * pi * k / g->n_phi, i + j / g->m,
                     &error[i]);
         }
     first = tc_rings_fill_base(g, view.finest);
@@ -156,9 +160,9 @@ void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, 
     long double w = view.finest + 1, edge = ldexpl(pi, -view.finest - 1);
     for (int row = 0; row < g->fill; row++)
         for (int k = row % step; k < g->n_phi; k += step)
-            compare(s, &view, camera, &c->vertices[row * g->stride + k], edge * (1 - (long double)row / g->fill),
+            compare(c, &view, camera, &c->vertices[row * g->stride + k], edge * (1 - (long double)row / g->fill),
                     2 * pi * k / g->n_phi, w, &error[view.finest + 1]);
-    compare(s, &view, camera, &c->vertices[g->fill * g->stride], 0, 0, w, &error[view.finest + 1]);
+    compare(c, &view, camera, &c->vertices[g->fill * g->stride], 0, 0, w, &error[view.finest + 1]);
 }
 
 int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, int capacity, double (*offset)[2])

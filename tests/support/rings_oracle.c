@@ -29,7 +29,7 @@ static long double chart_height(const rings_surface *s, int chart, long double x
         for (int corner = 0; corner < 4; corner++) {
             int right = corner & 1, up = corner >> 1;
             int64_t column = ((int64_t)i + right) & n, row = ((int64_t)j + up) & n;
-            const float *pair = tc_clipmap_heights(clipmap, level)[row * (n + 1) + column];
+            const float *pair = tc_ground_heights(clipmap, level)[row * (n + 1) + column];
             z += ((1 - alpha) * pair[0] + alpha * pair[1]) * (right ? u - i : 1 - (u - i)) * (up ? v - j : 1 - (v - j));
         }
         return z;

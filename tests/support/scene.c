@@ -54,8 +54,8 @@ scene scene_create(const tc_context *context, const tc_field *field, int n, cons
     scene s = {.field = field};
     tc_error error;
     const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(field), false);
-    tc_clipmap_options clip = {.n = n, .normals = needs.light, .holes = needs.holes};
-    must(tc_clipmap_create(field, &clip, &s.clipmap, &error), &error);
+    tc_ground_options clip = {.n = n, .normals = needs.light, .holes = needs.holes};
+    must(tc_ground_create(field, &clip, &s.clipmap, &error), &error);
     must(tc_square_create(s.clipmap, &s.surface, &error), &error);
     must(tc_renderer_create(tc_context_gl(context), s.surface, options, &s.renderer, &error), &error);
     return s;

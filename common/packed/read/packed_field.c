@@ -44,12 +44,12 @@ static tc_status read_block(packed_field *p, int l, tc_rect rect, float *z, uint
     const tc_container *c = &p->file.container;
     tc_plane units;
     mark m = tc_scratch_here(s);
-    tc_status status = tc_scratch_plane(s, rect, &units);
-    if (!status)
+    tc_status status = z ? tc_scratch_plane(s, rect, &units) : TC_OK;
+    if (!status && z)
         status = tc_packed_units(p, l, &units, s);
-    for (int64_t j = 0; j < rect.y1 - rect.y0 && !status; j++)
+    for (int64_t j = 0; j < rect.y1 - rect.y0 && z && !status; j++)
         to_metres_row(c->z_origin, c->z_unit, units.z + j * units.stride, rect.x1 - rect.x0, z + j * stride);
-    bool flat = p->voids == TC_VOIDS_CONSTANT;
+    bool flat = z && p->voids == TC_VOIDS_CONSTANT;
     if (!status && c->voids > 0 && (voids || flat)) {
         tc_mask_plane mask = {voids, stride, rect};
         if (!voids)
@@ -88,7 +88,7 @@ static tc_status packed_read(const tc_field *field, int l, tc_rect rect, float *
             x1 = next_cut(x, rect.x1, BLOCK_WIDTH);
             tc_rect part = {x, y, x1, y1};
             ptrdiff_t at = (ptrdiff_t)(y - rect.y0) * stride + (x - rect.x0);
-            status = read_block(p, l, part, z + at, voids ? voids + at : NULL, stride, s);
+            status = read_block(p, l, part, z ? z + at : NULL, voids ? voids + at : NULL, stride, s);
             for (int64_t j = 0; j < part.y1 - part.y0 && voids && p->file.container.voids == 0; j++)
                 memset(voids + at + j * stride, 0, (size_t)(part.x1 - part.x0));
         }

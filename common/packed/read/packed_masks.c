@@ -6,7 +6,7 @@
  * damaged is counted where its heights are read. */
 static tc_status make_mask(packed_field *p, int l, int64_t tx, int64_t ty, uint8_t *v, scratch *s)
 {
-    const tc_lifting_level *level = &p->level[l - 1].coder.level;
+    const tc_lifting_level lifting = tc_container_lifting(&p->file.container, l), *level = &lifting;
     tc_rect rect = tc_mask_tile_rect(level, tx, ty, 0), need = tc_mask_tile_needs(level, rect);
     tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
     mark m = tc_scratch_here(s);
@@ -53,6 +53,7 @@ tc_status tc_packed_mask(packed_field *p, int l, const tc_mask_plane *to, scratc
         return TC_OK;
     }
     int64_t across = tc_level_pages(&c->level[l - 1]).tiles_x;
+    const tc_lifting_level level = tc_container_lifting(c, l);
     for (int64_t ty = r.y0 / MASK_SIDE; ty * MASK_SIDE < r.y1 && !status; ty++)
         for (int64_t tx = r.x0 / MASK_SIDE; tx * MASK_SIDE < r.x1 && !status; tx++) {
             tc_block *block = tc_block_pin(&p->masks, (uint64_t)l << 56 | (uint64_t)(ty * across + tx));
@@ -62,7 +63,7 @@ tc_status tc_packed_mask(packed_field *p, int l, const tc_mask_plane *to, scratc
                 status = make_mask(p, l, tx, ty, block->bytes, s);
                 tc_block_made(&p->masks, block, status == TC_OK);
             }
-            tc_rect tile = tc_mask_tile_rect(&p->level[l - 1].coder.level, tx, ty, 0), cut = tc_rect_intersect(tile, r);
+            tc_rect tile = tc_mask_tile_rect(&level, tx, ty, 0), cut = tc_rect_intersect(tile, r);
             for (int64_t y = cut.y0; y < cut.y1 && !status; y++)
                 memcpy(to->v + (y - r.y0) * to->stride + cut.x0 - r.x0,
                        block->bytes + (y - tile.y0) * MASK_SIDE + cut.x0 - tile.x0, (size_t)(cut.x1 - cut.x0));

@@ -1,0 +1,81 @@
+/* beyond.c - reading across the sides of a level. */
+#include "beyond.h"
+
+#include <string.h>
+
+#include "common/base/rect.h"
+
+/* Steps of the slope between the last two samples to add at sample i of `size`; 0 inside. */
+static inline float steps_beyond(int64_t i, int64_t size, bool straight, float edge)
+{
+    return i < 0 ? (float)-i : i < size ? 0 : straight ? (float)(i - size + 1) : edge;
+}
+
+/* The inner neighbour that gives the slope at border sample b. */
+static inline int64_t inner(int64_t b, int64_t size)
+{
+    return size < 2 ? b : b == 0 ? 1 : b == size - 1 ? size - 2 : b;
+}
+
+/* The part of rect that exists, with what its continuation needs, and the rectangle around both. */
+typedef struct reading {
+    tc_rect part;
+    int64_t x0, y0;          /* of the buffer's first sample */
+    ptrdiff_t stride, start; /* of the part's first sample */
+} reading;
+
+static reading part_of(tc_level size, tc_rect rect, bool wraps)
+{
+    int64_t w = size.width, h = size.height;
+    tc_rect part = {tc_nearest_sample(rect.x0, w), tc_nearest_sample(rect.y0, h), tc_nearest_sample(rect.x1 - 1, w) + 1,
+                    tc_nearest_sample(rect.y1 - 1, h) + 1};
+    if (wraps)
+        part.x0 = rect.x0, part.x1 = rect.x1;
+    else if (rect.x0 < 0)
+        part.x1 = tc_max64(part.x1, tc_min64(2, w));
+    if (rect.y0 < 0)
+        part.y1 = tc_max64(part.y1, tc_min64(2, h));
+    if (rect.x1 > w && !wraps)
+        part.x0 = tc_min64(part.x0, tc_max64(w - 2, 0));
+    if (rect.y1 > h)
+        part.y0 = tc_min64(part.y0, tc_max64(h - 2, 0));
+    reading r = {.part = part, .x0 = tc_min64(rect.x0, part.x0), .y0 = tc_min64(rect.y0, part.y0)};
+    r.stride = tc_max64(rect.x1, part.x1) - r.x0;
+    r.start = (part.y0 - r.y0) * r.stride + part.x0 - r.x0;
+    return r;
+}
+
+tc_status tc_read_beyond(const tc_field *field, int level, tc_rect rect, tc_beyond how, float *buffer, float **z_ret,
+                         ptrdiff_t *stride_ret)
+{
+    tc_level size = tc_field_level(field, level);
+    int64_t w = size.width, h = size.height;
+    reading r = part_of(size, rect, how.wraps);
+    ptrdiff_t stride = r.stride;
+    tc_status status = tc_field_read(field, level, r.part, buffer + r.start, NULL, stride);
+    if (status)
+        return status;
+    for (int64_t j = r.part.y0; j < r.part.y1 && !how.wraps; j++) {
+        float *row = buffer + (j - r.y0) * stride - r.x0; /* sample (i, j) is row[i] */
+        for (int64_t i = rect.x0; i < rect.x1; i++) {
+            int64_t b = tc_nearest_sample(i, w);
+            if (i != b)
+                row[i] = row[b] + steps_beyond(i, w, how.straight, how.x) * (row[b] - row[inner(b, w)]);
+            else if (i < w - 1)
+                i = tc_max64(i, tc_min64(rect.x1, w) - 1); /* on to the other side */
+        }
+    }
+    for (int64_t j = rect.y0; j < rect.y1; j++) {
+        int64_t b = tc_nearest_sample(j, h);
+        if (j == b)
+            continue;
+        float steps = steps_beyond(j, h, how.straight, how.y);
+        float *row = buffer + (j - r.y0) * stride - r.x0;
+        const float *r0 = buffer + (b - r.y0) * stride - r.x0, *r1 = buffer + (inner(b, h) - r.y0) * stride - r.x0;
+        for (int64_t i = rect.x0; i < rect.x1; i++)
+            row[i] = r0[i] + steps * (r0[i] - r1[i]);
+    }
+    *z_ret = buffer + (rect.y0 - r.y0) * stride + rect.x0 - r.x0;
+    *stride_ret = stride;
+    return TC_OK;
+}

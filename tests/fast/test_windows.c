@@ -1,0 +1,233 @@
+/* test_windows.c - windows of a field that cannot always be read, and a content that is only known here. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/base/rect.h"
+#include "common/content/ground.h"
+#include "common/field/field.h"
+#include "tests/support/terrains.h"
+#include "tests/support/test.h"
+
+/* ---- A field that fails on demand, over another one ------------------------------------------------------------- */
+
+typedef struct broken_field {
+    tc_field head;
+    const tc_field *base;
+    int failing_level; /* field levels from this one on cannot be read; 0: all can */
+    int tries;         /* of those */
+} broken_field;
+
+static tc_status broken_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+{
+    broken_field *b = (broken_field *)field;
+    if (b->failing_level && level >= b->failing_level) {
+        b->tries++;
+        return TC_ERR_IO;
+    }
+    return tc_field_read(b->base, level, rect, z, voids, stride);
+}
+
+static void broken_bounds(const tc_field *field, int level, tc_rect rect, float *lo, float *hi)
+{
+    tc_field_range(((const broken_field *)field)->base, level, rect, lo, hi);
+}
+
+static const tc_field_class broken_class = {.read = broken_read, .bounds = broken_bounds};
+
+static broken_field break_field(const tc_field *base)
+{
+    broken_field b = {.base = base};
+    b.head = *base;
+    b.head.class = &broken_class;
+    return b;
+}
+
+enum { N = 31, SIZE = 257 };
+
+/* Windows of all levels around a place of the finest. */
+static void want(const tc_clipmap *c, int64_t x, int64_t y, tc_rect *wanted)
+{
+    for (int l = 1; l <= tc_clipmap_levels(c); l++) {
+        const tc_clip_level *v = tc_clipmap_level(c, l);
+        int64_t i = ((x >> v->shift) - N / 2) & ~(int64_t)1, j = ((y >> v->shift) - N / 2) & ~(int64_t)1;
+        wanted[l - 1] = tc_rect_intersect((tc_rect){i, j, i + N, j + N}, v->extent);
+    }
+}
+
+static void assert_same(const tc_clipmap *a, const tc_clipmap *b)
+{
+    for (int l = 1; l <= tc_clipmap_levels(a); l++) {
+        tc_rect r = tc_clipmap_level(a, l)->clip;
+        assert_true(tc_rect_equal(r, tc_clipmap_level(b, l)->clip));
+        for (int64_t j = r.y0; j < r.y1; j++)
+            for (int64_t i = r.x0; i < r.x1; i++) {
+                int64_t at = (j & N) * (N + 1) + (i & N);
+                assert_memory_equal(tc_ground_heights(a, l)[at], tc_ground_heights(b, l)[at], 8);
+                int64_t texel = (2 * j & (2 * N + 1)) * 2 * (N + 1) + (2 * i & (2 * N + 1));
+                assert_memory_equal(tc_ground_normals(a, l)[texel], tc_ground_normals(b, l)[texel], 4);
+            }
+    }
+}
+
+/* Nothing is held that was not filled, whether heights fail or only normals, which read the next finer level; what
+ * failed is tried again, ever more seldom, and comes once it can be read. */
+static void failing(bool only_normals)
+{
+    tc_field *good = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, 10, 3);
+    broken_field broken = break_field(good);
+    tc_clipmap *c, *clean;
+    tc_rect wanted[TC_MAX_LEVELS];
+    const tc_ground_options options = {.n = N, .normals = true};
+    assert_int_equal(tc_ground_create(&broken.head, &options, &c, NULL), TC_OK);
+    assert_int_equal(tc_ground_create(good, &options, &clean, NULL), TC_OK);
+    int m = tc_clipmap_levels(c), top = tc_field_info(good)->levels;
+    assert_true(m >= 4);
+    want(c, 100, 100, wanted);
+    tc_clipmap_update(c, wanted, -1, false, 0);
+    assert_true(tc_clipmap_resident(c) && tc_clipmap_failed(c) == TC_OK);
+
+    /* Heights of the last but one level can be read in the second case, but not what its normals come from. */
+    broken.failing_level = only_normals ? top : top - 1;
+    want(c, 140, 120, wanted);
+    double now = 1;
+    for (int frame = 0; frame < 1000; frame++, now += 0.02) {
+        tc_clipmap_update(c, wanted, -1, false, now);
+        const tc_clip_level *l = tc_clipmap_level(c, m - 1);
+        assert_true(tc_rect_within(l->clip, l->wanted) && !tc_rect_equal(l->clip, l->wanted));
+    }
+    assert_true(!tc_clipmap_resident(c) && tc_clipmap_failed(c) == TC_ERR_IO);
+    /* 20 seconds: after 0.25, 0.5, 1, ... on two levels at most, up to four sides a try. */
+    assert_in_range(broken.tries, 6, 2 * 4 * 8);
+
+    broken.failing_level = 0;
+    for (int frame = 0; frame < 40 && !tc_clipmap_resident(c); frame++, now += 1)
+        tc_clipmap_update(c, wanted, -1, false, now);
+    assert_true(tc_clipmap_resident(c) && tc_clipmap_failed(c) == TC_OK);
+    tc_clipmap_update(clean, wanted, -1, true, 0);
+    assert_same(c, clean);
+
+    /* Who waits tries at once and each time. */
+    broken.failing_level = top, broken.tries = 0;
+    want(c, 20, 30, wanted);
+    for (int frame = 0; frame < 5; frame++)
+        tc_clipmap_update(c, wanted, -1, true, now);
+    assert_true(broken.tries >= 5 && tc_clipmap_failed(c) == TC_ERR_IO);
+    tc_clipmap_destroy(c);
+    tc_clipmap_destroy(clean);
+    tc_field_destroy(good);
+}
+
+static void heights_that_fail_are_not_held(void **state)
+{
+    (void)state;
+    failing(false);
+}
+
+static void normals_that_fail_are_not_held(void **state)
+{
+    (void)state;
+    failing(true);
+}
+
+/* ---- A content of one byte a texel, two texels a sample ---------------------------------------------------------- */
+
+static uint8_t stripe(const tc_content *content, int level, int64_t x, int64_t y)
+{
+    return (uint8_t)((int64_t)content->parameter * (x ^ 3 * y) + level);
+}
+
+static size_t no_scratch(int n)
+{
+    (void)n;
+    return 1;
+}
+
+static tc_status fill_stripes(const tc_fill *f)
+{
+    uint8_t *texels = f->texels;
+    for (int64_t y = 2 * f->rect.y0 - 1; y < 2 * f->rect.y1; y++)
+        for (int64_t x = 2 * f->rect.x0 - 1; x < 2 * f->rect.x1; x++)
+            texels[(y & (f->size - 1)) * f->size + (x & (f->size - 1))] = stripe(f->content, f->level, x, y);
+    return TC_OK;
+}
+
+static const tc_content_class stripes = {.name = "stripes",
+                                         .format = TC_TEXEL_R8,
+                                         .scale = 2,
+                                         .border = 1,
+                                         .reach_finer = -1,
+                                         .scratch_bytes = no_scratch,
+                                         .fill = fill_stripes};
+
+/* A reader's own copy of an array, brought up to date by what has changed. */
+typedef struct reader {
+    uint64_t cursor[TC_MAX_LEVELS];
+    uint8_t texels[TC_MAX_LEVELS][4 * (N + 1) * (N + 1)];
+    int64_t rectangles;
+} reader;
+
+static void read_changes(reader *r, const tc_clipmap *c)
+{
+    enum { SIDE = 2 * (N + 1) };
+    for (int l = 1; l <= tc_clipmap_levels(c); l++) {
+        tc_rect changes[TC_MAX_CHANGES];
+        int count = tc_clipmap_changes(c, l, &r->cursor[l - 1], changes);
+        const uint8_t *from = tc_clipmap_texels(c, &stripes, l);
+        for (int k = 0; k < count; k++) {
+            tc_rect t = tc_content_rect(&stripes, changes[k]);
+            for (int64_t y = t.y0; y < t.y1; y++)
+                for (int64_t x = t.x0; x < t.x1; x++) {
+                    int64_t at = (y & (SIDE - 1)) * SIDE + (x & (SIDE - 1));
+                    r->texels[l - 1][at] = from[at];
+                }
+        }
+        r->rectangles += count;
+    }
+}
+
+static void a_content_of_our_own(void **state)
+{
+    (void)state;
+    enum { SIDE = 2 * (N + 1) };
+    tc_field *field = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, 10, 3);
+    tc_clipmap_options options = {.n = N, .contents = 1, .content = {{.class = &stripes, .parameter = 5}}};
+    tc_clipmap *c;
+    assert_int_equal(tc_clipmap_create(field, &options, &c, NULL), TC_OK);
+    assert_null(tc_ground_heights(c, 1)); /* a clipmap need not know heights */
+    reader *often = calloc(1, sizeof *often), *seldom = calloc(1, sizeof *seldom);
+    tc_rect wanted[TC_MAX_LEVELS];
+    test_random random = {7};
+    for (int move = 0; move < 3000; move++) {
+        want(c, test_random_int(&random, 0, SIZE - 1), test_random_int(&random, 0, SIZE - 1), wanted);
+        tc_clipmap_update(c, wanted, test_random_int(&random, N, N * N), false, 0);
+        read_changes(often, c);
+        if (move % 40 == 0 || move == 2999) /* sometimes so late that it has missed some */
+            read_changes(seldom, c);
+        const reader *up_to_date[] = {often, move % 40 == 0 || move == 2999 ? seldom : often};
+        for (int l = 1; l <= tc_clipmap_levels(c); l++) {
+            tc_rect r = tc_clipmap_level(c, l)->clip;
+            for (int k = 0; k < 40 && !tc_rect_empty(r); k++) {
+                int64_t x = 2 * r.x0 + test_random_int(&random, 0, 2 * (r.x1 - r.x0) - 2);
+                int64_t y = 2 * r.y0 + test_random_int(&random, 0, 2 * (r.y1 - r.y0) - 2);
+                for (int who = 0; who < 2; who++)
+                    assert_int_equal(up_to_date[who]->texels[l - 1][(y & (SIDE - 1)) * SIDE + (x & (SIDE - 1))],
+                                     stripe(&options.content[0], l, x, y));
+            }
+        }
+    }
+    assert_true(seldom->rectangles < often->rectangles);
+    free(often), free(seldom);
+    tc_clipmap_destroy(c);
+    tc_field_destroy(field);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(heights_that_fail_are_not_held),
+        cmocka_unit_test(normals_that_fail_are_not_held),
+        cmocka_unit_test(a_content_of_our_own),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
