@@ -60,11 +60,19 @@ vec3 surface_normal(out vec3 up)
 #endif
 
 #ifdef HAZE
-// Distance d from the depth that is there anyway: (d / L)^2.
+// Distance d from the depth that is there anyway: (d / L)^2. Of a triangle without area, which is not shaded where its
+// samples are, it is that of a corner.
+#if defined(MULTISAMPLED) && defined(CLOSERS)
+flat in float v_depth;
+#endif
 float surface_haze()
 {
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+#if defined(MULTISAMPLED) && defined(CLOSERS)
+    float r = haze.w / v_depth;
+#else
     float r = haze.w / gl_FragCoord.z;
+#endif
     return r * r * (1.0 + dot(across, across));
 }
 #endif

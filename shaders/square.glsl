@@ -21,6 +21,9 @@ INTERPOLATED out float v_height; // metres above z_base
 #if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
 flat out int v_level;
 #endif
+#if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
+flat out float v_depth; // of the corner, as gl_FragCoord.z would have it
+#endif
 
 int block_layer()
 {
@@ -89,6 +92,10 @@ vec3 surface_vertex()
     v_terrain = vec4(height, place, 2.0 * float(block_layer()) + 0.5 + alpha);
 #else
     v_height = height;
+#endif
+#if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
+    vec4 corner = view_projection * vec4(plane, above, 1.0);
+    v_depth = corner.w > 0.0 ? corner.z / corner.w : 1.0;
 #endif
     return vec3(plane, above);
 }

@@ -6,6 +6,7 @@
 #include "explain.h"
 #include "interrupt.h"
 #include "common/input/plugin.h"
+#include "common/render/canvas.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -202,6 +203,10 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
         v->scene.budget = -1;
     if (!v->scene.samples)
         v->scene.samples = v->options.output ? 4 : 1;
+    int most = tc_canvas_samples(v->gl, v->scene.samples);
+    if (v->options.scene.samples > most && !v->options.quiet)
+        fprintf(stderr, "%s: warning: --samples: expected at most %d with this driver, found %d; %d are drawn\n",
+                v->program->name, most, v->options.scene.samples, most);
     const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(v->field), v->program->sphere);
     const tc_surface_request request = {.scheme = v->options.scheme,
                                         .n = v->options.n,

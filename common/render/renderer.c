@@ -14,6 +14,7 @@
 #include "common/base/rect.h"
 #include "common/view/camera.h"
 #include "common/base/status.h"
+#include "canvas.h"
 #include "level_textures.h"
 #include "palette.h"
 #include "common/base/clock.h"
@@ -51,9 +52,7 @@ struct tc_renderer {
     GLuint uniforms[SLOTS], draws[SLOTS];
     size_t draw_capacity[SLOTS]; /* draws that draws[] has room for */
     int slot;
-    GLuint framebuffer, colour, depth; /* drawn to */
-    GLuint resolved, resolved_colour;  /* what it comes to where several samples make a pixel; else 0 */
-    int width, height;                 /* of the framebuffer; 0: none yet */
+    tc_canvas canvas;
     frame_uniforms values;
     tc_frame_stats last; /* frame drawn */
     tc_rect wanted[TC_MAX_CHARTS][TC_MAX_LEVELS];
@@ -131,12 +130,6 @@ tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scen
     return TC_OK;
 }
 
-static void delete_framebuffer(tc_renderer *r)
-{
-    r->gl->DeleteFramebuffers(2, (GLuint[]){r->framebuffer, r->resolved});
-    r->gl->DeleteRenderbuffers(3, (GLuint[]){r->colour, r->depth, r->resolved_colour});
-}
-
 void tc_renderer_destroy(tc_renderer *renderer)
 {
     if (!renderer)
@@ -150,7 +143,7 @@ void tc_renderer_destroy(tc_renderer *renderer)
     gl->DeleteBuffers(2, (GLuint[]){r->vertices, r->indices});
     gl->DeleteBuffers(SLOTS, r->uniforms);
     gl->DeleteBuffers(SLOTS, r->draws);
-    delete_framebuffer(r);
+    tc_canvas_destroy(gl, &r->canvas);
     free(r);
 }
 
@@ -164,43 +157,6 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
 }
 
 /* ---- Frames -------------------------------------------------------------------------------------------------- */
-
-static GLuint renderbuffer(const tc_gl *gl, GLenum format, GLint samples, int width, int height)
-{
-    GLuint b;
-    gl->CreateRenderbuffers(1, &b);
-    gl->NamedRenderbufferStorageMultisample(b, samples, format, width, height);
-    return b;
-}
-
-static tc_status set_size(tc_renderer *r, int width, int height, tc_error *error)
-{
-    if (width == r->width && height == r->height)
-        return TC_OK;
-    const tc_gl *gl = r->gl;
-    delete_framebuffer(r);
-    GLint most, samples = r->options.samples > 1 ? r->options.samples : 0;
-    gl->GetIntegerv(GL_MAX_SAMPLES, &most);
-    samples = samples > most ? most : samples;
-    r->colour = renderbuffer(gl, GL_RGBA8, samples, width, height);
-    r->depth = renderbuffer(gl, GL_DEPTH_COMPONENT32F, samples, width, height);
-    gl->CreateFramebuffers(1, &r->framebuffer);
-    gl->NamedFramebufferRenderbuffer(r->framebuffer, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, r->colour);
-    gl->NamedFramebufferRenderbuffer(r->framebuffer, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, r->depth);
-    r->resolved = r->resolved_colour = 0;
-    if (samples) {
-        r->resolved_colour = renderbuffer(gl, GL_RGBA8, 0, width, height);
-        gl->CreateFramebuffers(1, &r->resolved);
-        gl->NamedFramebufferRenderbuffer(r->resolved, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, r->resolved_colour);
-    }
-    r->width = r->height = 0;
-    if (gl->CheckNamedFramebufferStatus(r->framebuffer, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE ||
-        (samples && gl->CheckNamedFramebufferStatus(r->resolved, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE))
-        return tc_fail(error, TC_ERR_CONTEXT, "frame: the driver cannot draw %dx%d pixels", width, height);
-    r->width = width;
-    r->height = height;
-    return TC_OK;
-}
 
 /* Light, air and camera; nothing in it depends on anything but the view. */
 static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame *frame)
@@ -276,12 +232,12 @@ static void draw(tc_renderer *r, const tc_frame *frame)
 {
     const tc_gl *gl = r->gl;
     const uint8_t *bg = r->options.background;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, r->framebuffer);
-    gl->Viewport(0, 0, r->width, r->height);
+    gl->BindFramebuffer(GL_FRAMEBUFFER, r->canvas.framebuffer);
+    gl->Viewport(0, 0, r->canvas.width, r->canvas.height);
     gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    gl->ClearNamedFramebufferfv(r->framebuffer, GL_DEPTH, 0, (float[]){0});
+    gl->ClearNamedFramebufferfv(r->canvas.framebuffer, GL_DEPTH, 0, (float[]){0});
     if (!r->needs.sky)
-        gl->ClearNamedFramebufferfv(r->framebuffer, GL_COLOR, 0,
+        gl->ClearNamedFramebufferfv(r->canvas.framebuffer, GL_COLOR, 0,
                                     (float[]){(float)bg[0] / 255, (float)bg[1] / 255, (float)bg[2] / 255, 1});
     gl->NamedBufferSubData(r->uniforms[r->slot], 0, sizeof r->values, &r->values);
     gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, r->uniforms[r->slot]);
@@ -315,9 +271,7 @@ static void draw(tc_renderer *r, const tc_frame *frame)
         gl->UseProgram(r->programs.sky);
         gl->DrawArrays(GL_TRIANGLES, 0, 3);
     }
-    if (r->resolved)
-        gl->BlitNamedFramebuffer(r->framebuffer, r->resolved, 0, 0, r->width, r->height, 0, 0, r->width, r->height,
-                                 GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    tc_canvas_resolve(gl, &r->canvas);
 }
 
 /* Room for the levels that the view asks for; where nothing is to be culled, of all charts. */
@@ -337,7 +291,7 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
                             tc_error *error)
 {
     tc_renderer *r = renderer;
-    tc_status status = set_size(r, camera->width, camera->height, error);
+    tc_status status = tc_canvas_resize(r->gl, &r->canvas, camera->width, camera->height, r->options.samples, error);
     if (!status)
         status = tc_scene_programs_build(r->gl, r->surface, &r->needs, &r->programs, error);
     if (status)
@@ -382,44 +336,21 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     return finish && stats.failed ? tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read") : TC_OK;
 }
 
-/* The framebuffer to read colours from. */
-static GLuint drawn(const tc_renderer *r)
-{
-    return r->resolved ? r->resolved : r->framebuffer;
-}
-
 void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height)
 {
-    renderer->gl->BlitNamedFramebuffer(drawn(renderer), 0, 0, 0, renderer->width, renderer->height, 0, 0, window_width,
-                                       window_height, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-}
-
-/* Turns rows that OpenGL gives bottom to top. */
-static void flip_rows(void *pixels, size_t row_bytes, int rows)
-{
-    char *lo = pixels, *hi = lo + row_bytes * (size_t)(rows > 0 ? rows - 1 : 0);
-    for (; lo < hi; lo += row_bytes, hi -= row_bytes)
-        for (size_t i = 0; i < row_bytes; i++) {
-            char c = lo[i];
-            lo[i] = hi[i];
-            hi[i] = c;
-        }
+    const tc_gl *gl = renderer->gl;
+    const tc_canvas *c = &renderer->canvas;
+    /* A driver looks how large the window has become when its framebuffer is bound, and some when the viewport is set.
+     */
+    gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
+    gl->Viewport(0, 0, window_width, window_height);
+    gl->BlitNamedFramebuffer(c->picture, 0, 0, 0, c->width, c->height, 0, 0, window_width, window_height,
+                             GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth)
 {
-    const tc_gl *gl = renderer->gl;
-    int w = renderer->width, h = renderer->height;
-    gl->BindFramebuffer(GL_READ_FRAMEBUFFER, drawn(renderer));
-    gl->PixelStorei(GL_PACK_ALIGNMENT, 1);
-    if (rgb) {
-        gl->ReadPixels(0, 0, w, h, GL_RGB, GL_UNSIGNED_BYTE, rgb);
-        flip_rows(rgb, 3 * (size_t)w, h);
-    }
-    if (depth) {
-        gl->ReadPixels(0, 0, w, h, GL_DEPTH_COMPONENT, GL_FLOAT, depth);
-        flip_rows(depth, sizeof *depth * (size_t)w, h);
-    }
+    tc_canvas_read(renderer->gl, &renderer->canvas, rgb, depth);
 }
 
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)

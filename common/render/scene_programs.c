@@ -22,13 +22,18 @@ static void list_parts(const char *parts[MAX_PARTS], const char *const *surface,
 }
 
 /* Defines of the strips' program, or of the crack closers': across a triangle without area nothing can be interpolated,
- * so theirs takes all from one corner. */
+ * so theirs takes all from one corner. Where a pixel has several samples each is shaded by itself: at the middle of one
+ * that is covered in part, outside of the triangle, there is no ground (nor at a centroid, where drivers have none). */
 static void list_defines(const tc_surface *surface, const tc_scene_needs *needs, bool closers, char defines[DEFINES])
 {
     char scene[TC_SCENE_DEFINES];
     tc_scene_needs_defines(needs, scene);
-    snprintf(defines, DEFINES, "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n%s", tc_clipmap_n(surface->clipmap[0]),
-             closers ? "flat" : "centroid", scene);
+    snprintf(defines, DEFINES, "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n%s%s",
+             tc_clipmap_n(surface->clipmap[0]),
+             closers               ? "flat"
+             : needs->multisampled ? "sample"
+                                   : "centroid",
+             closers ? "#define CLOSERS\n" : "", scene);
 }
 
 static const char *sky_defines(const tc_scene_needs *needs)

@@ -234,4 +234,8 @@ else
     skip 'TERRACLIP_DATA is not set: real elevation models'
 fi
 
+# More samples a pixel than the driver has are said.
+accepts 'warning: --samples: expected at most [0-9]+ with this driver, found 16' $viewer small.tif --samples 16 $picture
+accepts '' $viewer small.tif --samples 4 $picture
+
 finish

@@ -33,7 +33,7 @@ static const struct trace {
     {"land", "0.135, 0.115, 0.095", NULL, 0},
     {"water", "bool sea", NULL, 0},
     {"level colours", "hues", NULL, 0},
-    {"samples", "#define MULTISAMPLED", NULL, 0},
+    {"samples", "#define MULTISAMPLED", "samples_map", 0},
     {"closers", "#define INTERPOLATED flat", NULL, 0},
     {"sphere", "surface_unknown", NULL, 0},
 };
@@ -41,7 +41,7 @@ static const struct trace {
 static bool multisampled(const gl_record *r)
 {
     for (int i = 0; i < GL_RECORD_OBJECTS; i++)
-        if (r->renderbuffers[i].samples > 1)
+        if (r->textures[i].samples > 1)
             return true;
     return false;
 }

@@ -73,6 +73,13 @@ static void APIENTRY texture_storage_2d(GLuint name, GLsizei levels, GLenum form
     stored(find(now->textures, name), format, width, height, 1, 1);
 }
 
+static void APIENTRY texture_storage_samples(GLuint name, GLsizei samples, GLenum format, GLsizei width, GLsizei height,
+                                             GLboolean fixed)
+{
+    real.TextureStorage2DMultisample(name, samples, format, width, height, fixed);
+    stored(find(now->textures, name), format, width, height, 1, samples);
+}
+
 static void APIENTRY texture_storage_3d(GLuint name, GLsizei levels, GLenum format, GLsizei width, GLsizei height,
                                         GLsizei depth)
 {
@@ -217,6 +224,7 @@ tc_gl gl_record_begin(const tc_gl *gl, gl_record *record)
     t.TextureStorage1D = texture_storage_1d;
     t.TextureStorage2D = texture_storage_2d;
     t.TextureStorage3D = texture_storage_3d;
+    t.TextureStorage2DMultisample = texture_storage_samples;
     t.CreateBuffers = create_buffers;
     t.DeleteBuffers = delete_buffers;
     t.NamedBufferStorage = buffer_storage;

@@ -1,0 +1,130 @@
+/* test_speckles.c - several samples a pixel smooth edges and add nothing: what is interpolated stays within the
+ * triangle.
+ *
+ * A pixel that is covered in part is shaded once, and where that is done at its middle, outside the triangle, heights,
+ * places in the normal map and depths are those of no ground. Seen from near the ground it shows as dotted lines along
+ * edges of triangles, and as single bright pixels that crawl. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/gl/context.h"
+#include "tests/support/datasets.h"
+#include "tests/support/scene.h"
+#include "tests/support/terrains.h"
+#include "tests/support/test.h"
+
+enum { WIDTH = 640, HEIGHT = 400, OFF = 8, N = 255 };
+
+static tc_context *context;
+
+static int grey(const uint8_t *p)
+{
+    return (299 * p[0] + 587 * p[1] + 114 * p[2] + 500) / 1000;
+}
+
+static int compare(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* Pixels that are more than OFF grey levels off the median of the 3 x 3 around them, and brighter or darker than all of
+ * its others: what lies between ground and sky on a smooth skyline is not. */
+static int isolated(const uint8_t *rgb)
+{
+    int count = 0;
+    for (int y = 1; y < HEIGHT - 1; y++)
+        for (int x = 1; x < WIDTH - 1; x++) {
+            int around[9];
+            for (int k = 0; k < 9; k++)
+                around[k] = grey(rgb + 3 * ((y + k / 3 - 1) * WIDTH + x + k % 3 - 1));
+            int own = around[4];
+            qsort(around, 9, sizeof *around, compare);
+            bool alone = own > around[7] || own < around[1];
+            count += alone && abs(own - around[4]) > OFF;
+        }
+    return count;
+}
+
+static int speckles(const tc_field *field, const tc_camera *camera, int samples)
+{
+    static uint8_t rgb[3 * WIDTH * HEIGHT];
+    scene s = scene_create(context, field, N, &(tc_scene_options){.samples = samples, .budget = -1});
+    scene_draw(&s, camera, true);
+    tc_renderer_read(s.renderer, rgb, NULL);
+    scene_destroy(&s);
+    return isolated(rgb);
+}
+
+/* Views over the ground to all sides. */
+static void look_around(const char *name, const tc_field *field)
+{
+    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    int of_one = 0, of_four = 0;
+    for (int view = 0; view < 6; view++) {
+        double x = (0.3 + 0.08 * view) * (double)(finest.width - 1) * finest.spacing_x, z;
+        double y = (0.6 - 0.05 * view) * (double)(finest.height - 1) * finest.spacing_y;
+        assert_int_equal(tc_field_height(field, x, y, &z), TC_OK);
+        tc_camera c = {.x = x,
+                       .y = y,
+                       .z = z + tc_field_info(field)->z_base + (view % 2 ? 1500 : 60),
+                       .heading = view,
+                       .pitch = -0.4,
+                       .fov = 1.3,
+                       .width = WIDTH,
+                       .height = HEIGHT};
+        of_one += speckles(field, &c, 1), of_four += speckles(field, &c, 4);
+    }
+    printf("%s: pixels alone that are more than %d grey levels off: %d with one sample a pixel, %d with four\n", name,
+           OFF, of_one, of_four);
+    assert_true(of_four <= of_one);
+}
+
+static void made_up(void **state)
+{
+    (void)state;
+    tc_field *field = terrain_field(TERRAIN_DEFAULT, 1025, 1025, 30, 1);
+    look_around("default terrain", field);
+    tc_field_destroy(field);
+}
+
+static void real(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"N46E008.tif", "srtm3_tatra_poland_4801.tif",
+                                        "srtm3_canyonlands_voids_2401x3601.tif"};
+    int seen = 0;
+    for (int i = 0; i < 3; i++) {
+        dataset d = {.name = names[i]};
+        tc_grid grid;
+        tc_field *field;
+        if (!dataset_load(&d, &grid))
+            continue;
+        assert_int_equal(tc_field_build(&grid, 0, &field, NULL), TC_OK);
+        look_around(names[i], field);
+        tc_field_destroy(field);
+        seen++;
+    }
+    if (!seen)
+        skip();
+}
+
+static int set_up(void **state)
+{
+    (void)state;
+    context = scene_context();
+    return context ? 0 : -1;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    tc_context_destroy(context);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(made_up), cmocka_unit_test(real)};
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
