@@ -182,6 +182,11 @@ $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_fil
 	@mkdir -p $(@D)
 	$(LINK)
 
+# Looks at a window.
+$(O)/tests/window-pixels: $(OBJ)/tests/cli/window_pixels.o
+	@mkdir -p $(@D)
+	$(LINK)
+
 # Compares the samples of two of them.
 $(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	@mkdir -p $(@D)
@@ -191,7 +196,8 @@ $(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(APP_LIBRARY) $(
 check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
-test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights
+test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights \
+      $(O)/tests/window-pixels
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(FAST) $(SLOW) $(EXTREME) $(wildcard tests/cli/test_*.sh)
 

@@ -114,6 +114,44 @@ if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.jso
     grep -q '"backend": "window"' stats.json || fail '--stats of a window'
 fi
 
+# ---- Sizes: the picture fills the window on the next frames, whichever way its size changes. Looking at the sky all of it
+# is background.
+
+filled() { # WxH: the window has this size, and shows nothing else
+    xwd -silent -id "$id" >window.xwd 2>/dev/null && [ "$("$build/tests/window-pixels" 20c040 <window.xwd)" = "0 of $(($1))" ]
+}
+fills() { # WHAT WIDTH*HEIGHT
+    cases=$((cases + 1))
+    await filled "$2" || fail "$1: the picture does not fill the window: $("$build/tests/window-pixels" 20c040 <window.xwd)"
+}
+resizing() { # PROGRAM FILE VIEW
+    viewer_before=$viewer
+    viewer=$1
+    if start "$2" --size 320x240 --background 20c040 --view "$3"; then
+        fills 'at first' '320*240'
+        for size in '640 400' '200 500' '700 90' '320 240'; do
+            xdotool windowsize "$id" $size
+            fills "made $size" "$(echo "$size" | tr ' ' '*')"
+        done
+        xdotool windowfocus "$id"
+        xdotool key F11
+        fills 'full screen' '800*600'
+        xdotool key F11
+        fills 'full screen left' '320*240'
+        xdotool windowfocus "$id"
+        xdotool key Escape
+        ends 'after resizing'
+    fi
+    viewer=$viewer_before
+}
+if command -v xwd >/dev/null 2>&1; then
+    $terraclip synth --kind planet --size 64 -o globe.tif -q
+    resizing "$viewer" hills.tif 2000,1500,20000,30,80
+    resizing "$globe" globe.tif 0,0,2e7,0,80
+else
+    skip 'xwd is not installed'
+fi
+
 # ---- Other ends
 
 if start hills.tif --size 320x240 --wireframe --level-colours; then
