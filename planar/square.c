@@ -36,6 +36,7 @@ typedef struct assembly {
     double eye[3];        /* of the camera culled for; x, y relative to viewer's snapped sample, z above z_base */
     double spacing[2];    /* of the finest level */
     bool no_cull;
+    int levels; /* that may be drawn */
     int level;
     const tc_clip_level *l;
     int strip_count, list_count, blocks;
@@ -185,7 +186,7 @@ static void add_level(assembly *a, bool closers)
 {
     const tc_rect r = a->l->active;
     tc_rect cells = {r.x0, r.y0, r.x1 - 1, r.y1 - 1}, hole = {0, 0, 0, 0};
-    if (a->level < tc_clipmap_levels(a->clipmap)) {
+    if (a->level < a->levels) {
         tc_rect f = tc_clipmap_level(a->clipmap, a->level + 1)->active;
         if (!tc_rect_empty(f))
             hole = (tc_rect){f.x0 / 2, f.y0 / 2, (f.x1 - 1) / 2, (f.y1 - 1) / 2};
@@ -250,11 +251,13 @@ static void set_uniforms(assembly *a, const tc_frame_options *options)
 }
 
 /* Whether the eye is over the terrain and above the surface as drawn: then the first hit of any ray is from above, and
- * backs of triangles need not be drawn (nearly half of them near the ground). Through holes one sees backs. */
-static bool seen_from_above(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options)
+ * backs of triangles need not be drawn (nearly half of them near the ground). Through holes one sees backs. all:
+ * whether what is held is drawn. */
+static bool seen_from_above(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options,
+                            bool all)
 {
     double z;
-    return !tc_ground_voids(clipmap, 1) && !options->two_sided &&
+    return all && !tc_ground_voids(clipmap, 1) && !options->two_sided &&
            tc_square_drawn_height(clipmap, camera, options, camera->x, camera->y, &z) && camera->z > z + 1e-6 * fabs(z);
 }
 
@@ -270,9 +273,8 @@ static bool square_drawn_height(tc_surface *surface, const tc_camera *camera, co
 }
 
 static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                         const int held[TC_MAX_CHARTS], tc_frame *frame_ret)
+                         const tc_layers *layers, tc_frame *frame_ret)
 {
-    (void)held; /* layers are levels */
     square_surface *s = (square_surface *)surface;
     const tc_clipmap *clipmap = surface->clipmap[0];
     const tc_field *field = tc_clipmap_field(clipmap);
@@ -284,13 +286,17 @@ static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_
                   .viewer = tc_square_viewer(clipmap, camera),
                   .frustum = tc_camera_frustum(cull),
                   .spacing = {finest.spacing_x, finest.spacing_y},
+                  .levels = layers->ready[0],
                   .no_cull = options->no_cull};
     a.eye[0] = cull->x - (double)a.viewer.snap_x * finest.spacing_x;
     a.eye[1] = cull->y - (double)a.viewer.snap_y * finest.spacing_y;
     a.eye[2] = cull->z - tc_field_info(field)->z_base;
 
     int active = 0;
-    for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) { /* nearest first */
+    bool skipped = false;
+    for (int level = a.levels + 1; level <= tc_clipmap_levels(clipmap); level++)
+        skipped |= !tc_rect_empty(tc_clipmap_level(clipmap, level)->active);
+    for (int level = a.levels; level >= 1; level--) { /* nearest first */
         a.level = level;
         a.l = tc_clipmap_level(clipmap, level);
         if (tc_rect_empty(a.l->active))
@@ -308,7 +314,7 @@ static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_
                             .strip_draws = a.strip_count,
                             .list_draws = a.list_count,
                             .triangles = a.triangles,
-                            .one_sided = seen_from_above(clipmap, camera, options),
+                            .one_sided = seen_from_above(clipmap, camera, options, !skipped),
                             .triangles_unculled = a.triangles_unculled,
                             .draws_unculled = a.blocks,
                             .levels_active = active,

@@ -154,20 +154,20 @@ static void set4(float *out, double x, double y, double z, double w)
 }
 
 /* What rings.glsl needs to know of a chart: of one without layers, one level that holds nothing. */
-static void set_chart(rings_surface *s, const rings_view *v, const int held_levels[TC_MAX_CHARTS], int chart)
+static void set_chart(rings_surface *s, const rings_view *v, const tc_layers *layers, int chart)
 {
     float(*u)[4] = (float(*)[4])s->surface_uniforms;
     const rings_near *near = &v->near[chart];
     const rings_place *at = &v->place[chart];
     tc_clipmap *clipmap = s->head.clipmap[chart];
-    int levels = tc_clipmap_levels(clipmap), first = tc_first_layer(held_levels, chart);
-    int held = held_levels[chart], finest = tc_clipmap_level(clipmap, levels)->shift;
+    int levels = tc_clipmap_levels(clipmap), first = tc_first_layer(layers, chart);
+    int held = layers->held[chart], finest = tc_clipmap_level(clipmap, levels)->shift;
     double z = near->z;
     int fine_layer = first + levels - 1 + finest; /* of shift 0, were there one */
     set4(u[4 + chart], z, z - (double)(float)z, z - v->z, fine_layer);
     set4(u[7 + chart], 0, 0, 0, -1);
     if (held == 0) {
-        int nothing = tc_first_layer(held_levels, s->head.charts);
+        int nothing = tc_first_layer(layers, s->head.charts);
         float(*q)[4] = (float(*)[4])s->layer_uniforms[nothing];
         u[4 + chart][3] = (float)nothing;
         u[10][chart] = 0;
@@ -188,13 +188,15 @@ static void set_chart(rings_surface *s, const rings_view *v, const int held_leve
         set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
              lattice.y1 - j);
         set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
+        if (level > layers->ready[chart]) /* nothing, yet */
+            set4(q[2], 0, 0, -1, -1);
     }
     int coarsest = finest + levels - 1;
     u[10][chart] = (float)(coarsest - held + 1 + 64 * coarsest);
 }
 
 /* What rings.glsl names surface[...] and layer[...]. */
-static void set_uniforms(rings_surface *s, const rings_view *v, const int held[TC_MAX_CHARTS])
+static void set_uniforms(rings_surface *s, const rings_view *v, const tc_layers *layers)
 {
     float(*u)[4] = (float(*)[4])s->surface_uniforms;
     const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
@@ -206,7 +208,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v, const int held[T
          caps ? 1 / (hi - lo) : 0, s->outside - v->z);
     set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), v->detail, tc_rings_partial(s));
     for (int chart = 0; chart < s->head.charts; chart++)
-        set_chart(s, v, held, chart);
+        set_chart(s, v, layers, chart);
     u[10][3] = v->no_morph;
     if (!caps) {
         const tc_chart *c = &s->atlas->chart[0];
@@ -221,7 +223,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v, const int held[T
 }
 
 static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                        const int held[TC_MAX_CHARTS], tc_frame *frame_ret)
+                        const tc_layers *layers, tc_frame *frame_ret)
 {
     rings_surface *s = (rings_surface *)surface;
     rings_view view = tc_rings_view(s, camera);
@@ -244,7 +246,7 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
             a.sectors += s->geometry.sectors;
         }
     }
-    set_uniforms(s, &view, held);
+    set_uniforms(s, &view, layers);
     *frame_ret =
         (tc_frame){.draws = s->draws,
                    .strip_draws = a.count,

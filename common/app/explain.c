@@ -38,7 +38,7 @@ static void count_layers(const tc_renderer_use *use, int *unseen_ret, int *all_r
 {
     *unseen_ret = *all_ret = 0;
     for (int chart = 0; chart < use->surface->charts; chart++) {
-        *unseen_ret += use->textures->held[chart] == 0;
+        *unseen_ret += use->textures->layers.held[chart] == 0;
         *all_ret += tc_clipmap_levels(use->surface->clipmap[chart]);
     }
 }
@@ -59,8 +59,8 @@ static void add_frame(const tc_renderer_use *use, tc_left_out *list)
     }
     if (unseen > 0)
         add(list, "%d of %d charts: not in sight so far", unseen, use->surface->charts);
-    if (use->textures->layers < layers)
-        add(list, "%d of %d layers of vertex textures: no view has asked for them", layers - use->textures->layers,
+    if (use->textures->depth < layers)
+        add(list, "%d of %d layers of vertex textures: no view has asked for them", layers - use->textures->depth,
             layers);
     add(list, "%" PRId64 " of %" PRId64 " triangles: %soutside the view", f->triangles_unculled - f->triangles,
         f->triangles_unculled, sphere ? "beyond the horizon or " : "");
@@ -90,7 +90,7 @@ static void print_textures(const tc_level_textures *t, FILE *file)
     for (int k = 0; k < t->contents; k++) {
         const tc_level_texture *c = &t->content[k];
         fprintf(file, "uses: texture: %s: %s, %d x %d x %d, %zu bytes\n", c->content->name,
-                tc_gl_format_of(c->content->format)->name, c->size, c->size, t->layers, c->bytes);
+                tc_gl_format_of(c->content->format)->name, c->size, c->size, t->depth, c->bytes);
     }
     fprintf(file, "uses: texture: colours: RGBA8, %d, %d bytes\n", TC_RAMP_SIZE, 4 * TC_RAMP_SIZE);
 }
@@ -103,10 +103,10 @@ static void print_frame(const tc_renderer_use *use, FILE *file)
     int held = 0, all = 0;
     for (int chart = 0; chart < surface->charts; chart++)
         for (int level = 1; level <= tc_clipmap_levels(surface->clipmap[chart]); level++, all++)
-            held += level <= use->textures->held[chart] &&
+            held += level <= use->textures->layers.held[chart] &&
                     !tc_rect_empty(tc_clipmap_level(surface->clipmap[chart], level)->clip);
     for (int chart = 0; sphere && chart < surface->charts; chart++)
-        fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, use->textures->held[chart],
+        fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, use->textures->layers.held[chart],
                 tc_clipmap_levels(surface->clipmap[chart]));
     fprintf(file, "uses: levels: %d of %d hold samples\n", held, all);
     fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "rings" : "levels", f->levels_active,

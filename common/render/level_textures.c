@@ -38,10 +38,10 @@ static tc_status create(const tc_gl *gl, const tc_clipmap *clipmap, tc_level_tex
     for (int k = 0; k < t->contents; k++) {
         const tc_content_class *content = tc_clipmap_content(clipmap, k);
         int size = content->scale * (n + 1);
-        size_t texels = (size_t)size * (size_t)size * (size_t)t->layers;
+        size_t texels = (size_t)size * (size_t)size * (size_t)t->depth;
         t->content[k] = (tc_level_texture){
             .content = content,
-            .texture = array_texture(gl, tc_gl_format_of(content->format), size, t->layers),
+            .texture = array_texture(gl, tc_gl_format_of(content->format), size, t->depth),
             .size = size,
             .bytes = texels * tc_texel_bytes(content->format),
         };
@@ -50,45 +50,45 @@ static tc_status create(const tc_gl *gl, const tc_clipmap *clipmap, tc_level_tex
         return TC_OK;
     tc_gl_forget_errors(gl);
     tc_level_textures_destroy(gl, t);
-    return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", t->layers, n + 1, n + 1);
+    return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", t->depth, n + 1, n + 1);
 }
 
 /* Takes over the layers that there were. */
 static void copy_layers(const tc_gl *gl, const tc_level_textures *from, tc_level_textures *to, int charts)
 {
-    for (int chart = 0, old = 0, now = 0; chart < charts; old += from->held[chart], now += to->held[chart], chart++) {
-        if (from->held[chart] == 0)
+    for (int chart = 0; chart < charts; chart++) {
+        int old = tc_first_layer(&from->layers, chart), now = tc_first_layer(&to->layers, chart);
+        int held = from->layers.held[chart];
+        if (held == 0)
             continue;
-        memcpy(&to->cursor[now], &from->cursor[old], (size_t)from->held[chart] * sizeof *to->cursor);
+        memcpy(&to->cursor[now], &from->cursor[old], (size_t)held * sizeof *to->cursor);
         for (int k = 0; k < to->contents; k++)
             gl->CopyImageSubData(from->content[k].texture, GL_TEXTURE_2D_ARRAY, 0, 0, 0, old, to->content[k].texture,
-                                 GL_TEXTURE_2D_ARRAY, 0, 0, 0, now, to->content[k].size, to->content[k].size,
-                                 from->held[chart]);
+                                 GL_TEXTURE_2D_ARRAY, 0, 0, 0, now, to->content[k].size, to->content[k].size, held);
     }
 }
 
-tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, const tc_surface *surface,
+tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, tc_clipmap *const *clipmaps, int charts,
                                  const int levels[TC_MAX_CHARTS], tc_error *error)
 {
-    tc_level_textures grown = {0};
+    tc_level_textures grown = {.layers = textures->layers};
     bool grows = textures->contents == 0;
-    for (int chart = 0; chart < surface->charts; chart++) {
-        int now = textures->held[chart], all = tc_clipmap_levels(surface->clipmap[chart]);
-        grown.held[chart] = now;
+    for (int chart = 0; chart < charts; chart++) {
+        int now = textures->layers.held[chart], all = tc_clipmap_levels(clipmaps[chart]);
         if (levels[chart] > now) {
-            grown.held[chart] = (int)tc_min64(all, tc_max64(levels[chart], now + (now ? (all + 1) / 2 : 0)));
+            grown.layers.held[chart] = (int)tc_min64(all, tc_max64(levels[chart], now + (now ? (all + 1) / 2 : 0)));
             grows = true;
         }
-        grown.layers += grown.held[chart];
+        grown.depth += grown.layers.held[chart];
     }
     if (!grows)
         return TC_OK;
-    grown.layers = grown.layers > 0 ? grown.layers : 1;
-    tc_status status = create(gl, surface->clipmap[0], &grown, error);
+    grown.depth = grown.depth > 0 ? grown.depth : 1;
+    tc_status status = create(gl, clipmaps[0], &grown, error);
     if (status != TC_OK)
         return status;
     if (textures->contents)
-        copy_layers(gl, textures, &grown, surface->charts);
+        copy_layers(gl, textures, &grown, charts);
     tc_level_textures_destroy(gl, textures);
     *textures = grown;
     return TC_OK;
@@ -131,30 +131,48 @@ static int64_t upload_wrapped(const tc_gl *gl, const tc_level_texture *t, int la
     return w * h * bytes;
 }
 
-/* Uploads what changed of a level, whose layer it is. */
-static int64_t upload_level(const tc_gl *gl, tc_level_textures *textures, const tc_clipmap *clipmap, int level,
-                            int layer)
+/* What is left to upload of a level. */
+typedef struct pending {
+    tc_rect rect[TC_MAX_CHANGES];
+    int count;
+    int64_t samples;
+    uint64_t cursor; /* once it is done */
+} pending;
+
+static pending changes_of(const tc_level_textures *textures, const tc_clipmap *clipmap, int level, int layer)
 {
-    int64_t bytes = 0;
-    tc_rect changes[TC_MAX_CHANGES];
-    int count = tc_clipmap_changes(clipmap, level, &textures->cursor[layer], changes);
-    for (int i = 0; i < count; i++)
-        for (int k = 0; k < textures->contents; k++) {
-            const tc_level_texture *t = &textures->content[k];
-            bytes += upload_wrapped(gl, t, layer, tc_clipmap_texels(clipmap, t->content, level),
-                                    tc_content_rect(t->content, changes[i]));
-        }
-    return bytes;
+    pending p = {.cursor = textures->cursor[layer]};
+    p.count = tc_clipmap_changes(clipmap, level, &p.cursor, p.rect);
+    for (int i = 0; i < p.count; i++)
+        p.samples += tc_rect_area(p.rect[i]);
+    return p;
 }
 
-int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, const tc_surface *surface)
+int64_t tc_level_textures_upload(const tc_gl *gl, tc_level_textures *textures, tc_clipmap *const *clipmaps, int charts,
+                                 int64_t budget)
 {
-    int64_t bytes = 0;
-    int layer = 0;
+    tc_layers *layers = &textures->layers;
+    int64_t bytes = 0, spent = 0;
     gl->PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    for (int chart = 0; chart < surface->charts; chart++)
-        for (int level = 1; level <= textures->held[chart]; level++)
-            bytes += upload_level(gl, textures, surface->clipmap[chart], level, layer++);
+    for (int chart = 0; chart < charts; chart++) {
+        int first = tc_first_layer(layers, chart);
+        layers->ready[chart] = 0;
+        for (int level = 1; level <= layers->held[chart]; level++) {
+            int layer = first + level - 1;
+            pending p = changes_of(textures, clipmaps[chart], level, layer);
+            if (p.count > 0 && level > 1 && budget >= 0 && spent >= budget)
+                break;
+            for (int k = 0; k < textures->contents; k++) {
+                const tc_level_texture *t = &textures->content[k];
+                const void *texels = tc_clipmap_texels(clipmaps[chart], t->content, level);
+                for (int i = 0; i < p.count; i++)
+                    bytes += upload_wrapped(gl, t, layer, texels, tc_content_rect(t->content, p.rect[i]));
+            }
+            textures->cursor[layer] = p.cursor;
+            spent += level > 1 ? p.samples : 0;
+            layers->ready[chart] = level;
+        }
+    }
     gl->PixelStorei(GL_UNPACK_ROW_LENGTH, 0);
     return bytes;
 }

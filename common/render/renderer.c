@@ -169,7 +169,7 @@ static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame
     int64_t torus = 2 * (tc_clipmap_n(r->surface->clipmap[0]) + 1);
     int layer = 0;
     for (int chart = 0; chart < r->surface->charts; chart++)
-        for (int l = 1; l <= r->textures.held[chart]; l++) {
+        for (int l = 1; l <= r->textures.layers.held[chart]; l++) {
             tc_rect c = tc_clipmap_level(r->surface->clipmap[chart], l)->clip;
             float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
                                (float)(c.y1 - 1 - c.y0)};
@@ -284,7 +284,7 @@ static tc_status hold_levels(tc_renderer *r, tc_error *error)
             l--;
         levels[chart] = l;
     }
-    return tc_level_textures_hold(r->gl, &r->textures, r->surface, levels, error);
+    return tc_level_textures_hold(r->gl, &r->textures, r->surface->clipmap, r->surface->charts, levels, error);
 }
 
 tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
@@ -311,11 +311,15 @@ tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool
     status = hold_levels(r, error);
     if (status)
         return status;
-    stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, surface);
+    /* All of what was filled now, and as much again of what another reader had filled before; for a picture, all. */
+    stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, surface->clipmap, surface->charts,
+                                                    finish || budget < 0 ? -1 : stats.samples_updated + budget);
+    for (int chart = 0; chart < surface->charts; chart++)
+        stats.resident &= r->textures.layers.ready[chart] == r->textures.layers.held[chart];
     double updated = tc_clock_ms();
 
     tc_frame frame;
-    surface->frame(surface, camera, &r->options.frame, r->textures.held, &frame);
+    surface->frame(surface, camera, &r->options.frame, &r->textures.layers, &frame);
     r->slot = (r->slot + 1) % SLOTS;
     set_uniforms(r, camera, &frame);
     upload_draws(r, &frame);

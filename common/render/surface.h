@@ -41,6 +41,12 @@ typedef struct tc_instance {
  * Levels and charts that are not in use need not have one. */
 enum { TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS, TC_LAYER_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 52 };
 
+/* The layers that there are: levels of each chart, from the coarsest on, that have one; and of them, from the coarsest
+ * on, those whose layer is up to date. The others are drawn by coarser ones. */
+typedef struct tc_layers {
+    int held[TC_MAX_CHARTS], ready[TC_MAX_CHARTS];
+} tc_layers;
+
 /* What one frame draws. Arrays are the surface's own and stay valid until its next frame. */
 typedef struct tc_frame {
     const tc_draw *draws;         /* strips first, then triangle lists */
@@ -85,10 +91,9 @@ struct tc_surface {
     /* Windows wanted at each level for this camera: wanted[chart][level - 1]; empty for levels too fine for it, and for
      * all levels of a chart that no vertex reads. */
     void (*wanted)(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
-    /* What is visible of the clipmaps as they stand. held: levels of each chart, from the coarsest on, that have a
-     * layer of the vertex textures. */
+    /* What is visible of the clipmaps as they stand. */
     void (*frame)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                  const int held[TC_MAX_CHARTS], tc_frame *frame_ret);
+                  const tc_layers *layers, tc_frame *frame_ret);
     /* Height drawn at map position (x, y), in the camera's units, for this camera, by the same rules as the GLSL, in
      * double: metres absolute. False where nothing is drawn. */
     bool (*drawn_height)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
@@ -97,11 +102,11 @@ struct tc_surface {
 };
 
 /* The layer of a chart's level 1; of the chart behind the last: how many layers there are. */
-static inline int tc_first_layer(const int held[TC_MAX_CHARTS], int chart)
+static inline int tc_first_layer(const tc_layers *layers, int chart)
 {
     int layer = 0;
     for (int c = 0; c < chart; c++)
-        layer += held[c];
+        layer += layers->held[c];
     return layer;
 }
 

@@ -278,8 +278,10 @@ tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *opt
     if (s->view.wraps)
         whole.x0 = 0, whole.x1 = once_around(s->width);
     if (!fill(c, 1, whole, 0)) {
+        status = c->failed;
         tc_clipmap_destroy(c);
-        return tc_fail(error, TC_ERR_IO, "clipmap: the coarsest level cannot be read");
+        return tc_fail(error, status, "clipmap: the coarsest level cannot be read%s",
+                       status == TC_ERR_MEMORY ? ": not enough memory" : "");
     }
     s->view.clip = s->view.active = s->view.wanted = whole;
     *clipmap_ret = c;
@@ -322,6 +324,15 @@ static tc_rect grown(tc_rect r, int reach)
     return (tc_rect){r.x0 - reach, r.y0 - reach, r.x1 + reach, r.y1 + reach};
 }
 
+/* What a field is asked for at once where it is not waited for: as many lines as have about PIECE_SAMPLES samples. With
+ * normals four times as many are read. */
+enum { PIECE_SAMPLES = 1 << 16, PIECE_LINES = 128 };
+
+static int64_t lines_a_piece(int64_t length)
+{
+    return tc_clamp64(PIECE_SAMPLES / tc_max64(length, 1), 1, PIECE_LINES);
+}
+
 /* Whether filling rect need not wait for the field. */
 static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
 {
@@ -341,55 +352,78 @@ static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
 /* How an update is to be made. */
 typedef struct effort {
     int64_t budget; /* samples; below 0: no limit */
-    bool wait;
+    bool wait;      /* for what is not ready */
+    bool at_once;   /* tries what could not be read, whatever its pause */
     double now;
 } effort;
 
-/* Adds a rectangle to what is held, which becomes `held` with it. */
-static bool add_rect(tc_clipmap *c, int level, tc_rect add, tc_rect held, const effort *e)
+/* Lines first .. last - 1 beyond a side of r, counted outwards: columns in the west (0) and east (1), rows in the south
+ * (2) and north (3). */
+static tc_rect lines_beyond(tc_rect r, int side, int64_t first, int64_t last)
 {
-    if (tc_rect_empty(add) || (!e->wait && !is_ready(c, level, add)) || !fill(c, level, add, e->now))
-        return false;
-    c->level[level - 1].view.clip = held;
-    return true;
+    switch (side) {
+    case 0: return (tc_rect){r.x0 - last, r.y0, r.x0 - first, r.y1};
+    case 1: return (tc_rect){r.x1 + first, r.y0, r.x1 + last, r.y1};
+    case 2: return (tc_rect){r.x0, r.y0 - last, r.x1, r.y0 - first};
+    default: return (tc_rect){r.x0, r.y1 + first, r.x1, r.y1 + last};
+    }
 }
 
-/* Adds rows and columns to s->view.clip on its way to target; returns the samples filled. Without waiting, what
- * the field would have to decode first is left to a later call. */
+/* How many of the lines beyond a side, from the innermost on, need not wait. The field is asked for them piece by piece
+ * and no farther than the first that is not ready: a window comes as its parts do, those next to what is held first,
+ * and no piece is too large for a cache to keep until it is used. */
+static int64_t ready_lines(const tc_clipmap *c, int level, tc_rect r, int side, int64_t lines)
+{
+    int64_t piece = lines_a_piece(side < 2 ? r.y1 - r.y0 : r.x1 - r.x0), ready = 0;
+    while (ready < lines && is_ready(c, level, lines_beyond(r, side, ready, tc_min64(lines, ready + piece))))
+        ready = tc_min64(lines, ready + piece);
+    return ready;
+}
+
+/* The part of an empty region's first rectangle that need not wait: all of it, else its middle, else nothing. */
+static tc_rect ready_seed(const tc_clipmap *c, int level, tc_rect first)
+{
+    tc_rect none = {0, 0, 0, 0}, middle = seed(first, PIECE_SAMPLES / 4);
+    if (tc_rect_empty(first) || !is_ready(c, level, middle))
+        return none;
+    tc_rect row = {first.x0, first.y0, first.x1, first.y0};
+    return ready_lines(c, level, row, 3, first.y1 - first.y0) == first.y1 - first.y0 ? first : middle;
+}
+
+/* Adds a rectangle to what is held; returns its samples, none where it is empty or cannot be read. */
+static int64_t add_rect(tc_clipmap *c, int level, tc_rect add, double now)
+{
+    tc_rect *clip = &c->level[level - 1].view.clip;
+    if (tc_rect_empty(add) || !fill(c, level, add, now))
+        return 0;
+    *clip = tc_rect_empty(*clip) ? add
+                                 : (tc_rect){tc_min64(clip->x0, add.x0), tc_min64(clip->y0, add.y0),
+                                             tc_max64(clip->x1, add.x1), tc_max64(clip->y1, add.y1)};
+    return tc_rect_area(add);
+}
+
+/* Adds rows and columns to what is held on its way to target; returns the samples filled. Without waiting, what the
+ * field would have to decode first is left to a later call. */
 static int64_t grow(tc_clipmap *c, int level, tc_rect target, effort e)
 {
     clip_state *s = &c->level[level - 1];
-    tc_rect *clip = &s->view.clip;
+    const tc_rect *clip = &s->view.clip;
     int64_t spent = 0;
-    if (tc_rect_empty(target) || (!e.wait && s->failures && e.now < s->not_before))
+    if (tc_rect_empty(target) || (!e.at_once && s->failures && e.now < s->not_before))
         return 0;
     if (tc_rect_empty(*clip)) {
         tc_rect first = seed(target, e.budget);
-        if (!add_rect(c, level, first, first, &e))
+        spent = add_rect(c, level, e.wait ? first : ready_seed(c, level, first), e.now);
+        if (spent == 0)
             return 0;
-        spent += tc_rect_area(first);
     }
     for (int side = 0; side < 4; side++) {
-        int64_t w = clip->x1 - clip->x0, h = clip->y1 - clip->y0,
-                left = e.budget < 0 ? -1 : tc_max64(0, e.budget - spent);
-        tc_rect add = *clip, held = *clip;
-        switch (side) {
-        case 0:
-            held.x0 -= affordable(clip->x0 - target.x0, h, left);
-            add.x0 = held.x0, add.x1 = clip->x0;
-            break;
-        case 1:
-            held.x1 += affordable(target.x1 - clip->x1, h, left);
-            add.x0 = clip->x1, add.x1 = held.x1;
-            break;
-        case 2:
-            held.y0 -= affordable(clip->y0 - target.y0, w, left);
-            add.y0 = held.y0, add.y1 = clip->y0;
-            break;
-        default: held.y1 += affordable(target.y1 - clip->y1, w, left); add.y0 = clip->y1, add.y1 = held.y1;
-        }
-        if (add_rect(c, level, add, held, &e))
-            spent += tc_rect_area(add);
+        int64_t missing[] = {clip->x0 - target.x0, target.x1 - clip->x1, clip->y0 - target.y0, target.y1 - clip->y1};
+        int64_t length = side < 2 ? clip->y1 - clip->y0 : clip->x1 - clip->x0;
+        int64_t lines = affordable(missing[side], length, e.budget < 0 ? -1 : tc_max64(0, e.budget - spent));
+        if (!e.wait)
+            lines = ready_lines(c, level, *clip, side, lines);
+        spent += add_rect(c, level, lines_beyond(*clip, side, 0, lines), e.now);
     }
     return spent;
 }
@@ -409,13 +443,16 @@ static void set_active(tc_clipmap *c, int level)
 
 int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait, double now)
 {
+    enum { AHEAD = 8 }; /* columns */
     int64_t samples = 0;
     for (int l = 1; l <= clipmap->levels; l++) {
         tc_clip_level *v = &clipmap->level[l - 1].view;
         if (l == 1 && v->wraps && !tc_rect_empty(wanted[0])) {
             v->wanted = tc_rect_intersect(wanted[0], v->extent);
             v->clip = tc_rect_intersect(v->clip, v->wanted);
-            samples += grow(clipmap, 1, v->wanted, (effort){-1, true, now}); /* always whole */
+            samples += grow(clipmap, 1, v->wanted, (effort){-1, true, wait, now}); /* always whole */
+            if (!wait && is_ready(clipmap, 1, lines_beyond(v->wanted, 0, 0, AHEAD)))
+                is_ready(clipmap, 1, lines_beyond(v->wanted, 1, 0, AHEAD)); /* the next ones need not wait, either */
         } else if (l > 1) {
             const tc_clip_level *coarse = &clipmap->level[l - 2].view;
             tc_rect allowed = refine(erode(coarse->clip, coarse->extent, 1));
@@ -424,7 +461,7 @@ int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t bu
             v->wanted = tc_rect_intersect(tc_rect_intersect(wanted[l - 1], v->extent), room);
             tc_rect target = tc_rect_intersect(v->wanted, allowed);
             v->clip = tc_rect_intersect(v->clip, target);
-            int64_t spent = grow(clipmap, l, target, (effort){budget, wait, now});
+            int64_t spent = grow(clipmap, l, target, (effort){budget, wait, wait, now});
             samples += spent;
             if (budget >= 0)
                 budget = tc_max64(0, budget - spent);
@@ -458,7 +495,7 @@ int tc_clipmap_changes(const tc_clipmap *clipmap, int level, uint64_t *cursor, t
     /* Of the first change on, a cursor is above 0. */
     *cursor = s->changed + 1;
     if (since == 0 || s->changed + 1 - since > TC_MAX_CHANGES) {
-        changes[0] = (tc_rect){0, 0, clipmap->n + 1, clipmap->n + 1};
+        changes[0] = s->view.clip;
         return tc_rect_empty(s->view.clip) ? 0 : 1;
     }
     for (uint64_t k = since - 1; k < s->changed; k++)

@@ -130,9 +130,9 @@ static inline tc_rect tc_content_rect(const tc_content_class *content, tc_rect r
  * terrain ends).
  *
  * wait: what a packed field has yet to decode is waited for. Else it is left to later calls, and decoded by a thread
- * meanwhile; and what could not be read is left alone for a time that grows with each failure, by the clock `now`,
- * seconds of any origin. Nothing is held that was not filled. Returns the samples filled, which the budget counts
- * (normals read up to four times as many from the next finer level). */
+ * meanwhile, piece by piece, and windows fill as pieces come; and what could not be read is left alone for a time that
+ * grows with each failure, by the clock `now`, seconds of any origin. Nothing is held that was not filled. Returns the
+ * samples filled, which the budget counts (normals read up to four times as many from the next finer level). */
 int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait, double now);
 
 /* Fills samples of a level, whose coarser level holds those around half of it, with all contents, whatever is wanted or
@@ -145,9 +145,9 @@ bool tc_clipmap_resident(const tc_clipmap *clipmap);
 /* Why a part of what is wanted could not be read the last time it was tried; TC_OK: it could. */
 tc_status tc_clipmap_failed(const tc_clipmap *clipmap);
 
-/* Rectangles of a level's samples changed since the reader of this cursor last asked (one may wrap); returns how many
- * and moves the cursor on. A cursor begins as 0, for which, as for one that has fallen too far behind, all of the array
- * has changed, if the level holds anything. */
+/* Rectangles of a level's samples changed since the reader of this cursor last asked; returns how many and moves the
+ * cursor on. A cursor begins as 0, for which, as for one that has fallen too far behind, all that is held has changed.
+ */
 enum { TC_MAX_CHANGES = 64 };
 int tc_clipmap_changes(const tc_clipmap *clipmap, int level, uint64_t *cursor, tc_rect changes[TC_MAX_CHANGES]);
 

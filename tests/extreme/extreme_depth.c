@@ -74,7 +74,7 @@ static void draw_into(const tc_gl *gl, scene *s, const tc_camera *camera, double
 {
     scene_draw(s, camera, true);
     tc_frame frame;
-    s->surface->frame(s->surface, camera, &options.frame, tc_renderer_used(s->renderer).textures->held, &frame);
+    s->surface->frame(s->surface, camera, &options.frame, &tc_renderer_used(s->renderer).textures->layers, &frame);
     if (how != AS_RENDERED)
         set_projection(gl, camera, distance, how == CONVENTIONAL);
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);

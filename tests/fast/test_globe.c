@@ -87,7 +87,7 @@ static int64_t drawn(tc_surface *s, const tc_camera *camera, const tc_camera *cu
 {
     tc_frame_options options = {.cull_camera = culled};
     tc_frame frame;
-    s->frame(s, camera, &options, (int[TC_MAX_CHARTS]){0}, &frame); /* nothing is held; for counting that is all one */
+    s->frame(s, camera, &options, &(tc_layers){0}, &frame); /* nothing is held; for counting that is all one */
     return frame.triangles;
 }
 

@@ -5,43 +5,8 @@
 
 #include "common/base/rect.h"
 #include "common/content/ground.h"
-#include "common/field/field.h"
-#include "tests/support/terrains.h"
+#include "tests/support/moody.h"
 #include "tests/support/test.h"
-
-/* ---- A field that fails on demand, over another one ------------------------------------------------------------- */
-
-typedef struct broken_field {
-    tc_field head;
-    const tc_field *base;
-    int failing_level; /* field levels from this one on cannot be read; 0: all can */
-    int tries;         /* of those */
-} broken_field;
-
-static tc_status broken_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
-{
-    broken_field *b = (broken_field *)field;
-    if (b->failing_level && level >= b->failing_level) {
-        b->tries++;
-        return TC_ERR_IO;
-    }
-    return tc_field_read(b->base, level, rect, z, voids, stride);
-}
-
-static void broken_bounds(const tc_field *field, int level, tc_rect rect, float *lo, float *hi)
-{
-    tc_field_range(((const broken_field *)field)->base, level, rect, lo, hi);
-}
-
-static const tc_field_class broken_class = {.read = broken_read, .bounds = broken_bounds};
-
-static broken_field break_field(const tc_field *base)
-{
-    broken_field b = {.base = base};
-    b.head = *base;
-    b.head.class = &broken_class;
-    return b;
-}
 
 enum { N = 31, SIZE = 257 };
 
@@ -75,11 +40,12 @@ static void assert_same(const tc_clipmap *a, const tc_clipmap *b)
 static void failing(bool only_normals)
 {
     tc_field *good = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, 10, 3);
-    broken_field broken = break_field(good);
+    moody_field *broken = moody_create(good, 1);
+    broken->on = true;
     tc_clipmap *c, *clean;
     tc_rect wanted[TC_MAX_LEVELS];
     const tc_ground_options options = {.n = N, .normals = true};
-    assert_int_equal(tc_ground_create(&broken.head, &options, &c, NULL), TC_OK);
+    assert_int_equal(tc_ground_create(&broken->head, &options, &c, NULL), TC_OK);
     assert_int_equal(tc_ground_create(good, &options, &clean, NULL), TC_OK);
     int m = tc_clipmap_levels(c), top = tc_field_info(good)->levels;
     assert_true(m >= 4);
@@ -88,7 +54,7 @@ static void failing(bool only_normals)
     assert_true(tc_clipmap_resident(c) && tc_clipmap_failed(c) == TC_OK);
 
     /* Heights of the last but one level can be read in the second case, but not what its normals come from. */
-    broken.failing_level = only_normals ? top : top - 1;
+    broken->failing_level = only_normals ? top : top - 1;
     want(c, 140, 120, wanted);
     double now = 1;
     for (int frame = 0; frame < 1000; frame++, now += 0.02) {
@@ -98,9 +64,9 @@ static void failing(bool only_normals)
     }
     assert_true(!tc_clipmap_resident(c) && tc_clipmap_failed(c) == TC_ERR_IO);
     /* 20 seconds: after 0.25, 0.5, 1, ... on two levels at most, up to four sides a try. */
-    assert_in_range(broken.tries, 6, 2 * 4 * 8);
+    assert_in_range(broken->tries, 6, 2 * 4 * 8);
 
-    broken.failing_level = 0;
+    broken->failing_level = 0;
     for (int frame = 0; frame < 40 && !tc_clipmap_resident(c); frame++, now += 1)
         tc_clipmap_update(c, wanted, -1, false, now);
     assert_true(tc_clipmap_resident(c) && tc_clipmap_failed(c) == TC_OK);
@@ -108,13 +74,14 @@ static void failing(bool only_normals)
     assert_same(c, clean);
 
     /* Who waits tries at once and each time. */
-    broken.failing_level = top, broken.tries = 0;
+    broken->failing_level = top, broken->tries = 0;
     want(c, 20, 30, wanted);
     for (int frame = 0; frame < 5; frame++)
         tc_clipmap_update(c, wanted, -1, true, now);
-    assert_true(broken.tries >= 5 && tc_clipmap_failed(c) == TC_ERR_IO);
+    assert_true(broken->tries >= 5 && tc_clipmap_failed(c) == TC_ERR_IO);
     tc_clipmap_destroy(c);
     tc_clipmap_destroy(clean);
+    moody_destroy(broken);
     tc_field_destroy(good);
 }
 

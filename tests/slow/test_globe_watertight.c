@@ -56,12 +56,12 @@ typedef struct totals {
     int64_t terrain_pixels, sure_pixels; /* sure: surely terrain */
 } totals;
 
-static void (*sound_frame)(tc_surface *, const tc_camera *, const tc_frame_options *, const int *, tc_frame *);
+static void (*sound_frame)(tc_surface *, const tc_camera *, const tc_frame_options *, const tc_layers *, tc_frame *);
 
 static void frame_without_a_draw(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                                 const int held[TC_MAX_CHARTS], tc_frame *frame)
+                                 const tc_layers *layers, tc_frame *frame)
 {
-    sound_frame(surface, camera, options, held, frame);
+    sound_frame(surface, camera, options, layers, frame);
     tc_draw *draws = ((rings_surface *)surface)->draws;
     if (frame->strip_draws > 0)
         draws[frame->strip_draws / 2].count = 0;

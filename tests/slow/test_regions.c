@@ -3,7 +3,8 @@
  * Terrains of several sizes (odd, even, narrow, smaller than a window), window sizes and budgets share the moves.
  * After every move the constraints are checked on all levels and every height held is compared with the pyramid's; so
  * are the morph targets, normals and heights on the terrain's edge in some rows of one level, drawn anew for each move,
- * and all of them at the end. Packed terrains, whose tiles a thread decodes meanwhile, take part. */
+ * and all of them at the end. Packed terrains, whose tiles a thread decodes meanwhile, take part, and fields that are
+ * never ready for all at once and that fail now and then. */
 #include "tests/support/test.h"
 
 #include <stdio.h>
@@ -11,6 +12,7 @@
 #include <unistd.h>
 
 #include "planar/square_internal.h"
+#include "tests/support/moody.h"
 #include "tests/support/regions.h"
 
 enum { MOVES = 100000 };
@@ -23,6 +25,7 @@ typedef struct tour {
     bool normals;
     int moves;
     bool packed; /* decoded by a thread of its own */
+    int tiles;   /* of a level that a field in bad mood has ready at once; 0: another field */
 } tour;
 
 static void check(const char *broken, int move)
@@ -70,9 +73,13 @@ static int64_t run(const tour *t, uint64_t seed)
     tc_field *p = terrain_field(t->kind, t->width, t->height, 30, seed);
     if (t->packed)
         p = packed(p);
+    moody_field *m = moody_create(p, seed);
     tc_clipmap *c;
     tc_ground_options options = {.n = t->n, .normals = t->normals};
-    assert_int_equal(tc_ground_create(p, &options, &c, NULL), TC_OK);
+    assert_int_equal(tc_ground_create(t->tiles ? &m->head : p, &options, &c, NULL), TC_OK);
+    m->most = t->tiles, m->failing = 0.02;
+    bool wait = !t->packed && !t->tiles;
+    double now = 0;
     wanderer w = wanderer_start(p, seed);
     test_random r = {seed + 1};
     tc_rect wanted[TC_MAX_LEVELS];
@@ -80,7 +87,10 @@ static int64_t run(const tour *t, uint64_t seed)
     for (int move = 0; move < t->moves; move++) {
         wanderer_move(&w, p);
         tc_square_wanted(c, &w.camera, wanted);
-        int64_t filled = tc_clipmap_update(c, wanted, t->budget, !t->packed, 0);
+        m->on = true;
+        int64_t filled = tc_clipmap_update(c, wanted, t->budget, wait, now += 1. / 60);
+        m->on = false;
+        moody_work(m);
         assert_true(t->budget < 0 || filled <= t->budget);
         samples += filled;
         check(regions_broken(c), move);
@@ -92,11 +102,18 @@ static int64_t run(const tour *t, uint64_t seed)
         assert_true(frames < 10000);
         if (t->packed)
             usleep(1000); /* for the thread that decodes */
-        tc_clipmap_update(c, wanted, t->budget, !t->packed, 0);
+        m->on = true;
+        tc_clipmap_update(c, wanted, t->budget, wait, now += 1. / 60);
+        m->on = false;
+        moody_work(m);
     }
+    assert_int_equal(m->waits, 0);
+    if (t->tiles)
+        printf("regions: %d reads failed meanwhile\n", m->tries);
     for (int level = 1; level <= tc_clipmap_levels(c); level++)
         check(content_broken(c, level, 0, 1), t->moves);
     tc_clipmap_destroy(c);
+    moody_destroy(m);
     tc_field_destroy(p);
     return samples;
 }
@@ -105,24 +122,30 @@ static void constraints_and_content_hold(void **state)
 {
     (void)state;
     const tour tours[] = {
-        {TERRAIN_CLIFF, 1025, 1025, 63, 63 * 63, false, 25000, false},
-        {TERRAIN_CLIFF, 1500, 1001, 31, -1, false, 20000, false},
-        {TERRAIN_CLIFF, 3001, 2000, 63, 1000, false, 20000, false},
-        {TERRAIN_SMOOTH, 777, 778, 31, 400, true, 10000, false},
-        {TERRAIN_CLIFF, 20, 500, 15, 225, true, 10000, false},
-        {TERRAIN_CLIFF, 2, 4099, 15, 60, false, 5000, false},
-        {TERRAIN_CLIFF, 9, 13, 31, 1000, true, 4000, false},
-        {TERRAIN_CLIFF, 2600, 2600, 255, 255 * 255, true, 6000, false},
-        {TERRAIN_SMOOTH, 1500, 1301, 63, 63 * 63, true, 3000, true},
-        {TERRAIN_CLIFF, 2600, 700, 31, 800, false, 3000, true},
+        {TERRAIN_CLIFF, 1025, 1025, 63, 63 * 63, false, 25000, false, 0},
+        {TERRAIN_CLIFF, 1500, 1001, 31, -1, false, 20000, false, 0},
+        {TERRAIN_CLIFF, 3001, 2000, 63, 1000, false, 20000, false, 0},
+        {TERRAIN_SMOOTH, 777, 778, 31, 400, true, 10000, false, 0},
+        {TERRAIN_CLIFF, 20, 500, 15, 225, true, 10000, false, 0},
+        {TERRAIN_CLIFF, 2, 4099, 15, 60, false, 5000, false, 0},
+        {TERRAIN_CLIFF, 9, 13, 31, 1000, true, 4000, false, 0},
+        {TERRAIN_CLIFF, 2600, 2600, 255, 255 * 255, true, 6000, false, 0},
+        {TERRAIN_SMOOTH, 1500, 1301, 63, 63 * 63, true, 3000, true, 0},
+        {TERRAIN_CLIFF, 2600, 700, 31, 800, false, 3000, true, 0},
+        {TERRAIN_CLIFF, 1500, 1301, 63, 63 * 63, true, 5000, false, 50},
+        {TERRAIN_CLIFF, 1025, 700, 31, -1, false, 8000, false, 12},
+        {TERRAIN_SMOOTH, 2600, 2000, 255, 255 * 255, true, 1500, false, 200},
     };
     int moves = 0;
     for (size_t i = 0; i < sizeof tours / sizeof *tours; i++) {
         int64_t samples = run(&tours[i], i + 1);
         moves += tours[i].moves;
         printf("regions: %lldx%lld%s n %d: %d moves, %lld samples read\n", (long long)tours[i].width,
-               (long long)tours[i].height, tours[i].packed ? " packed" : "", tours[i].n, tours[i].moves,
-               (long long)samples);
+               (long long)tours[i].height,
+               tours[i].packed  ? " packed"
+               : tours[i].tiles ? " in bad mood"
+                                : "",
+               tours[i].n, tours[i].moves, (long long)samples);
     }
     assert_true(moves >= MOVES);
 }

@@ -187,7 +187,7 @@ void drawn_vertices(drawn *d, const tc_camera *camera, const tc_frame_options *o
     look_at_uniforms(d, figures);
     look_at_heights(clipmap, figures);
     tc_frame frame;
-    s->surface->frame(s->surface, camera, options, tc_renderer_used(s->renderer).textures->held, &frame);
+    s->surface->frame(s->surface, camera, options, &tc_renderer_used(s->renderer).textures->layers, &frame);
     if (!frame.strip_draws)
         return;
     square_viewer viewer = tc_square_viewer(clipmap, camera);

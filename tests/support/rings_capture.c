@@ -73,10 +73,10 @@ static double apart(double a, double turn)
 static double texel_error(const rings_capture *capture, const captured_vertex *v, const oracle_vertex *o, int chart)
 {
     const rings_surface *s = (const rings_surface *)capture->globe->surface;
-    const int *held = tc_renderer_used(capture->globe->renderer).textures->held;
+    const tc_layers *layers = &tc_renderer_used(capture->globe->renderer).textures->layers;
     const tc_clipmap *clipmap = s->head.clipmap[chart];
     const tc_chart *c = &s->atlas->chart[chart];
-    int first = tc_first_layer(held, chart), layer = (int)v->map[chart][2];
+    int first = tc_first_layer(layers, chart), layer = (int)v->map[chart][2];
     if (layer < 0)
         return 0;
     int shift = tc_clipmap_level(clipmap, layer - first + 1)->shift;
