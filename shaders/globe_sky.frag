@@ -21,5 +21,5 @@ void main()
     c = c * day * AIR + vec3(0.00015, 0.00018, 0.00025);
     // Noise of one step of colour, so that the gradient shows no bands (interleaved gradient noise, Jimenez 2014).
     float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
-    colour = vec4(sqrt(c) + noise / 255.0, 1.0);
+    colour = encoded(sqrt(c) + noise / 255.0);
 }

@@ -86,5 +86,5 @@ void main()
 #endif
     c += (air - c) * (r2 / (1.0 + r2));
 #endif
-    colour = vec4(sqrt(c), 1.0);
+    colour = encoded(sqrt(c));
 }

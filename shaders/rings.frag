@@ -133,9 +133,9 @@ float surface_haze()
 {
     float radius = surface[1].x - surface[1].z, thickness = 0.00125 * radius;
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
-    vec3 view = normalize(ray[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * ray[0].xyz +
-                          (gl_FragCoord.y * lens.y / lens.w - 1.0) * ray[1].xyz);
-    float away = haze.w / gl_FragCoord.z * sqrt(1.0 + dot(across, across));
+    vec3 view = normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
+                          (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);
+    float away = haze.w / NEARNESS * sqrt(1.0 + dot(across, across));
     vec3 s = v_direction, up = vec3(s.y, -s.x, 1.0 - s.z);
     float steep = max(-dot(view, up), 0.0), path = min(away, thickness / (steep + 0.035));
     float d = path / (0.018 * radius) * exp(-max(v_terrain.x - heights.x, 0.0) / thickness);

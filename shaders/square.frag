@@ -71,7 +71,7 @@ float surface_haze()
 #if defined(MULTISAMPLED) && defined(CLOSERS)
     float r = haze.w / v_depth;
 #else
-    float r = haze.w / gl_FragCoord.z;
+    float r = haze.w / NEARNESS;
 #endif
     return r * r * (1.0 + dot(across, across));
 }

@@ -22,7 +22,7 @@ INTERPOLATED out float v_height; // metres above z_base
 flat out int v_level;
 #endif
 #if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
-flat out float v_depth; // of the corner, as gl_FragCoord.z would have it
+flat out float v_depth; // of the corner, as NEARNESS would have it
 #endif
 
 int block_layer()
@@ -95,7 +95,7 @@ vec3 surface_vertex()
 #endif
 #if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
     vec4 corner = view_projection * vec4(plane, above, 1.0);
-    v_depth = corner.w > 0.0 ? corner.z / corner.w : 1.0;
+    v_depth = corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0;
 #endif
     return vec3(plane, above);
 }

@@ -58,6 +58,17 @@ void tc_gl_forget_errors(const tc_gl *gl)
         ;
 }
 
+tc_status tc_gl_allocated(const tc_gl *gl, const char *what, tc_error *error)
+{
+    GLenum wrong = gl->GetError();
+    if (wrong == GL_NO_ERROR)
+        return TC_OK;
+    tc_gl_forget_errors(gl);
+    if (wrong == GL_OUT_OF_MEMORY)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: the driver has no memory for them", what);
+    return tc_fail(error, TC_ERR_CONTEXT, "%s: the driver does not take them (0x%x)", what, wrong);
+}
+
 bool tc_gl_software(const char *renderer)
 {
     return strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe") || strstr(renderer, "swrast");

@@ -23,6 +23,10 @@ bool tc_gl_software(const char *renderer);
 /* Takes up to some errors that wait to be asked for. A lost context has them without end. */
 void tc_gl_forget_errors(const tc_gl *gl);
 
+/* Whether what was just allocated has its memory: looks at the errors since tc_gl_forget_errors(). TC_ERR_MEMORY where
+ * the driver had none, TC_ERR_CONTEXT for any other error; what: for the message. */
+tc_status tc_gl_allocated(const tc_gl *gl, const char *what, tc_error *error);
+
 /* Fills in the table and checks that the current context is OpenGL 4.5 or newer. */
 tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *error);
 

@@ -1,41 +1,21 @@
 /* renderer.c - frames of a surface over a clipmap (AH05: heights as vertex textures; the design's section 6).
  *
  * A frame: move the windows within the budget, upload what changed, assemble the surface's draws, one multi-draw of
- * strips and one of crack closers, then the sky where nothing was drawn. Depth is reversed (near / distance in a
- * 32-bit float), positions are relative to the eye. Programs are assembled from the parts that the scene needs and
- * kept for as long as the renderer. */
+ * strips and one of crack closers, then the sky where nothing was drawn. Positions are relative to the eye. What views
+ * share is in scene_objects.c, the frame's numbers in frame_uniforms.c, where it is drawn in target.c. */
 #include "renderer.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "common/base/rect.h"
-#include "common/view/camera.h"
-#include "common/base/status.h"
-#include "canvas.h"
-#include "level_textures.h"
-#include "palette.h"
 #include "common/base/clock.h"
-#include "scene_programs.h"
-
-enum { SLOTS = 3 }; /* frames whose buffers may be in flight */
-
-/* The uniform block of shaders/frame.glsl. */
-typedef struct frame_uniforms {
-    float view_projection[16];
-    float surface[TC_SURFACE_UNIFORMS];
-    float layer[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
-    float window[TC_MAX_LAYERS][4];
-    float eye[4];
-    float ray[3][4];
-    float sun[4];
-    float heights[4];
-    float haze[4];
-    float zenith[4];
-    float lens[4];
-} frame_uniforms;
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "draw_state.h"
+#include "frame_slots.h"
+#include "frame_uniforms.h"
+#include "picture.h"
+#include "scene_objects.h"
 
 struct tc_renderer {
     const tc_gl *gl;
@@ -43,72 +23,19 @@ struct tc_renderer {
     tc_surface *surface;
     tc_scene_options options;
     tc_scene_needs needs; /* of the options as they are */
-    tc_palette palette;
+    tc_scene_objects *objects;
     tc_level_textures textures;
-    GLuint ramp;
-    tc_scene_programs programs;
-    GLuint vao, vertices, indices;
-    GLuint sky_vao; /* of no vertex data at all; 0: no sky */
-    GLuint uniforms[SLOTS], draws[SLOTS];
-    size_t draw_capacity[SLOTS]; /* draws that draws[] has room for */
-    int slot;
-    tc_canvas canvas;
-    frame_uniforms values;
+    tc_frame_slots slots;
+    tc_picture picture; /* drawn into where no target is given */
+    tc_frame_uniforms values;
     tc_frame_stats last; /* frame drawn */
     tc_rect wanted[TC_MAX_CHARTS][TC_MAX_LEVELS];
 };
 
 /* ---- Creation ------------------------------------------------------------------------------------------------ */
 
-static size_t vertex_size(const tc_geometry *g)
-{
-    return g->format == TC_VERTEX_FLOAT_4 ? 4 * sizeof(float) : 2 * sizeof(uint16_t);
-}
-
-static void create_geometry(tc_renderer *r)
-{
-    const tc_gl *gl = r->gl;
-    const tc_geometry *g = &r->surface->geometry;
-    gl->CreateBuffers(1, &r->vertices);
-    gl->NamedBufferStorage(r->vertices, (GLsizeiptr)((size_t)g->vertex_count * vertex_size(g)), g->vertices, 0);
-    gl->CreateBuffers(1, &r->indices);
-    gl->NamedBufferStorage(r->indices, (GLsizeiptr)((size_t)g->index_count * sizeof *g->indices), g->indices, 0);
-    gl->CreateVertexArrays(1, &r->vao);
-    gl->VertexArrayElementBuffer(r->vao, r->indices);
-    gl->VertexArrayVertexBuffer(r->vao, 0, r->vertices, 0, (GLsizei)vertex_size(g));
-    gl->EnableVertexArrayAttrib(r->vao, 0);
-    if (g->format == TC_VERTEX_FLOAT_4)
-        gl->VertexArrayAttribFormat(r->vao, 0, 4, GL_FLOAT, GL_FALSE, 0);
-    else
-        gl->VertexArrayAttribIFormat(r->vao, 0, 2, GL_UNSIGNED_SHORT, 0);
-    gl->VertexArrayAttribBinding(r->vao, 0, 0);
-    if (r->surface->instances) {
-        gl->EnableVertexArrayAttrib(r->vao, 1);
-        gl->VertexArrayAttribIFormat(r->vao, 1, 4, GL_INT, 0);
-        gl->VertexArrayAttribBinding(r->vao, 1, 1);
-        gl->VertexArrayBindingDivisor(r->vao, 1, 1);
-    }
-    if (r->needs.sky)
-        gl->CreateVertexArrays(1, &r->sky_vao);
-    gl->CreateBuffers(SLOTS, r->uniforms);
-    gl->CreateBuffers(SLOTS, r->draws);
-    for (int i = 0; i < SLOTS; i++)
-        gl->NamedBufferStorage(r->uniforms[i], sizeof(frame_uniforms), NULL, GL_DYNAMIC_STORAGE_BIT);
-}
-
-static void create_ramp(tc_renderer *r)
-{
-    const tc_gl *gl = r->gl;
-    gl->CreateTextures(GL_TEXTURE_1D, 1, &r->ramp);
-    gl->TextureStorage1D(r->ramp, 1, GL_RGBA8, TC_RAMP_SIZE);
-    gl->TextureParameteri(r->ramp, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl->TextureParameteri(r->ramp, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    gl->TextureParameteri(r->ramp, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl->TextureSubImage1D(r->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, r->palette.ramp);
-}
-
-tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
-                             tc_renderer **renderer_ret, tc_error *error)
+static tc_status create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options, tc_scene_objects *shared,
+                        tc_renderer **renderer_ret, tc_error *error)
 {
     tc_renderer *r = calloc(1, sizeof *r);
     if (!r)
@@ -117,17 +44,31 @@ tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scen
     r->field = tc_clipmap_field(surface->clipmap[0]);
     r->surface = surface;
     r->options = *options;
+    r->picture = (tc_picture){.target.class = &tc_picture_class, .samples = options->samples};
     r->needs = tc_scene_needs_of(options, tc_field_info(r->field), surface->sphere);
-    r->palette = tc_palette_make(tc_field_info(r->field));
-    tc_status status = tc_scene_programs_build(gl, surface, &r->needs, &r->programs, error);
-    if (status) {
-        tc_renderer_destroy(r);
-        return status;
+    tc_status status = shared ? tc_scene_objects_share(shared, surface, error)
+                              : tc_scene_objects_create(gl, surface, &r->needs, &shared, error);
+    if (status == TC_OK) {
+        r->objects = shared;
+        status = tc_frame_slots_create(gl, surface, shared, &r->slots, error);
     }
-    create_geometry(r);
-    create_ramp(r);
-    *renderer_ret = r;
-    return TC_OK;
+    if (status == TC_OK)
+        *renderer_ret = r;
+    else
+        tc_renderer_destroy(r);
+    return status;
+}
+
+tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
+                             tc_renderer **renderer_ret, tc_error *error)
+{
+    return create(gl, surface, options, NULL, renderer_ret, error);
+}
+
+tc_status tc_renderer_create_beside(tc_renderer *other, tc_surface *surface, tc_renderer **renderer_ret,
+                                    tc_error *error)
+{
+    return create(other->gl, surface, &other->options, other->objects, renderer_ret, error);
 }
 
 void tc_renderer_destroy(tc_renderer *renderer)
@@ -135,15 +76,10 @@ void tc_renderer_destroy(tc_renderer *renderer)
     if (!renderer)
         return;
     tc_renderer *r = renderer;
-    const tc_gl *gl = r->gl;
-    tc_level_textures_destroy(gl, &r->textures);
-    gl->DeleteTextures(1, &r->ramp);
-    tc_scene_programs_destroy(gl, &r->programs);
-    gl->DeleteVertexArrays(2, (GLuint[]){r->vao, r->sky_vao});
-    gl->DeleteBuffers(2, (GLuint[]){r->vertices, r->indices});
-    gl->DeleteBuffers(SLOTS, r->uniforms);
-    gl->DeleteBuffers(SLOTS, r->draws);
-    tc_canvas_destroy(gl, &r->canvas);
+    tc_level_textures_destroy(r->gl, &r->textures);
+    tc_frame_slots_destroy(r->gl, &r->slots);
+    tc_scene_objects_release(r->gl, r->objects);
+    tc_canvas_destroy(r->gl, &r->picture.canvas);
     free(r);
 }
 
@@ -156,123 +92,79 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
     renderer->needs = tc_scene_needs_of(&renderer->options, tc_field_info(renderer->field), renderer->surface->sphere);
 }
 
-/* ---- Frames -------------------------------------------------------------------------------------------------- */
+/* ---- Drawing ------------------------------------------------------------------------------------------------- */
 
-/* Light, air and camera; nothing in it depends on anything but the view. */
-static void set_uniforms(tc_renderer *r, const tc_camera *camera, const tc_frame *frame)
+/* A number as shown as the target holds it. */
+static float encoded(uint8_t shown, tc_encoding encoding)
 {
-    frame_uniforms *u = &r->values;
-    double z_base = tc_field_info(r->field)->z_base, eye = camera->z - z_base;
-    tc_camera_matrix(camera, r->surface->near_plane, u->view_projection);
-    memcpy(u->surface, frame->surface_uniforms, sizeof u->surface);
-    memcpy(u->layer, frame->layer_uniforms, sizeof u->layer);
-    int64_t torus = 2 * (tc_clipmap_n(r->surface->clipmap[0]) + 1);
-    int layer = 0;
-    for (int chart = 0; chart < r->surface->charts; chart++)
-        for (int l = 1; l <= r->textures.layers.held[chart]; l++) {
-            tc_rect c = tc_clipmap_level(r->surface->clipmap[chart], l)->clip;
-            float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
-                               (float)(c.y1 - 1 - c.y0)};
-            memcpy(u->window[layer++], window, sizeof window);
-        }
-    u->eye[0] = (float)eye;
-    u->eye[1] = (float)(eye - (double)(float)eye);
-    tc_basis b = tc_camera_basis(camera);
-    double tx, ty;
-    tc_camera_tangents(camera, &tx, &ty);
-    for (int i = 0; i < 3; i++) {
-        u->ray[0][i] = (float)(b.right[i] * tx);
-        u->ray[1][i] = (float)(b.up[i] * ty);
-        u->ray[2][i] = (float)b.forward[i];
-    }
-    memcpy(u->heights, r->palette.heights, sizeof u->heights);
-    const double azimuth = 310 * M_PI / 180, elevation = 38 * M_PI / 180; /* the cartographer's light, a bit softer */
-    float sun[4] = {(float)(sin(azimuth) * cos(elevation)), (float)(cos(azimuth) * cos(elevation)),
-                    (float)sin(elevation), 1.1f};
-    memcpy(u->sun, sun, sizeof sun);
-    double height = fmax(0, eye - tc_field_info(r->field)->z_min);
-    double distance = 0.65 * r->surface->extent + 4 * height; /* half of what one sees there is haze */
-    memcpy(u->haze, r->palette.horizon, sizeof r->palette.horizon);
-    u->haze[3] = (float)(r->surface->near_plane / distance);
-    if (r->surface->sphere) /* whose own part knows how far one sees */
-        u->haze[3] = (float)r->surface->near_plane;
-    memcpy(u->zenith, r->palette.zenith, sizeof r->palette.zenith);
-    float lens[4] = {(float)(2 * tx / camera->width), (float)(2 * ty / camera->height), (float)tx, (float)ty};
-    memcpy(u->lens, lens, sizeof lens);
+    double c = shown / 255.0;
+    if (encoding != TC_ENCODING_SHOWN)
+        return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+    return (float)shown / 255;
 }
 
-/* Bytes of a draw in the buffer. */
-static size_t draw_size(const tc_renderer *r)
+static void clear(const tc_renderer *r, const tc_target_place *place)
 {
-    return sizeof(tc_draw) + (r->surface->instances ? sizeof(tc_instance) : 0);
-}
-
-/* The frame's draws and instances in one buffer: [draws][instances]. */
-static void upload_draws(tc_renderer *r, const tc_frame *frame)
-{
-    const tc_gl *gl = r->gl;
-    size_t count = (size_t)(frame->strip_draws + frame->list_draws), *capacity = &r->draw_capacity[r->slot];
-    GLuint buffer = r->draws[r->slot];
-    if (count > *capacity) {
-        *capacity = count + count / 2;
-        gl->NamedBufferData(buffer, (GLsizeiptr)(*capacity * draw_size(r)), NULL, GL_DYNAMIC_DRAW);
-    }
-    if (!count)
-        return;
-    gl->NamedBufferSubData(buffer, 0, (GLsizeiptr)(count * sizeof(tc_draw)), frame->draws);
-    if (r->surface->instances) {
-        GLintptr instances = (GLintptr)(*capacity * sizeof(tc_draw));
-        gl->NamedBufferSubData(buffer, instances, (GLsizeiptr)(count * sizeof(tc_instance)), frame->instances);
-        gl->VertexArrayVertexBuffer(r->vao, 1, buffer, instances, sizeof(tc_instance));
-    }
-    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer);
-}
-
-static void draw(tc_renderer *r, const tc_frame *frame)
-{
-    const tc_gl *gl = r->gl;
     const uint8_t *bg = r->options.background;
-    gl->BindFramebuffer(GL_FRAMEBUFFER, r->canvas.framebuffer);
-    gl->Viewport(0, 0, r->canvas.width, r->canvas.height);
-    gl->ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    gl->ClearNamedFramebufferfv(r->canvas.framebuffer, GL_DEPTH, 0, (float[]){0});
+    const float colour[] = {encoded(bg[0], place->encoding), encoded(bg[1], place->encoding),
+                            encoded(bg[2], place->encoding), 1};
+    r->gl->ClearBufferfv(GL_DEPTH, 0, &tc_depth_convention_of(place->depth)->farthest);
     if (!r->needs.sky)
-        gl->ClearNamedFramebufferfv(r->canvas.framebuffer, GL_COLOR, 0,
-                                    (float[]){(float)bg[0] / 255, (float)bg[1] / 255, (float)bg[2] / 255, 1});
-    gl->NamedBufferSubData(r->uniforms[r->slot], 0, sizeof r->values, &r->values);
-    gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, r->uniforms[r->slot]);
-    gl->BindTextureUnit(0, tc_level_texture_of(&r->textures, &tc_heights_content).texture);
-    gl->BindTextureUnit(1, r->ramp);
-    gl->BindTextureUnit(2, tc_level_texture_of(&r->textures, &tc_normals_content).texture);
-    gl->BindTextureUnit(3, tc_level_texture_of(&r->textures, &tc_voids_content).texture);
-    gl->Enable(GL_DEPTH_TEST);
-    gl->DepthFunc(GL_GREATER);
-    gl->BindVertexArray(r->vao);
-    const GLuint *terrain = r->programs.terrain[r->needs.level_colours];
-    gl->UseProgram(terrain[0]);
+        r->gl->ClearBufferfv(GL_COLOR, 0, colour);
+}
+
+/* Textures by the binding points of the shaders. One that is not kept is not asked for: binding none to a unit would
+ * take away all of a host's. */
+static void bind_textures(const tc_renderer *r)
+{
+    const GLuint textures[] = {tc_level_texture_of(&r->textures, &tc_heights_content).texture, r->objects->ramp,
+                               tc_level_texture_of(&r->textures, &tc_normals_content).texture,
+                               tc_level_texture_of(&r->textures, &tc_voids_content).texture};
+    for (GLuint i = 0; i < sizeof textures / sizeof *textures; i++)
+        if (textures[i])
+            r->gl->BindTextureUnit(i, textures[i]);
+}
+
+static void draw_terrain(const tc_renderer *r, const GLuint programs[2], const tc_frame *frame)
+{
+    const tc_gl *gl = r->gl;
+    gl->UseProgram(programs[0]);
     gl->PolygonMode(GL_FRONT_AND_BACK, r->options.wireframe ? GL_LINE : GL_FILL);
-    gl->Enable(GL_PRIMITIVE_RESTART_FIXED_INDEX); /* TC_RESTART */
-    gl->FrontFace(GL_CW);
     if (frame->one_sided && !r->options.wireframe)
         gl->Enable(GL_CULL_FACE);
     if (frame->strip_draws)
         gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, frame->strip_draws, 0);
     gl->Disable(GL_CULL_FACE);
     if (frame->list_draws && !r->options.wireframe) {
-        gl->UseProgram(terrain[1]);
+        gl->UseProgram(programs[1]);
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
                                       (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)), frame->list_draws,
                                       0);
     }
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    if (r->needs.sky) {
-        gl->DepthFunc(GL_GEQUAL); /* depth 0 is infinity: where nothing was drawn */
-        gl->BindVertexArray(r->sky_vao);
-        gl->UseProgram(r->programs.sky);
+}
+
+static void draw(const tc_renderer *r, const tc_scene_needs *needs, const tc_target_place *place,
+                 const tc_frame_slot *slot, const tc_frame *frame)
+{
+    const tc_gl *gl = r->gl;
+    const tc_scene_programs *programs = &r->objects->programs;
+    if (place->clear)
+        clear(r, place);
+    gl->BindBufferBase(GL_UNIFORM_BUFFER, 0, slot->uniforms);
+    bind_textures(r);
+    gl->BindVertexArray(slot->vertex_array);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, slot->draws);
+    draw_terrain(r, programs->terrain[tc_program_variant(needs)], frame);
+    if (needs->sky) { /* where nothing was drawn */
+        gl->DepthFunc(tc_depth_convention_of(place->depth)->not_beyond);
+        gl->BindVertexArray(r->slots.sky_vertex_array);
+        gl->UseProgram(programs->sky[needs->linear]);
         gl->DrawArrays(GL_TRIANGLES, 0, 3);
     }
-    tc_canvas_resolve(gl, &r->canvas);
 }
+
+/* ---- Frames -------------------------------------------------------------------------------------------------- */
 
 /* Room for the levels that the view asks for; where nothing is to be culled, of all charts. */
 static tc_status hold_levels(tc_renderer *r, tc_error *error)
@@ -287,63 +179,136 @@ static tc_status hold_levels(tc_renderer *r, tc_error *error)
     return tc_level_textures_hold(r->gl, &r->textures, r->surface->clipmap, r->surface->charts, levels, error);
 }
 
-tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
-                            tc_error *error)
+/* Moves the windows towards what the camera wants and uploads what is new. */
+static tc_status update(tc_renderer *r, const tc_camera *camera, bool finish, tc_frame_stats *stats, tc_error *error)
 {
-    tc_renderer *r = renderer;
-    tc_status status = tc_canvas_resize(r->gl, &r->canvas, camera->width, camera->height, r->options.samples, error);
-    if (!status)
-        status = tc_scene_programs_build(r->gl, r->surface, &r->needs, &r->programs, error);
-    if (status)
-        return status;
     double start = tc_clock_ms();
     tc_surface *surface = r->surface;
     int64_t n = tc_clipmap_n(surface->clipmap[0]), budget = r->options.budget ? r->options.budget : n * n;
-    tc_frame_stats stats = {.resident = true};
     surface->wanted(surface, camera, r->wanted);
     for (int chart = 0; chart < surface->charts; chart++) { /* each gets at least what makes progress */
-        int64_t share = budget < 0 ? -1 : tc_max64(n, budget - stats.samples_updated);
-        stats.samples_updated +=
+        int64_t share = budget < 0 ? -1 : tc_max64(n, budget - stats->samples_updated);
+        stats->samples_updated +=
             tc_clipmap_update(surface->clipmap[chart], r->wanted[chart], share, finish, 1e-3 * start);
-        stats.resident &= tc_clipmap_resident(surface->clipmap[chart]);
-        stats.failed |= tc_clipmap_failed(surface->clipmap[chart]) != TC_OK;
+        stats->resident &= tc_clipmap_resident(surface->clipmap[chart]);
+        stats->failed |= tc_clipmap_failed(surface->clipmap[chart]) != TC_OK;
     }
-    status = hold_levels(r, error);
+    tc_draw_state_for_uploads(r->gl);
+    tc_status status = hold_levels(r, error);
+    if (status == TC_OK) {
+        /* All of what was filled now, and as much again of what another reader had filled before; for a picture, all.
+         */
+        stats->bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, surface->clipmap, surface->charts,
+                                                         finish || budget < 0 ? -1 : stats->samples_updated + budget);
+        for (int chart = 0; chart < surface->charts; chart++)
+            stats->resident &= r->textures.layers.ready[chart] == r->textures.layers.held[chart];
+    }
+    stats->update_ms = tc_clock_ms() - start;
+    return status;
+}
+
+/* What a frame in this place needs beyond what the scene does. */
+static tc_scene_needs frame_needs(const tc_renderer *r, const tc_target_place *place, const tc_sight *sight)
+{
+    tc_scene_needs needs = r->needs;
+    needs.multisampled = place->samples > 1;
+    needs.linear = place->encoding != TC_ENCODING_SHOWN;
+    needs.by_w = !sight->inverse;
+    return needs;
+}
+
+/* The target is as it says and of the size that it is seen by. */
+static tc_status begin(const tc_gl *gl, tc_target *target, const tc_sight *sight, tc_error *error)
+{
+    const tc_camera *c = &sight->camera;
+    tc_status status = TC_OK;
+    if (!target->class || !target->class->begin)
+        status = tc_target_check(gl, &target->place, error);
+    else
+        status = target->class->begin(target, gl, c->width, c->height, error);
+    if (status == TC_OK && (c->width != target->place.width || c->height != target->place.height))
+        status = tc_fail(error, TC_ERR_USAGE, "target: expected %d x %d pixels as the camera has, found %d x %d",
+                         c->width, c->height, target->place.width, target->place.height);
+    return status;
+}
+
+static void count(const tc_frame *frame, tc_frame_stats *stats)
+{
+    stats->triangles = frame->triangles;
+    stats->triangles_unculled = frame->triangles_unculled;
+    stats->draws = frame->strip_draws + frame->list_draws;
+    stats->blocks = frame->strip_draws;
+    stats->blocks_unculled = frame->draws_unculled;
+    stats->levels_active = frame->levels_active;
+    stats->levels_fine = frame->levels_fine;
+    stats->levels_beyond = frame->levels_beyond;
+}
+
+static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *sight, bool finish, tc_frame_stats *stats,
+                           tc_error *error)
+{
+    const tc_gl *gl = r->gl;
+    tc_status status = begin(gl, target, sight, error);
     if (status)
         return status;
-    /* All of what was filled now, and as much again of what another reader had filled before; for a picture, all. */
-    stats.bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, surface->clipmap, surface->charts,
-                                                    finish || budget < 0 ? -1 : stats.samples_updated + budget);
-    for (int chart = 0; chart < surface->charts; chart++)
-        stats.resident &= r->textures.layers.ready[chart] == r->textures.layers.held[chart];
+    const tc_scene_needs needs = frame_needs(r, &target->place, sight);
+    status = tc_scene_programs_build(gl, r->surface, &needs, &r->objects->programs, error);
+    if (status == TC_OK)
+        status = update(r, &sight->camera, finish, stats, error);
+    if (status)
+        return status;
     double updated = tc_clock_ms();
-
+    tc_frame_options options = r->options.frame;
+    if (!options.cull_camera && !sight->through)
+        options.cull_camera = &sight->around;
     tc_frame frame;
-    surface->frame(surface, camera, &r->options.frame, &r->textures.layers, &frame);
-    r->slot = (r->slot + 1) % SLOTS;
-    set_uniforms(r, camera, &frame);
-    upload_draws(r, &frame);
-    draw(r, &frame);
+    const tc_frame_slot *slot;
+    r->surface->frame(r->surface, &sight->camera, &options, &r->textures.layers, &frame);
+    tc_frame_uniforms_set(&r->values, r->surface, &r->objects->palette, sight, &target->place, &frame,
+                          &r->textures.layers);
+    status = tc_frame_slots_fill(gl, &r->slots, &r->values, &frame, &slot, error);
+    if (status)
+        return status;
+    tc_draw_state_for_frame(gl, &target->place, target->whole, sight->mirrored);
+    draw(r, &needs, &target->place, slot, &frame);
+    tc_frame_slots_drawn(gl, &r->slots);
+    if (target->class && target->class->end)
+        status = target->class->end(target, gl, error);
     if (finish)
-        r->gl->Finish();
-    stats.update_ms = updated - start;
-    stats.draw_ms = tc_clock_ms() - updated;
-    stats.triangles = frame.triangles;
-    stats.triangles_unculled = frame.triangles_unculled;
-    stats.draws = frame.strip_draws + frame.list_draws;
-    stats.blocks = frame.strip_draws;
-    stats.blocks_unculled = frame.draws_unculled;
-    stats.levels_active = frame.levels_active;
-    stats.levels_fine = frame.levels_fine;
-    stats.levels_beyond = frame.levels_beyond;
-    *stats_ret = r->last = stats;
+        gl->Finish();
+    stats->draw_ms = tc_clock_ms() - updated;
+    count(&frame, stats);
+    return status;
+}
+
+tc_status tc_renderer_draw(tc_renderer *renderer, tc_target *target, const tc_sight *sight, bool finish,
+                           tc_frame_stats *stats_ret, tc_error *error)
+{
+    tc_draw_state host;
+    tc_frame_stats stats = {.resident = true};
+    bool keep = target->place.keep_state;
+    if (keep)
+        tc_draw_state_get(renderer->gl, &host);
+    tc_status status = draw_into(renderer, target, sight, finish, &stats, error);
+    if (keep)
+        tc_draw_state_give_back(renderer->gl, &host);
+    if (status != TC_OK)
+        return status;
+    *stats_ret = renderer->last = stats;
     return finish && stats.failed ? tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read") : TC_OK;
+}
+
+tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
+                            tc_error *error)
+{
+    const tc_sight sight = tc_sight_through(camera, TC_DEPTH_REVERSED, renderer->surface->near_plane);
+    return tc_renderer_draw(renderer, &renderer->picture.target, &sight, finish, stats_ret, error);
 }
 
 void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height)
 {
     const tc_gl *gl = renderer->gl;
-    const tc_canvas *c = &renderer->canvas;
+    const tc_canvas *c = &renderer->picture.canvas;
     /* A driver looks how large the window has become when its framebuffer is bound, and some when the viewport is set.
      */
     gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
@@ -354,35 +319,33 @@ void tc_renderer_present(tc_renderer *renderer, int window_width, int window_hei
 
 void tc_renderer_read(tc_renderer *renderer, uint8_t *rgb, float *depth)
 {
-    tc_canvas_read(renderer->gl, &renderer->canvas, rgb, depth);
+    tc_canvas_read(renderer->gl, &renderer->picture.canvas, rgb, depth);
 }
 
 void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
 {
-    const tc_geometry *g = &renderer->surface->geometry;
+    const tc_scene_objects *o = renderer->objects;
     const tc_level_textures *t = &renderer->textures;
-    size_t draws = 0, heights = 0, normals = 0, fields = 0;
+    size_t heights = 0, normals = 0, fields = 0;
     for (int chart = 0; chart < renderer->surface->charts; chart++) {
         size_t h, n;
         tc_ground_bytes(renderer->surface->clipmap[chart], &h, &n);
         heights += h, normals += n;
         fields += tc_field_bytes(tc_clipmap_field(renderer->surface->clipmap[chart]));
     }
-    for (int i = 0; i < SLOTS; i++)
-        draws += renderer->draw_capacity[i] * draw_size(renderer) + sizeof(frame_uniforms);
-    *stats_ret = (tc_memory_stats){.geometry = (size_t)g->vertex_count * vertex_size(g) +
-                                               (size_t)g->index_count * sizeof *g->indices + draws,
-                                   .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
-                                              tc_level_texture_of(t, &tc_voids_content).bytes + heights,
-                                   .normals = tc_level_texture_of(t, &tc_normals_content).bytes + normals,
-                                   .field = fields};
+    *stats_ret =
+        (tc_memory_stats){.geometry = o->vertex_bytes + o->index_bytes + tc_frame_slots_bytes(&renderer->slots),
+                          .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
+                                     tc_level_texture_of(t, &tc_voids_content).bytes + heights,
+                          .normals = tc_level_texture_of(t, &tc_normals_content).bytes + normals,
+                          .field = fields};
 }
 
 tc_renderer_use tc_renderer_used(const tc_renderer *renderer)
 {
     return (tc_renderer_use){.surface = renderer->surface,
                              .needs = &renderer->needs,
-                             .programs = &renderer->programs,
+                             .programs = &renderer->objects->programs,
                              .textures = &renderer->textures,
                              .frame = &renderer->last};
 }

@@ -8,6 +8,8 @@
 #include "level_textures.h"
 #include "scene_needs.h"
 #include "scene_programs.h"
+#include "sight.h"
+#include "target.h"
 
 typedef struct tc_frame_stats {
     double update_ms, draw_ms; /* CPU time of filling windows and uploading; of drawing (until finished, offscreen) */
@@ -30,6 +32,10 @@ typedef struct tc_renderer tc_renderer;
 /* The surface and its clipmaps must outlive the renderer. gl must be current. */
 tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
                              tc_renderer **renderer_ret, tc_error *error);
+/* Another view of the same map in the same way: it shares geometry, colours and programs with `other`, which may be
+ * destroyed before it. Its surface is one of its own, of the same scheme and windows. */
+tc_status tc_renderer_create_beside(tc_renderer *other, tc_surface *surface, tc_renderer **renderer_ret,
+                                    tc_error *error);
 void tc_renderer_destroy(tc_renderer *renderer);
 
 /* Changes what may change while running: level_colours, wireframe, frame, budget. */
@@ -41,6 +47,11 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
  * its vertex stage once more. */
 tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
                             tc_error *error);
+
+/* The same into a target of the caller's, as it is seen. What does not fit the target is an error before anything is
+ * drawn. Where the target keeps state, all of OpenGL's is as before, also on failure; else it is anything. */
+tc_status tc_renderer_draw(tc_renderer *renderer, tc_target *target, const tc_sight *sight, bool finish,
+                           tc_frame_stats *stats_ret, tc_error *error);
 
 /* Copies the last frame to the bound window framebuffer (id 0). */
 void tc_renderer_present(tc_renderer *renderer, int window_width, int window_height);

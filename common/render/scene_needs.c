@@ -35,6 +35,7 @@ static const struct need {
     {offsetof(tc_scene_needs, water), "WATER", "water: nothing lies below the sea"},
     {offsetof(tc_scene_needs, level_colours), "LEVEL_COLOURS", "level colours: not asked for"},
     {offsetof(tc_scene_needs, multisampled), "MULTISAMPLED", "smooth edges: one sample a pixel"},
+    {offsetof(tc_scene_needs, linear), "LINEAR_LIGHT", NULL},
     {offsetof(tc_scene_needs, sphere), "SPHERE", NULL},
 };
 enum { NEEDS = sizeof table / sizeof *table };

@@ -28,7 +28,9 @@ typedef struct tc_scene_needs {
     bool holes;         /* the mask of voids */
     bool level_colours; /* may be switched, as may the next */
     bool morph;         /* else levels meet abruptly */
-    bool multisampled;
+    bool multisampled;  /* of the target, as are the next two */
+    bool linear;        /* light is written, not what is shown */
+    bool by_w;          /* the distance cannot be told by depth */
     bool sphere;
 } tc_scene_needs;
 

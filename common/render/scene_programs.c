@@ -6,17 +6,19 @@
 
 #include "common/gl/program.h"
 
-enum { MAX_PARTS = 16, DEFINES = TC_SCENE_DEFINES + 128 };
+enum { MAX_PARTS = 16, DEFINES = TC_SCENE_DEFINES + 256 };
 
 static const char *const sky_vertex[] = {"frame.glsl", "sky.vert", NULL};
 
 /* A stage: what all know, the surface's parts, the renderer's own. */
-static void list_parts(const char *parts[MAX_PARTS], const char *const *surface, const char *own)
+static void list_parts(const char *parts[MAX_PARTS], const char *const *surface, bool fragment, const char *own)
 {
     int count = 0;
     parts[count++] = "frame.glsl";
-    while (*surface && count < MAX_PARTS - 2)
+    while (*surface && count < MAX_PARTS - 3)
         parts[count++] = *surface++;
+    if (fragment)
+        parts[count++] = "encode.glsl";
     parts[count++] = own;
     parts[count] = NULL;
 }
@@ -28,17 +30,22 @@ static void list_defines(const tc_surface *surface, const tc_scene_needs *needs,
 {
     char scene[TC_SCENE_DEFINES];
     tc_scene_needs_defines(needs, scene);
-    snprintf(defines, DEFINES, "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n%s%s",
+    snprintf(defines, DEFINES,
+             "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n#define NEARNESS gl_FragCoord.%s\n"
+             "#define NEARNESS_AT(p) (p.%s / p.w)\n%s%s",
              tc_clipmap_n(surface->clipmap[0]),
              closers               ? "flat"
              : needs->multisampled ? "sample"
                                    : "centroid",
-             closers ? "#define CLOSERS\n" : "", scene);
+             needs->by_w ? "w" : "z", needs->by_w ? "w / p.w" : "z", closers ? "#define CLOSERS\n" : "", scene);
 }
 
 static const char *sky_defines(const tc_scene_needs *needs)
 {
-    return needs->land ? "#define AIR 1.0\n" : "#define AIR 0.0\n";
+    static const char *const defines[2][2] = {
+        {"#define AIR 0.0\n", "#define AIR 1.0\n"},
+        {"#define AIR 0.0\n#define LINEAR_LIGHT\n", "#define AIR 1.0\n#define LINEAR_LIGHT\n"}};
+    return defines[needs->linear][needs->land];
 }
 
 bool tc_scene_closers(const tc_surface *surface)
@@ -52,30 +59,32 @@ static tc_status build_terrain(const tc_gl *gl, const tc_surface *surface, const
     char defines[DEFINES];
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
     list_defines(surface, needs, closers, defines);
-    list_parts(vertex, surface->vertex_parts, "renderer.vert");
-    list_parts(fragment, surface->fragment_parts, "renderer.frag");
+    list_parts(vertex, surface->vertex_parts, false, "renderer.vert");
+    list_parts(fragment, surface->fragment_parts, true, "renderer.frag");
     return tc_program_build(gl, vertex, fragment, defines, program_ret, error);
 }
 
 tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,
                                   tc_scene_programs *programs, tc_error *error)
 {
-    GLuint *terrain = programs->terrain[needs->level_colours];
+    GLuint *terrain = programs->terrain[tc_program_variant(needs)];
     tc_status status = TC_OK;
     for (int closers = 0; closers <= (tc_scene_closers(surface) ? 1 : 0) && !status; closers++)
         if (!terrain[closers])
             status = build_terrain(gl, surface, needs, closers, &terrain[closers], error);
-    if (!status && !programs->sky && needs->sky)
-        status = tc_program_build(gl, sky_vertex, (const char *[]){"frame.glsl", surface->sky, NULL},
-                                  sky_defines(needs), &programs->sky, error);
+    GLuint *sky = &programs->sky[needs->linear];
+    if (!status && !*sky && needs->sky)
+        status = tc_program_build(gl, sky_vertex, (const char *[]){"frame.glsl", "encode.glsl", surface->sky, NULL},
+                                  sky_defines(needs), sky, error);
     return status;
 }
 
 void tc_scene_programs_destroy(const tc_gl *gl, tc_scene_programs *programs)
 {
-    for (int i = 0; i < 4; i++) /* 0 is silently ignored */
+    for (int i = 0; i < 2 * TC_PROGRAM_VARIANTS; i++) /* 0 is silently ignored */
         gl->DeleteProgram(programs->terrain[i / 2][i % 2]);
-    gl->DeleteProgram(programs->sky);
+    for (int i = 0; i < 2; i++)
+        gl->DeleteProgram(programs->sky[i]);
 }
 
 /* ---- Telling ---------------------------------------------------------------------------------------------------- */
@@ -102,11 +111,11 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
                                const tc_scene_programs *programs, FILE *file)
 {
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
-    list_parts(vertex, surface->vertex_parts, "renderer.vert");
-    list_parts(fragment, surface->fragment_parts, "renderer.frag");
+    list_parts(vertex, surface->vertex_parts, false, "renderer.vert");
+    list_parts(fragment, surface->fragment_parts, true, "renderer.frag");
     for (int closers = 0; closers < 2; closers++) {
         char defines[DEFINES];
-        if (!programs->terrain[needs->level_colours][closers])
+        if (!programs->terrain[tc_program_variant(needs)][closers])
             continue;
         fprintf(file, "uses: shaders: %s: ", closers ? "crack closers" : "terrain");
         print_parts(vertex, file);
@@ -115,10 +124,10 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
         list_defines(surface, needs, closers, defines);
         print_defines(defines, file);
     }
-    if (programs->sky) {
+    if (programs->sky[needs->linear]) {
         fputs("uses: shaders: sky: ", file);
         print_parts(sky_vertex, file);
-        fprintf(file, ", frame.glsl + %s", surface->sky);
+        fprintf(file, ", frame.glsl + encode.glsl + %s", surface->sky);
         print_defines(sky_defines(needs), file);
     }
 }

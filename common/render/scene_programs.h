@@ -8,11 +8,20 @@
 #include "common/gl/gl.h"
 #include "scene_needs.h"
 
+/* By what may differ from frame to frame: level colours, and the target's samples, encoding and depth. */
+enum { TC_PROGRAM_VARIANTS = 16 };
+
 /* 0: not built, since not needed so far. */
 typedef struct tc_scene_programs {
-    GLuint terrain[2][2]; /* [level colours][closers] */
-    GLuint sky;
+    GLuint terrain[TC_PROGRAM_VARIANTS][2]; /* [variant][closers] */
+    GLuint sky[2];                          /* [linear] */
 } tc_scene_programs;
+
+static inline int tc_program_variant(const tc_scene_needs *needs)
+{
+    return (needs->level_colours ? 1 : 0) | (needs->multisampled ? 2 : 0) | (needs->linear ? 4 : 0) |
+           (needs->by_w ? 8 : 0);
+}
 
 /* Builds what the needs as they are call for and is not there yet. */
 tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,

@@ -1,0 +1,77 @@
+/* frame_uniforms.c - a frame's numbers for all stages. */
+#include "frame_uniforms.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Where each layer's window lies in its textures. */
+static void set_windows(tc_frame_uniforms *u, const tc_surface *surface, const tc_layers *layers)
+{
+    int64_t torus = 2 * (tc_clipmap_n(surface->clipmap[0]) + 1);
+    int layer = 0;
+    for (int chart = 0; chart < surface->charts; chart++)
+        for (int l = 1; l <= layers->held[chart]; l++) {
+            tc_rect c = tc_clipmap_level(surface->clipmap[chart], l)->clip;
+            float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
+                               (float)(c.y1 - 1 - c.y0)};
+            memcpy(u->window[layer++], window, sizeof window);
+        }
+}
+
+/* Tangents across a pixel, and from the side of the framebuffer's first pixel to the middle of what is seen. */
+static void set_rays(tc_frame_uniforms *u, const tc_sight *s, const tc_target_place *place)
+{
+    double wide = 0.5 * (s->right - s->left), high = 0.5 * (s->top - s->bottom);
+    double across_x = 2 * wide / place->width, across_y = 2 * high / place->height;
+    double first_x = place->x * across_x - s->left, first_y = place->y * across_y - s->bottom;
+    if (first_x == 0) /* shaders divide by it */
+        first_x = 1e-7 * wide;
+    if (first_y == 0)
+        first_y = 1e-7 * high;
+    float lens[4] = {(float)across_x, (float)across_y, (float)first_x, (float)first_y};
+    memcpy(u->lens, lens, sizeof lens);
+    for (int i = 0; i < 3; i++) {
+        const double right = s->axes.right[i], up = s->axes.up[i], forward = s->axes.forward[i];
+        u->ray[0][i] = (float)(right * wide);
+        u->ray[1][i] = (float)(up * high);
+        u->ray[2][i] = (float)(forward + 0.5 * (s->left + s->right) * right + 0.5 * (s->bottom + s->top) * up);
+        u->pixel[0][i] = (float)(right * first_x);
+        u->pixel[1][i] = (float)(up * first_y);
+        u->pixel[2][i] = (float)forward;
+    }
+}
+
+static void set_air(tc_frame_uniforms *u, const tc_surface *surface, const tc_palette *palette, double above_lowest,
+                    bool inverse)
+{
+    const double azimuth = 310 * M_PI / 180, elevation = 38 * M_PI / 180; /* the cartographer's light, a bit softer */
+    float sun[4] = {(float)(sin(azimuth) * cos(elevation)), (float)(cos(azimuth) * cos(elevation)),
+                    (float)sin(elevation), 1.1f};
+    memcpy(u->sun, sun, sizeof sun);
+    double distance = 0.65 * surface->extent + 4 * fmax(0, above_lowest); /* half of what one sees there is haze */
+    /* Over the nearness that shaders have at hand: near / distance, or 1 / distance. */
+    double near = inverse ? surface->near_plane : 1;
+    memcpy(u->haze, palette->horizon, sizeof palette->horizon);
+    u->haze[3] = (float)(near / distance);
+    if (surface->sphere) /* whose own part knows how far one sees */
+        u->haze[3] = (float)near;
+    memcpy(u->zenith, palette->zenith, sizeof palette->zenith);
+}
+
+void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_surface *surface, const tc_palette *palette,
+                           const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
+                           const tc_layers *layers)
+{
+    const tc_terrain_info *info = tc_field_info(tc_clipmap_field(surface->clipmap[0]));
+    double eye = sight->camera.z - info->z_base;
+    memcpy(u->view_projection, sight->matrix, sizeof u->view_projection);
+    memcpy(u->surface, frame->surface_uniforms, sizeof u->surface);
+    memcpy(u->layer, frame->layer_uniforms, sizeof u->layer);
+    set_windows(u, surface, layers);
+    u->eye[0] = (float)eye;
+    u->eye[1] = (float)(eye - (double)(float)eye);
+    set_rays(u, sight, place);
+    memcpy(u->heights, palette->heights, sizeof u->heights);
+    set_air(u, surface, palette, eye - info->z_min, sight->inverse);
+    u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
+}

@@ -1,0 +1,32 @@
+/* frame_uniforms.h - what every stage of a frame knows: the uniform block of shaders/frame.glsl. */
+#ifndef TC_FRAME_UNIFORMS_H
+#define TC_FRAME_UNIFORMS_H
+
+#include "level_textures.h"
+#include "palette.h"
+#include "sight.h"
+#include "surface.h"
+#include "target.h"
+
+typedef struct tc_frame_uniforms {
+    float view_projection[16];
+    float surface[TC_SURFACE_UNIFORMS];
+    float layer[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
+    float window[TC_MAX_LAYERS][4];
+    float eye[4];
+    float ray[3][4];
+    float sun[4];
+    float heights[4];
+    float haze[4];
+    float zenith[4];
+    float lens[4];
+    float pixel[3][4];
+    float beyond[4];
+} tc_frame_uniforms;
+
+/* Light, air and camera of a frame; nothing in it depends on anything but the view. */
+void tc_frame_uniforms_set(tc_frame_uniforms *uniforms, const tc_surface *surface, const tc_palette *palette,
+                           const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
+                           const tc_layers *layers);
+
+#endif

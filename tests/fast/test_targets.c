@@ -1,0 +1,531 @@
+/* test_targets.c - frames in targets of others: what comes out, what is left alone, what is refused; several views. */
+#include "tests/support/test.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "planar/square.h"
+#include "spherical/rings.h"
+#include "tests/support/host_state.h"
+#include "tests/support/planet_scene.h"
+#include "tests/support/scene.h"
+#include "tests/support/terrains.h"
+
+enum { WIDTH = 160, HEIGHT = 120, X = 24, Y = 17, WHOLE_WIDTH = 200, WHOLE_HEIGHT = 150 };
+
+static tc_context *context;
+static const tc_gl *gl;
+static tc_field *flat;
+static tc_atlas planet;
+static const tc_scene_options look = {.budget = -1};
+
+static tc_camera flat_view(void)
+{
+    return (tc_camera){
+        .x = 3000, .y = 2000, .z = 900, .heading = 0.7, .pitch = -0.25, .fov = 1.2, .width = WIDTH, .height = HEIGHT};
+}
+
+static tc_camera planet_view_of(double longitude)
+{
+    return (tc_camera){.x = longitude,
+                       .y = 0.5,
+                       .z = 4e5,
+                       .heading = 0.3,
+                       .pitch = -0.5,
+                       .fov = 1.1,
+                       .width = WIDTH,
+                       .height = HEIGHT};
+}
+
+static scene flat_scene(void)
+{
+    return scene_create(context, flat, 63, &look);
+}
+
+static scene planet_scene_here(void)
+{
+    return planet_scene(context, &planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
+}
+
+/* ---- A host's framebuffer ---------------------------------------------------------------------------------------- */
+
+/* A target of its own kind: two attachments, depth as OpenGL begins, more than the rectangle. */
+typedef struct host {
+    tc_target target;
+    GLuint framebuffer, colour[2], depth;
+    int begun, ended;
+} host;
+
+static tc_status host_begin(tc_target *target, const tc_gl *g, int width, int height, tc_error *error)
+{
+    (void)g, (void)error;
+    host *h = (host *)target;
+    h->target.place.width = width, h->target.place.height = height;
+    h->begun++;
+    return TC_OK;
+}
+
+static tc_status host_end(tc_target *target, const tc_gl *g, tc_error *error)
+{
+    (void)g, (void)error;
+    ((host *)target)->ended++;
+    return TC_OK;
+}
+
+static const tc_target_class host_class = {"host", host_begin, host_end};
+
+static GLuint texture(GLenum format)
+{
+    GLuint t;
+    gl->CreateTextures(GL_TEXTURE_2D, 1, &t);
+    gl->TextureStorage2D(t, 1, format, WHOLE_WIDTH, WHOLE_HEIGHT);
+    return t;
+}
+
+static host host_create(GLenum format, GLenum depth_format, tc_depth depth, tc_encoding encoding)
+{
+    host h = {.target.class = &host_class};
+    gl->CreateFramebuffers(1, &h.framebuffer);
+    for (int i = 0; i < 2; i++) {
+        h.colour[i] = texture(i ? GL_RGBA8 : format);
+        gl->NamedFramebufferTexture(h.framebuffer, GL_COLOR_ATTACHMENT0 + (GLenum)i, h.colour[i], 0);
+    }
+    h.depth = texture(depth_format);
+    gl->NamedFramebufferTexture(h.framebuffer, GL_DEPTH_ATTACHMENT, h.depth, 0);
+    gl->NamedFramebufferDrawBuffers(h.framebuffer, 2, (GLenum[]){GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1});
+    const float red[] = {1, 0, 0, 1}, far = depth == TC_DEPTH_REVERSED ? 0 : 1;
+    for (int i = 0; i < 2; i++)
+        gl->ClearNamedFramebufferfv(h.framebuffer, GL_COLOR, i, red);
+    gl->ClearNamedFramebufferfv(h.framebuffer, GL_DEPTH, 0, &far);
+    h.target.place = (tc_target_place){.framebuffer = h.framebuffer,
+                                       .x = X,
+                                       .y = Y,
+                                       .width = WIDTH,
+                                       .height = HEIGHT,
+                                       .depth = depth,
+                                       .encoding = encoding,
+                                       .keep_state = true};
+    return h;
+}
+
+static void host_destroy(host *h)
+{
+    gl->DeleteFramebuffers(1, &h->framebuffer);
+    gl->DeleteTextures(2, h->colour);
+    gl->DeleteTextures(1, &h->depth);
+}
+
+/* Pixels of an attachment, the whole, rows from the top. */
+static uint8_t *host_pixels(const host *h, int attachment)
+{
+    uint8_t *rgb = malloc(3 * WHOLE_WIDTH * WHOLE_HEIGHT), *turned = malloc(3 * WHOLE_WIDTH * WHOLE_HEIGHT);
+    assert_true(rgb && turned);
+    gl->GetTextureImage(h->colour[attachment], 0, GL_RGB, GL_UNSIGNED_BYTE, 3 * WHOLE_WIDTH * WHOLE_HEIGHT, rgb);
+    for (int j = 0; j < WHOLE_HEIGHT; j++)
+        memcpy(turned + (size_t)j * 3 * WHOLE_WIDTH, rgb + (size_t)(WHOLE_HEIGHT - 1 - j) * 3 * WHOLE_WIDTH,
+               3 * WHOLE_WIDTH);
+    free(rgb);
+    return turned;
+}
+
+static bool red(const uint8_t *p)
+{
+    return p[0] == 255 && p[1] == 0 && p[2] == 0;
+}
+
+/* OpenGL's own perspective, or the same to 0 .. 1, or reversed. */
+static void perspective(const tc_camera *c, tc_depth depth, double near, double far, double m[16])
+{
+    double tx, ty;
+    tc_camera_tangents(c, &tx, &ty);
+    memset(m, 0, 16 * sizeof *m);
+    m[0] = 1 / tx, m[5] = 1 / ty, m[11] = -1;
+    m[10] = -(far + near) / (far - near), m[14] = -2 * far * near / (far - near);
+    if (depth == TC_DEPTH_ZERO_TO_ONE)
+        m[10] = -far / (far - near), m[14] = -far * near / (far - near);
+    if (depth == TC_DEPTH_REVERSED)
+        m[10] = near / (far - near), m[14] = far * near / (far - near);
+}
+
+/* The view matrix of a camera; over a planet in its body's axes. */
+static void look_from(const tc_camera *c, double radius, double m[16])
+{
+    tc_basis b = tc_camera_basis(c);
+    double eye[3] = {c->x, c->y, c->z}, rows[3][3];
+    for (int i = 0; i < 3; i++)
+        rows[0][i] = b.right[i], rows[1][i] = b.up[i], rows[2][i] = -b.forward[i];
+    if (radius > 0) {
+        double cl = cos(c->x), sl = sin(c->x), cp = cos(c->y), sp = sin(c->y);
+        const double axes[3][3] = {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
+        for (int i = 0; i < 3; i++)
+            eye[i] = (radius + c->z) * axes[2][i];
+        for (int k = 0; k < 3; k++) {
+            double v[3] = {0, 0, 0};
+            for (int i = 0; i < 3; i++)
+                for (int j = 0; j < 3; j++)
+                    v[i] += rows[k][j] * axes[j][i];
+            memcpy(rows[k], v, sizeof v);
+        }
+    }
+    memset(m, 0, 16 * sizeof *m);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++) {
+            m[4 * i + k] = rows[k][i];
+            m[12 + k] -= rows[k][i] * eye[i];
+        }
+    m[15] = 1;
+}
+
+static tc_sight sight_of(const tc_camera *c, tc_depth depth, double radius, double near, double far)
+{
+    double view[16], projection[16];
+    tc_sight sight;
+    tc_error error;
+    look_from(c, radius, view);
+    perspective(c, depth, near, far, projection);
+    if (tc_sight_by(view, projection, depth, radius, c->width, c->height, &sight, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    return sight;
+}
+
+/* How many of the picture's pixels are another colour, by more than rounding, in the host's rectangle. */
+static int differing(const uint8_t *whole, const uint8_t *picture)
+{
+    int count = 0;
+    for (int j = 0; j < HEIGHT; j++)
+        for (int i = 0; i < WIDTH; i++) {
+            const uint8_t *p = whole + 3 * ((j + WHOLE_HEIGHT - Y - HEIGHT) * WHOLE_WIDTH + i + X);
+            const uint8_t *q = picture + 3 * (j * WIDTH + i);
+            int worst = 0;
+            for (int k = 0; k < 3; k++)
+                worst = abs(p[k] - q[k]) > worst ? abs(p[k] - q[k]) : worst;
+            count += worst > 4;
+        }
+    return count;
+}
+
+static void assert_drawn(scene *s, const tc_camera *c, double radius, tc_depth depth, GLenum depth_format)
+{
+    tc_error error;
+    tc_frame_stats stats;
+    scene_draw(s, c, true);
+    uint8_t *picture = scene_pixels(s, c);
+    host h = host_create(GL_RGBA8, depth_format, depth, TC_ENCODING_SHOWN);
+    const tc_sight sight = sight_of(c, depth, radius, radius > 0 ? 1000 : 1, 4 * s->surface->extent);
+    if (tc_renderer_draw(s->renderer, &h.target, &sight, false, &stats, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    assert_int_equal(h.begun, 1);
+    assert_int_equal(h.ended, 1);
+    assert_int_equal(gl->GetError(), GL_NO_ERROR);
+    uint8_t *whole = host_pixels(&h, 0), *other = host_pixels(&h, 1);
+    int off = differing(whole, picture), outside = 0, touched = 0;
+    for (int i = 0; i < WHOLE_WIDTH * WHOLE_HEIGHT; i++) {
+        int x = i % WHOLE_WIDTH, y = WHOLE_HEIGHT - 1 - i / WHOLE_WIDTH;
+        bool in = x >= X && x < X + WIDTH && y >= Y && y < Y + HEIGHT;
+        outside += !in && !red(whole + 3 * i);
+        touched += !red(other + 3 * i);
+    }
+    if (off > WIDTH * HEIGHT / 200 || outside || touched)
+        fail_msg("depth %d: %d pixels differ, %d outside the rectangle are drawn, %d of the other attachment", depth,
+                 off, outside, touched);
+    free(whole), free(other), free(picture);
+    host_destroy(&h);
+}
+
+static void a_hosts_target_is_drawn_into(void **state)
+{
+    (void)state;
+    const tc_camera c = flat_view(), p = planet_view_of(0.4);
+    scene f = flat_scene(), g = planet_scene_here();
+    for (tc_depth d = 0; d < TC_DEPTHS; d++) {
+        assert_drawn(&f, &c, 0, d, GL_DEPTH_COMPONENT32F);
+        assert_drawn(&g, &p, planet.radius, d, GL_DEPTH_COMPONENT32F);
+    }
+    assert_drawn(&f, &c, 0, TC_DEPTH_CONVENTIONAL, GL_DEPTH_COMPONENT24);
+    scene_destroy(&f);
+    scene_destroy(&g);
+}
+
+/* What an sRGB format and one of floats hold is, shown, the picture. */
+static void light_is_written_as_the_target_says(void **state)
+{
+    (void)state;
+    const tc_camera c = flat_view();
+    scene s = flat_scene();
+    tc_error error;
+    tc_frame_stats stats;
+    scene_draw(&s, &c, true);
+    uint8_t *picture = scene_pixels(&s, &c);
+    const tc_sight sight = tc_sight_through(&c, TC_DEPTH_REVERSED, s.surface->near_plane);
+    host h = host_create(GL_SRGB8_ALPHA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_REVERSED, TC_ENCODING_SRGB);
+    assert_int_equal(tc_renderer_draw(s.renderer, &h.target, &sight, false, &stats, &error), TC_OK);
+    uint8_t *whole = host_pixels(&h, 0);
+    assert_int_equal(differing(whole, picture), 0);
+    free(whole);
+    host_destroy(&h);
+    h = host_create(GL_RGBA32F, GL_DEPTH_COMPONENT32F, TC_DEPTH_REVERSED, TC_ENCODING_LINEAR);
+    assert_int_equal(tc_renderer_draw(s.renderer, &h.target, &sight, false, &stats, &error), TC_OK);
+    float(*light)[4] = malloc(sizeof *light * WHOLE_WIDTH * WHOLE_HEIGHT);
+    assert_non_null(light);
+    gl->GetTextureImage(h.colour[0], 0, GL_RGBA, GL_FLOAT, (GLsizei)(sizeof *light * WHOLE_WIDTH * WHOLE_HEIGHT),
+                        light);
+    for (int j = 0; j < HEIGHT; j++)
+        for (int i = 0; i < 3 * WIDTH; i++) {
+            double l = light[(Y + HEIGHT - 1 - j) * WHOLE_WIDTH + X + i / 3][i % 3];
+            l = fmin(fmax(l, 0), 1); /* as a picture is cut */
+            double shown = l <= 0.0031308 ? 12.92 * l : 1.055 * pow(l, 1 / 2.4) - 0.055;
+            assert_true(fabs(255 * shown - picture[3 * j * WIDTH + i]) < 1.5);
+        }
+    free(light), free(picture);
+    host_destroy(&h);
+    scene_destroy(&s);
+}
+
+/* Turned about the axis of sight, mirrored, seen off the middle: the middle of what is seen is the same place. */
+static void any_perspective_is_drawn(void **state)
+{
+    (void)state;
+    tc_camera c = flat_view();
+    scene s = flat_scene();
+    tc_error error;
+    tc_frame_stats stats;
+    scene_draw(&s, &c, true);
+    uint8_t *picture = scene_pixels(&s, &c);
+    double view[16], projection[16];
+    look_from(&c, 0, view);
+    perspective(&c, TC_DEPTH_CONVENTIONAL, 1, 1e6, projection);
+    for (int kind = 0; kind < 3; kind++) {
+        double v[16], p[16];
+        memcpy(v, view, sizeof v), memcpy(p, projection, sizeof p);
+        if (kind == 0) /* upside down */
+            for (int i = 0; i < 4; i++)
+                v[4 * i] = -v[4 * i], v[4 * i + 1] = -v[4 * i + 1];
+        if (kind == 1) /* left and right exchanged */
+            p[0] = -p[0];
+        if (kind == 2) /* the right half, twice as wide */
+            p[0] *= 2, p[8] = 1;
+        tc_sight sight;
+        if (tc_sight_by(v, p, TC_DEPTH_CONVENTIONAL, 0, WIDTH, HEIGHT, &sight, &error) != TC_OK)
+            fail_msg("%s", error.text);
+        host h = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
+        do
+            assert_int_equal(tc_renderer_draw(s.renderer, &h.target, &sight, true, &stats, &error), TC_OK);
+        while (!stats.resident);
+        uint8_t *whole = host_pixels(&h, 0), *expected = malloc(3 * WIDTH * HEIGHT);
+        assert_non_null(expected);
+        for (int j = 0; j < HEIGHT; j++)
+            for (int i = 0; i < WIDTH; i++) {
+                int x = kind == 2 ? WIDTH / 2 + i / 2 : WIDTH - 1 - i, y = kind == 0 ? HEIGHT - 1 - j : j;
+                memcpy(expected + 3 * (j * WIDTH + i), picture + 3 * (y * WIDTH + x), 3);
+            }
+        int off = differing(whole, expected);
+        /* Twice as wide is another picture: pixels between. */
+        if (off > WIDTH * HEIGHT / (kind == 2 ? 4 : 100))
+            fail_msg("perspective %d: %d pixels differ", kind, off);
+        free(whole), free(expected);
+        host_destroy(&h);
+    }
+    free(picture);
+    scene_destroy(&s);
+}
+
+/* ---- State ------------------------------------------------------------------------------------------------------- */
+
+static void a_host_gets_its_state_back(void **state)
+{
+    (void)state;
+    const tc_camera c = flat_view(), p = planet_view_of(0.4);
+    scene scenes[2] = {flat_scene(), planet_scene_here()};
+    for (int k = 0; k < 2; k++) {
+        tc_error error;
+        tc_frame_stats stats;
+        const tc_camera *camera = k ? &p : &c;
+        host h = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
+        host plain = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
+        const tc_sight sight =
+            sight_of(camera, TC_DEPTH_CONVENTIONAL, k ? planet.radius : 0, k ? 1000 : 1, 4 * scenes[k].surface->extent);
+        do
+            assert_int_equal(tc_renderer_draw(scenes[k].renderer, &plain.target, &sight, true, &stats, &error), TC_OK);
+        while (!stats.resident);
+        host_odd odd = host_odd_begin(gl);
+        host_state before = host_state_now(gl);
+        if (tc_renderer_draw(scenes[k].renderer, &h.target, &sight, false, &stats, &error) != TC_OK)
+            fail_msg("%s", error.text);
+        host_state after = host_state_now(gl);
+        host_state_assert_same(&before, &after);
+        h.target.place.samples = 4, h.target.class = NULL; /* and where nothing comes of it */
+        assert_int_equal(tc_renderer_draw(scenes[k].renderer, &h.target, &sight, false, &stats, &error), TC_ERR_USAGE);
+        after = host_state_now(gl);
+        host_state_assert_same(&before, &after);
+        host_odd_end(gl, &odd);
+        /* What the host had set has changed nothing of the picture. */
+        uint8_t *a = host_pixels(&h, 0), *b = host_pixels(&plain, 0);
+        assert_memory_equal(a, b, 3 * WHOLE_WIDTH * WHOLE_HEIGHT);
+        free(a), free(b);
+        host_destroy(&h);
+        host_destroy(&plain);
+        scene_destroy(&scenes[k]);
+    }
+}
+
+/* ---- Several views ----------------------------------------------------------------------------------------------- */
+
+static tc_surface *another_surface(bool sphere)
+{
+    tc_surface *surface;
+    tc_clipmap *clipmap;
+    tc_error error;
+    if (sphere)
+        return planet_rings(&planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
+    const tc_ground_options options = {.n = 63, .normals = true};
+    assert_int_equal(tc_ground_create(flat, &options, &clipmap, &error), TC_OK);
+    assert_int_equal(tc_square_create(clipmap, &surface, &error), TC_OK);
+    return surface;
+}
+
+static uint8_t *drawn_apart(bool sphere, const tc_camera *c)
+{
+    scene s = sphere ? planet_scene_here() : flat_scene();
+    scene_draw(&s, c, true);
+    uint8_t *rgb = scene_pixels(&s, c);
+    scene_destroy(&s);
+    return rgb;
+}
+
+static void two_views_in_a_frame_are_the_two_apart(void **state)
+{
+    (void)state;
+    for (int sphere = 0; sphere < 2; sphere++) {
+        tc_camera camera[2] = {sphere ? planet_view_of(0.4) : flat_view(), sphere ? planet_view_of(-2) : flat_view()};
+        camera[1].heading += 2, camera[1].z += 300;
+        scene first = sphere ? planet_scene_here() : flat_scene(), second = {.surface = another_surface(sphere != 0)};
+        tc_error error;
+        tc_frame_stats stats[2];
+        assert_int_equal(tc_renderer_create_beside(first.renderer, second.surface, &second.renderer, &error), TC_OK);
+        scene *scenes[2] = {&first, &second};
+        do
+            for (int k = 0; k < 2; k++)
+                assert_int_equal(tc_renderer_frame(scenes[k]->renderer, &camera[k], k == 1, &stats[k], &error), TC_OK);
+        while (!stats[0].resident || !stats[1].resident);
+        for (int k = 0; k < 2; k++) {
+            uint8_t *both = scene_pixels(scenes[k], &camera[k]), *apart = drawn_apart(sphere != 0, &camera[k]);
+            assert_memory_equal(both, apart, 3 * WIDTH * HEIGHT);
+            free(both), free(apart);
+        }
+        scene_destroy(&first); /* what they share stays with the other */
+        assert_int_equal(tc_renderer_frame(second.renderer, &camera[1], true, &stats[1], &error), TC_OK);
+        uint8_t *left = scene_pixels(&second, &camera[1]), *apart = drawn_apart(sphere != 0, &camera[1]);
+        assert_memory_equal(left, apart, 3 * WIDTH * HEIGHT);
+        free(left), free(apart);
+        scene_destroy(&second);
+    }
+}
+
+/* ---- Nonsense ---------------------------------------------------------------------------------------------------- */
+
+static void assert_refused(tc_status status, const tc_error *error, const char *word)
+{
+    assert_int_equal(status, TC_ERR_USAGE);
+    if (!strstr(error->text, word) || strchr(error->text, '\n'))
+        fail_msg("expected a line with \"%s\", found \"%s\"", word, error->text);
+}
+
+static void nonsense_matrices_are_refused(void **state)
+{
+    (void)state;
+    const tc_camera c = flat_view();
+    double view[16], projection[16];
+    look_from(&c, 0, view);
+    perspective(&c, TC_DEPTH_CONVENTIONAL, 1, 1e6, projection);
+    static const struct nonsense {
+        int of_view, element;
+        double value;
+        const char *word;
+    } all[] = {{1, 5, NAN, "finite"},  {1, 13, INFINITY, "finite"}, {0, 0, NAN, "finite"},      {1, 0, 7, "rotation"},
+               {1, 15, 0, "rotation"}, {0, 0, 0, "inverted"},       {0, 14, 0, "inverted"},     {0, 11, 1, "inverted"},
+               {0, 11, 0, "inverted"}, {0, 15, 1, "perspective"},   {0, 4, 0.5, "perspective"}, {0, 14, 2, "depth"}};
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        double m[2][16];
+        tc_sight sight;
+        tc_error error;
+        memcpy(m[0], projection, sizeof m[0]), memcpy(m[1], view, sizeof m[1]);
+        m[all[i].of_view][all[i].element] = all[i].value;
+        assert_refused(tc_sight_by(m[1], m[0], TC_DEPTH_CONVENTIONAL, 0, WIDTH, HEIGHT, &sight, &error), &error,
+                       all[i].word);
+    }
+    tc_sight sight;
+    tc_error error;
+    assert_refused(tc_sight_by(view, projection, TC_DEPTH_REVERSED, 0, WIDTH, HEIGHT, &sight, &error), &error, "falls");
+    assert_refused(tc_sight_by(view, projection, TC_DEPTH_CONVENTIONAL, 1e7, WIDTH, HEIGHT, &sight, &error), &error,
+                   "eye");
+}
+
+static void targets_that_are_not_as_they_say_are_refused(void **state)
+{
+    (void)state;
+    const tc_camera c = flat_view();
+    scene s = flat_scene();
+    host h = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_REVERSED, TC_ENCODING_SHOWN);
+    h.target.class = NULL;
+    const tc_target_place good = h.target.place;
+    GLuint bare;
+    gl->CreateFramebuffers(1, &bare);
+    gl->NamedFramebufferTexture(bare, GL_COLOR_ATTACHMENT0, h.colour[0], 0);
+    struct wrong {
+        tc_target_place place;
+        const char *word;
+    } all[12] = {{good, NULL}};
+    int count = 1;
+#define WRONG(field, value_, word_) all[count].place = good, all[count].place.field = value_, all[count++].word = word_
+    WRONG(framebuffer, 4711, "framebuffer of this context");
+    WRONG(framebuffer, bare, "depth attachment");
+    WRONG(x, WHOLE_WIDTH - WIDTH + 1, "within");
+    WRONG(y, -1, "within");
+    WRONG(width, 0, "at least 1 x 1");
+    WRONG(width, WIDTH - 1, "as the camera has");
+    WRONG(samples, 4, "samples");
+    WRONG(encoding, TC_ENCODING_SRGB, "sRGB");
+    WRONG(encoding, TC_ENCODING_LINEAR, "float");
+    WRONG(depth, (tc_depth)17, "known depth");
+#undef WRONG
+    const tc_sight sight = tc_sight_through(&c, TC_DEPTH_REVERSED, s.surface->near_plane);
+    for (int i = 0; i < count; i++) {
+        tc_error error = {.text = ""};
+        tc_frame_stats stats;
+        h.target.place = all[i].place;
+        tc_status status = tc_renderer_draw(s.renderer, &h.target, &sight, false, &stats, &error);
+        if (all[i].word)
+            assert_refused(status, &error, all[i].word);
+        else
+            assert_int_equal(status, TC_OK);
+        assert_int_equal(gl->GetError(), GL_NO_ERROR);
+    }
+    gl->DeleteFramebuffers(1, &bare);
+    host_destroy(&h);
+    scene_destroy(&s);
+}
+
+int main(void)
+{
+    context = scene_context();
+    if (!context)
+        return 0;
+    gl = tc_context_gl(context);
+    flat = terrain_field(TERRAIN_SMOOTH, 300, 200, 30, 1);
+    planet = planet_made(PLANET_SMOOTH, 512, 6371000, 1);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_hosts_target_is_drawn_into),
+        cmocka_unit_test(light_is_written_as_the_target_says),
+        cmocka_unit_test(any_perspective_is_drawn),
+        cmocka_unit_test(a_host_gets_its_state_back),
+        cmocka_unit_test(two_views_in_a_frame_are_the_two_apart),
+        cmocka_unit_test(nonsense_matrices_are_refused),
+        cmocka_unit_test(targets_that_are_not_as_they_say_are_refused),
+    };
+    int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    tc_field_destroy(flat);
+    tc_atlas_free(&planet);
+    tc_context_destroy(context);
+    return failed;
+}
