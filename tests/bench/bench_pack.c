@@ -310,10 +310,8 @@ static region_times read_regions(const both *b)
 
         field = terrain_open(b->ours);
         tc_level coarser = tc_field_level(field, finest - 1);
-        tc_rect half = {tc_max64(rect.x0 / 2 - 8, 0), tc_max64(rect.y0 / 2 - 8, 0),
-                        tc_min64(rect.x1 / 2 + 8, coarser.width), tc_min64(rect.y1 / 2 + 8, coarser.height)};
         static float around[SIDE * SIDE];
-        must_read(field, finest - 1, half, around);
+        must_read(field, finest - 1, terrain_coarser_place(rect, coarser), around);
         start = terrain_cpu();
         must_read(field, finest, rect, z);
         resident[n] = 1e3 * (terrain_cpu() - start);

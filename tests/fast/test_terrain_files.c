@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "common/base/rect.h"
 #include "tests/support/made_files.h"
 #include "tests/support/terrain_files.h"
 
@@ -81,6 +82,32 @@ static void places_lie_within(void **state)
     assert_true(edges[0] && edges[1] && edges[2] && edges[3]);
 }
 
+/* Everywhere in levels of odd and even sizes: within the coarser level, and all of it that lies under the place. */
+static void coarser_places_can_be_read(void **state)
+{
+    (void)state;
+    enum { SIDE = 23, MOST = SIDE / 2 + 17 };
+    for (int64_t size = 64; size < 70; size++) {
+        tc_field *p = terrain_field(TERRAIN_SMOOTH, size, size + 1, 30, 1);
+        int finest = tc_field_info(p)->levels;
+        tc_level level = tc_field_level(p, finest), coarser = tc_field_level(p, finest - 1);
+        float z[MOST * MOST];
+        for (int64_t y = 0; y <= level.height - SIDE; y++)
+            for (int64_t x = 0; x <= level.width - SIDE; x++) {
+                tc_rect r = {x, y, x + SIDE, y + SIDE}, c = terrain_coarser_place(r, coarser);
+                assert_int_equal(tc_field_read(p, finest - 1, c, z, NULL, c.x1 - c.x0), TC_OK);
+                assert_true(c.x1 - c.x0 <= MOST && c.y1 - c.y0 <= MOST);
+                assert_true(c.x0 <= x / 2 && c.y0 <= y / 2);
+                assert_true(c.x1 > tc_min64((r.x1 - 1) / 2, coarser.width - 1));
+                assert_true(c.y1 > tc_min64((r.y1 - 1) / 2, coarser.height - 1));
+            }
+        /* Such a place one sample farther out is refused. */
+        tc_rect out = {coarser.width - 4, 0, coarser.width + 1, 4};
+        assert_int_not_equal(tc_field_read(p, finest - 1, out, z, NULL, 5), TC_OK);
+        tc_field_destroy(p);
+    }
+}
+
 static int remove_files(void **state)
 {
     (void)state;
@@ -94,6 +121,7 @@ int main(void)
         cmocka_unit_test(integers_come_back_as_multiples),
         cmocka_unit_test(floats_have_no_unit),
         cmocka_unit_test(places_lie_within),
+        cmocka_unit_test(coarser_places_can_be_read),
     };
     return cmocka_run_group_tests(tests, NULL, remove_files);
 }

@@ -153,6 +153,13 @@ tc_rect terrain_place(test_random *random, int64_t width, int64_t height, int64_
     return (tc_rect){x, y, x + side, y + side};
 }
 
+tc_rect terrain_coarser_place(tc_rect place, tc_level coarser)
+{
+    enum { REACH = 8 };
+    tc_rect r = {place.x0 / 2 - REACH, place.y0 / 2 - REACH, place.x1 / 2 + REACH, place.y1 / 2 + REACH};
+    return tc_rect_intersect(r, (tc_rect){0, 0, coarser.width, coarser.height});
+}
+
 /* ---- Packing and reading back ----------------------------------------------------------------------------------- */
 
 tc_status terrain_try_pack(const tc_grid *grid, const terrain_file *about, const tc_pack_options *options,
