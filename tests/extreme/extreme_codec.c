@@ -241,6 +241,12 @@ static void threads(int mode)
     extreme_at_most(name, "files that differ", differ, 0, "%zu bytes", first_size);
 }
 
+/* An empty tile has no bytes, and a null pointer to them is none for memcmp(). */
+static bool bytes_apart(const uint8_t *a, size_t a_size, const uint8_t *b, size_t b_size)
+{
+    return a_size != b_size || (a_size > 0 && memcmp(a, b, a_size) != 0);
+}
+
 static int64_t heights_apart(const tc_plane *a, const tc_plane *b)
 {
     int64_t apart = 0;
@@ -266,9 +272,9 @@ static void instructions(void)
         packed b = packed_new(z, w, h, &o);
         for (int n = 0; n < a.levels; n++) {
             const packed_level *l = &a.level[n], *m = &b.level[n];
-            bytes += l->header_size != m->header_size || memcmp(l->header, m->header, l->header_size) != 0;
+            bytes += bytes_apart(l->header, l->header_size, m->header, m->header_size);
             for (int64_t t = 0; t < l->tiles; t++, tiles++)
-                bytes += l->tile_size[t] != m->tile_size[t] || memcmp(l->tile[t], m->tile[t], l->tile_size[t]) != 0;
+                bytes += bytes_apart(l->tile[t], l->tile_size[t], m->tile[t], m->tile_size[t]);
             tc_plane other = packed_plane(l->fine.rect);
             packed_read(l, &other, NULL, TC_SIMD_NONE);
             heights += heights_apart(&l->fine, &other);
