@@ -89,6 +89,17 @@ printf '%s\n' "$columns" '"sizes","1x1","cracks","7","0","FAILED","<b>bold</b>"'
 printf 'scene,feature,saved_ms,saved_bytes\nflat,sky,2.5,1000\n' >folder/left_out.csv
 printf '%s\n' scene,scheme,all,to_pixel,to_horizon,drawn,paper near,rings,900000,600000,500000,100000,330000 \
     far,rings,900000,80000,70000,60000,100000 >folder/triangles.csv
+printf '%s\n' terrain,level,spacing_m,rms_m,p999_m,max_m,rms_px,p999_px,max_px hills,1,40,1,2,3,0.31,0.71,1.71 \
+    hills,2,20,1,2,3,0.32,0.72,1.72 >folder/lod_error.csv
+printf '%s\n' terrain,width,height,levels,raw_bytes,packed_bytes,bits_per_sample,rms_m,view_bytes,view_over_raw,spacing_m,range_m,pack_cpu_s \
+    hills,1000,500,3,1000000,20000,0.32,2,2500000,2.5,40,2000,0.25 >folder/space.csv
+{
+    echo scene,scheme,n,width,height,fov_deg,samples,first_level,last_level,triangles_levels,triangles,frame_ms
+    echo default-30m,square,255,640,480,90,1,1,6,500000,125000,20
+    echo default-30m,square,255,640,480,90,4,1,6,500000,125000,50
+    echo default-planet-10km,rings,512,1280,960,60,1,4,16,270000,43000,25
+    echo default-planet-2m,rings,512,1280,960,90,1,4,28,520000,130000,40
+} >folder/views.csv
 printf 'A scene\n$ viewer <file>\nleft out: <nothing>\n' >folder/explain/1.txt
 
 makes_page
@@ -115,7 +126,34 @@ holds '0.250 px in 30.0 ms</b><span>worst 99.9 % at n = 255' 'the worst error'
 lacks 'No plot' 'plots'
 holds 'not at hand' 'figures of papers that nobody found'
 cases=$((cases + 2))
-[ "$(grep -c '<svg' "$page")" = 10 ] || fail "$(grep -c '<svg' "$page") plots instead of 10" # 3 scenes twice, 2, 2
+[ "$(grep -c '<svg' "$page")" = 11 ] || fail "$(grep -c '<svg' "$page") plots instead of 11" # 3 scenes twice, 2, 2, 1
+# The papers' figures and ours, in the same row or one below the other.
+n='</td><td class="n">'
+holds "LH04: Puget Sound${n}10.0${n}0.11${n}0.11${n}0.13${n}0.14${n}0.15${n}0.15${n}0.14${n}0.12</td>" 'table 2, Puget Sound'
+holds "LH04: United States${n}30.0${n}0.90${n}0.90${n}0.86${n}0.84${n}0.78${n}0.68${n}0.51" 'table 2, United States'
+holds "hills${n}10.0${n}0.32${n}0.31</td>" 'our levels beside them, counted from the finest'
+holds "LH04: Puget Sound \(16K x 16K\)${n}256,000,000${n}25.00 MB${n}0.100</td>" 'table 3'
+holds "ours: hills${n}500,000</td><td[^>]*>2.50 MB${n}5.00</td>" 'our bytes a sample'
+holds "ours: hills${n}500,000${n}40.0</td><td[^>]*>1.00 MB</td><td[^>]*>20.0 kB${n}50.0${n}0.320${n}2.00${n}5.00${n}60.0${n}2.00</td>" \
+    'our compression'
+holds "6 to 21${n}330,000" "CH06's view from the ground"
+holds "<td>rings</td><td>4 to 16${n}270,000${n}43,000${n}40.0</td>" 'our view like that from an aircraft'
+holds "4 samples a pixel${n}95</td><td>1/s${n}20.00</td>" 'frames with 4 samples a pixel'
+holds "triangles a second${n}59</td><td>M/s${n}6.250</td>" 'triangles a second'
+holds "by culling at 90 degrees${n}3</td><td>times${n}4.000</td>" 'culling of squares'
+holds "\(expected\)${n}8</td><td>times${n}4.000</td>" 'culling of rings'
+holds "squares of 255 over Puget Sound: frames a second${n}630</td><td>1/s${n}50.00</td>" "BN08's rates"
+# No figure of the papers is without its source, and none of their tables is left out of the page.
+cases=$((cases + 2))
+strange=$(awk -f "$report/csv.awk" -f - "$report/papers.csv" <<'END'
+NR > 1 && (csv_split($0, f) != 6 || f[6] == "" || is_number(f[4]) == (f[6] ~ /^not at hand/)) { print; exit }
+END
+)
+[ -z "$strange" ] || fail "papers.csv: a figure without a source, or the other way round: $strange"
+lost=$(sed 1d "$report/papers.csv" | cut -d , -f 1,2 | sort -u | while IFS=, read -r paper table; do
+    grep -Eq "(papers|beside [a-z]+) $paper '?$table'?( |\$)" "$report/sections.sh" || echo "$paper $table"
+done)
+[ -z "$lost" ] || fail "papers.csv: not on the page: $lost"
 # At equal rms jpeg2000 has, between 1.5 bits at 0.7 and 0.4 at 3, 1.0843 bits at 1 m: ours are 7.8 % fewer.
 grep -q -- '-7.80</td>' "$page" || fail 'bits at equal error'
 # The front holds all but the square 511, which 255 beats in both.

@@ -10,13 +10,21 @@ gp() { # TEXT: as a string of gnuplot
 papers() { # PAPER TABLE
     of_paper=$1 of_table=$2
     set --
-    for f in update error_time frames triangles space rate_distortion precision; do
+    for f in views update error_time space scaling precision; do
         [ ! -f "$out/$f.csv" ] || set -- "$@" "$out/$f.csv"
     done
     awk -v paper="$of_paper" -v table="$of_table" -v papers="$here/papers.csv" -f "$here/csv.awk" \
         -f "$here/compare.awk" "$@" "$here/papers.csv" >"$work/papers.csv"
     table "$work/papers.csv" 'columns=row=Paper;value=Paper has:given;unit=Unit;ours=We have:4;
         remark=Where ours is from;where=Where the paper'"'"'s figure was found'
+}
+
+# Such figures that papers.csv has by subject and quantity, and ours, as a table of CSV.
+beside() { # AWK PAPER TABLE OURS [FORM]
+    set -- "$1" "$2" "$3" "$out/$4.csv" "${5:-}"
+    [ -f "$4" ] || set -- "$1" "$2" "$3" /dev/null "$5"
+    awk -v paper="$2" -v table="$3" -v form="$5" -v papers="$here/papers.csv" -f "$here/csv.awk" -f "$here/paper.awk" \
+        -f "$here/$1.awk" "$here/papers.csv" "$4"
 }
 
 head_of_page() {
@@ -174,13 +182,21 @@ part_levels() {
     section levels 'LH04 table 2: error of the levels'
     measured lod_error lod_error.csv || return
     echo '<p>Each level’s mesh against the finest samples; pixels for n = 255, W = 640, 90 degrees at LH04’s
-distance 0.4 n g. The finest level has no error. Marked: rms from 0.2 px, 99.9 % from 1 px.</p>'
-    curves levels "$out/lod_error.csv" '' terrain spacing_m p999_px 'spacing of the level, m' '99.9 % within, px' \
+distance 0.4 n g, that is its e times s / g with s = 1.25 W / (n tan(fov/2)). The finest level has no error. Marked: rms
+from 0.2 px, 99.9 % from 1 px.</p>'
+    beside levels LH04 'table 2' lod_error list >"$work/levels.csv"
+    curves levels "$work/levels.csv" '' terrain spacing_m p999_px 'spacing of the level, m' '99.9 % within, px' \
         positive=1 -- xlog=1 ylog=1
-    table "$out/lod_error.csv" 'columns=terrain=Terrain;level=Level;spacing_m=Spacing, m:3;rms_m=rms, m:3;
+    echo '<h3>Side by side</h3><p>Pixels, by how many levels a level is coarser than the finest one; LH04 counts from the
+coarsest, so that its level l stands in column 9 &minus; l (Puget Sound) or 11 &minus; l (United States).</p>'
+    beside levels LH04 'table 2' lod_error wide >"$work/wide.csv"
+    table "$work/wide.csv" "columns=figure=px;terrain=Terrain;spacing_m=Finest, m:3$(head -n 1 "$work/wide.csv" |
+        tr , '\n' | sed -n 's/^c\([0-9]*\)$/;c\1=\1:given/p' | tr -d '\n')" group=1
+    echo '<h3>By level</h3>'
+    table "$work/levels.csv" 'columns=terrain=Terrain;level=Level;spacing_m=Spacing, m:3;rms_m=rms, m:3;
         p999_m=99.9 %, m:3;max_m=Largest, m:3;rms_px=rms, px:3;p999_px=99.9 %, px:3;max_px=Largest, px:3' \
         group=1 'limits=rms_px<0.2;p999_px<1'
-    papers LH04 'table 2'
+    echo '<p class="grey">LH04’s figures: the project’s notes of the papers.</p>'
 }
 
 part_space() {
@@ -197,16 +213,22 @@ main memory on a software renderer.</p>'
         texture_normal_bytes=Normal textures:bytes;geometry_bytes=Geometry:bytes;pyramid_bytes=Caches:bytes;
         resident_start_bytes=Resident at start:bytes;resident_context_bytes=with a context:bytes;
         resident_view_bytes=with the view:bytes'
-    papers LH04 'table 3'
+    echo '<h3>Run-time space, side by side</h3>'
+    beside space LH04 'table 3' space >"$work/runtime.csv"
+    table "$work/runtime.csv" 'columns=scheme=Scheme and terrain;samples=Samples:int;bytes=Run-time space:bytes;
+        bytes_per_sample=Bytes a sample:3'
     echo '<p>The clipmap’s share does not grow with the terrain: for small terrains it is most of the view, for the
-papers’ it vanishes beside the data.</p>'
+papers’ it vanishes beside the data.</p><h3>What a clipmap takes, of the terrain with the most levels</h3>'
+    papers LH04 memory
 }
 
 part_figures9() {
     section figures9 'LH04 section 9 and AH05: frames and triangles a second'
     ran error_time
-    echo '<p>Ours: squares, n = 255, the view lowest above ground, 640 x 480, unlit, without a window; the papers’: a
-graphics card of their year. What compares is the number of triangles, not the time.</p>'
+    ran views
+    echo '<p>Ours: squares, n = 255, the view lowest above ground, without a window, lit before a flat background where it
+says so; the papers’: a graphics card of their year (LH04: Radeon 9800 XT, 640 x 480, 90 degrees). What compares is the
+number of triangles, not the time.</p>'
     papers LH04 'section 9'
     papers AH05 'section 2.5'
     papers AH05 'table 2-2'
@@ -219,10 +241,18 @@ part_ch06() {
     if measured triangles triangles.csv; then
         table "$out/triangles.csv" 'columns=scene=View;scheme=Scheme;all=All levels:int;
             to_pixel=down to a pixel:int;to_horizon=and to the horizon:int;drawn=Drawn:int;paper=CH06:int'
-        papers CH06 'section 5.2'
         echo '<p>CH06 has 16 levels, to about a metre, and no culling by direction: its figures compare with those to the
 horizon. Ours go on to centimetres. "Drawn" is what is left of them by direction.</p>'
     fi
+    echo '<h3>The three views, side by side</h3>'
+    if measured views views.csv; then
+        echo '<p>1280 x 960, 512 steps around, 20 a level. CH06: GeForce 6800, the Earth with colours from pictures; ours:
+the default planet, lit, 60 degrees, from 2 m, 10 km and 10,000 km.</p>'
+    fi
+    beside views CH06 views views >"$work/ch06.csv"
+    table "$work/ch06.csv" 'columns=view=View;scheme=Scheme;levels=Levels;triangles=Triangles of these:int;drawn=Drawn:int;
+        rate=Frames a second:3;scene=Our scene' group=1
+    papers CH06 culling
     echo '<h3>Precision by level (CH06 figure 12)</h3>'
     measured precision precision.csv || return
     awk -v column=err_px -f "$here/csv.awk" -f "$here/precision.awk" "$out/precision.csv" >"$work/precision.px"
@@ -239,18 +269,27 @@ horizon. Ours go on to centimetres. "Drawn" is what is left of them by direction
         err_px=Error, px:3'
     echo '</details>'
     papers CH06 'figure 12'
+    papers PT precision
 }
 
 part_bn08() {
     section bn08 'BN08: hexagons'
-    echo '<div class="grey">Not there yet: this version has no hexagonal scheme, so there is nothing to compare.</div>'
-    papers BN08 all
+    echo '<div class="grey">Not there yet: this version has no hexagonal scheme, so that rings stand beside them.</div>'
+    echo '<p>BN08: GeForce 8800 GT. Ours: the views above, by squares and by rings.</p>'
+    papers BN08 rates
 }
 
 # ---- Compression, scaling, extreme cases, what is left out -----------------------------------------------------------
 
 part_compression() {
     section compression 'Compression: bits against error'
+    echo '<h3>LH04’s terrains and ours</h3><p>Ours: the files of <a href="#space">space</a>, with what packing takes by default, an rms of 6 % of the
+spacing; PSNR of the range of heights; packing by processor time (LH04: about 5 hours for the United States).</p>'
+    beside space LH04 compression space >"$work/compression.csv"
+    table "$work/compression.csv" 'columns=terrain=Terrain;samples=Samples:int;spacing_m=Spacing, m:3;
+        raw_bytes=Raw (16 bits):bytes;packed_bytes=Packed:bytes;factor=Factor:3;bits_per_sample=Bits a sample:3;
+        rms_m=rms, m:3;rms_percent=of the spacing, %:3;psnr_db=PSNR, dB:3;msps=Packing, million samples/s:3'
+    echo '<h3>Against other codecs</h3>'
     measured rate_distortion rate_distortion.csv || return
     curves rate "$out/rate_distortion.csv" dataset codec+mode^ bits_per_sample rms_m \
         'bits a sample, whole files' 'rms, m' \
