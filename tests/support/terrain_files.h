@@ -52,8 +52,8 @@ terrain_error terrain_compare(const tc_grid *grid, const char *path);
 /* `side` x `side` samples somewhere in a terrain that has as many. */
 tc_rect terrain_place(test_random *random, int64_t width, int64_t height, int64_t side);
 
-/* What decoding such a place takes of the next coarser level, whose filters reach for some samples beyond it: to be read
- * before, where only the place's own level is to be measured. Ends where the coarser level does. */
+/* What decoding such a place takes of the next coarser level, whose filters reach for some samples beyond it: to be
+ * read before, where only the place's own level is to be measured. Ends where the coarser level does. */
 tc_rect terrain_coarser_place(tc_rect place, tc_level coarser);
 
 /* Processor and wall-clock seconds. */
