@@ -15,8 +15,11 @@
 /* The first part's lines start at PART_LINES; below it lie the defines. */
 enum { PART_LINES = 10000, MAX_PARTS = 32, MAX_STRINGS = 2 + 2 * MAX_PARTS };
 
-const char *tc_shader_text(const char *name)
+const char *tc_shader_text(const struct tc_shader_file *own, const char *name)
 {
+    for (const struct tc_shader_file *file = own; file && file->name; file++)
+        if (strcmp(file->name, name) == 0)
+            return file->text;
     for (const struct tc_shader_file *file = tc_shader_files; file->name; file++)
         if (strcmp(file->name, name) == 0)
             return file->text;
@@ -73,8 +76,8 @@ static tc_status complain(tc_error *error, const char *const *parts, const char 
 }
 
 /* Compiles one stage. */
-static tc_status compile(const tc_gl *gl, GLenum type, const char *const *parts, const char *defines,
-                         GLuint *shader_ret, tc_error *error)
+static tc_status compile(const tc_gl *gl, GLenum type, const char *const *parts, const struct tc_shader_file *own,
+                         const char *defines, GLuint *shader_ret, tc_error *error)
 {
     const char *strings[MAX_STRINGS];
     char lines[MAX_PARTS][32];
@@ -82,7 +85,7 @@ static tc_status compile(const tc_gl *gl, GLenum type, const char *const *parts,
     strings[count++] = "#version 450 core\n";
     strings[count++] = defines ? defines : "";
     for (int i = 0; parts[i]; i++) {
-        const char *text = tc_shader_text(parts[i]);
+        const char *text = tc_shader_text(own, parts[i]);
         if (!text)
             return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: no such shader file in this program", parts[i]);
         if (i == MAX_PARTS)
@@ -107,13 +110,13 @@ static tc_status compile(const tc_gl *gl, GLenum type, const char *const *parts,
     return TC_OK;
 }
 
-tc_status tc_program_build(const tc_gl *gl, const char *const *vertex, const char *const *fragment, const char *defines,
-                           GLuint *program_ret, tc_error *error)
+tc_status tc_program_build(const tc_gl *gl, const char *const *vertex, const char *const *fragment,
+                           const struct tc_shader_file *own, const char *defines, GLuint *program_ret, tc_error *error)
 {
     GLuint shaders[2] = {0, 0};
-    tc_status status = compile(gl, GL_VERTEX_SHADER, vertex, defines, &shaders[0], error);
+    tc_status status = compile(gl, GL_VERTEX_SHADER, vertex, own, defines, &shaders[0], error);
     if (status == TC_OK && fragment)
-        status = compile(gl, GL_FRAGMENT_SHADER, fragment, defines, &shaders[1], error);
+        status = compile(gl, GL_FRAGMENT_SHADER, fragment, own, defines, &shaders[1], error);
     if (status == TC_OK) {
         GLuint program = gl->CreateProgram();
         for (int i = 0; i < 2; i++)

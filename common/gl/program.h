@@ -11,13 +11,13 @@ struct tc_shader_file {
 };
 extern const struct tc_shader_file tc_shader_files[];
 
-/* Text of a shader file by name; NULL where there is none. */
-const char *tc_shader_text(const char *name);
+/* Text by name: of `own`, a list that ends with a NULL name (NULL: none), else of a file; NULL where there is none. */
+const char *tc_shader_text(const struct tc_shader_file *own, const char *name);
 
-/* Compiles and links. vertex and fragment name files of shaders/, in order, NULL-terminated lists; defines is text put
- * after the #version line of both ("#define LIT\n..."). A compiler's complaint goes into *error, cut to its first
- * line, prefixed by the file's name. */
-tc_status tc_program_build(const tc_gl *gl, const char *const *vertex, const char *const *fragment, const char *defines,
-                           GLuint *program_ret, tc_error *error);
+/* Compiles and links. vertex and fragment name texts of `own` or files of shaders/, in order, NULL-terminated lists;
+ * defines is text put after the #version line of both ("#define LIT\n..."). A compiler's complaint goes into *error,
+ * cut to its first line, prefixed by the file's name. */
+tc_status tc_program_build(const tc_gl *gl, const char *const *vertex, const char *const *fragment,
+                           const struct tc_shader_file *own, const char *defines, GLuint *program_ret, tc_error *error);
 
 #endif

@@ -62,7 +62,7 @@ static tc_status make_sampled(const tc_gl *gl, tc_canvas *c, tc_error *error)
     gl->NamedFramebufferRenderbuffer(c->picture, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, c->resolved);
     gl->CreateVertexArrays(1, &c->vertices);
     static const char *const vertex[] = {"canvas.vert", NULL}, *const fragment[] = {"canvas.frag", NULL};
-    return tc_program_build(gl, vertex, fragment, "", &c->program, error);
+    return tc_program_build(gl, vertex, fragment, NULL, "", &c->program, error);
 }
 
 tc_status tc_canvas_resize(const tc_gl *gl, tc_canvas *canvas, int width, int height, int samples, tc_error *error)

@@ -61,7 +61,7 @@ static tc_status build_terrain(const tc_gl *gl, const tc_surface *surface, const
     list_defines(surface, needs, closers, defines);
     list_parts(vertex, surface->vertex_parts, false, "renderer.vert");
     list_parts(fragment, surface->fragment_parts, true, "renderer.frag");
-    return tc_program_build(gl, vertex, fragment, defines, program_ret, error);
+    return tc_program_build(gl, vertex, fragment, surface->texts, defines, program_ret, error);
 }
 
 tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,
@@ -75,7 +75,7 @@ tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, co
     GLuint *sky = &programs->sky[needs->linear];
     if (!status && !*sky && needs->sky)
         status = tc_program_build(gl, sky_vertex, (const char *[]){"frame.glsl", "encode.glsl", surface->sky, NULL},
-                                  sky_defines(needs), sky, error);
+                                  surface->texts, sky_defines(needs), sky, error);
     return status;
 }
 

@@ -79,12 +79,13 @@ struct tc_surface {
     /* GLSL files, NULL-terminated, that map a vertex and colour a fragment; the functions that they define are named in
      * renderer.vert and renderer.frag. */
     const char *const *vertex_parts, *const *fragment_parts;
-    const char *sky;   /* the sky's fragment shader */
-    bool closers;      /* draws triangle lists, too, where levels meet */
-    bool instances;    /* its vertex stage reads a tc_instance */
-    bool sphere;       /* the map is a sphere around the eye's frame, not a plane */
-    double near_plane; /* metres, for positions relative to the eye */
-    double extent;     /* metres, of all that there is to see */
+    const struct tc_shader_file *texts; /* of parts that are no files, {name, text}, ended by a NULL name; NULL: none */
+    const char *sky;                    /* the sky's fragment shader */
+    bool closers;                       /* draws triangle lists, too, where levels meet */
+    bool instances;                     /* its vertex stage reads a tc_instance */
+    bool sphere;                        /* the map is a sphere around the eye's frame, not a plane */
+    double near_plane;                  /* metres, for positions relative to the eye */
+    double extent;                      /* metres, of all that there is to see */
     tc_geometry geometry;
     int charts;
     tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. The surface's own */

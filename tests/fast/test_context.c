@@ -165,9 +165,9 @@ static void program_names_a_missing_file(void **state)
     memset(&gl, 0, sizeof gl);
     tc_error error;
     GLuint program = 77;
-    assert_null(tc_shader_text("no-such-file.glsl"));
+    assert_null(tc_shader_text(NULL, "no-such-file.glsl"));
     assert_int_equal(
-        tc_program_build(&gl, (const char *const[]){"no-such-file.glsl", NULL}, NULL, "", &program, &error),
+        tc_program_build(&gl, (const char *const[]){"no-such-file.glsl", NULL}, NULL, NULL, "", &program, &error),
         TC_ERR_UNSUPPORTED);
     assert_non_null(strstr(error.text, "no-such-file.glsl: "));
     assert_int_equal(program, 77);

@@ -5,8 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/gl/program.h"
 #include "planar/square.h"
 #include "spherical/rings.h"
+#include "tests/support/gl_refuse.h"
 #include "tests/support/host_state.h"
 #include "tests/support/planet_scene.h"
 #include "tests/support/scene.h"
@@ -506,6 +508,104 @@ static void targets_that_are_not_as_they_say_are_refused(void **state)
     scene_destroy(&s);
 }
 
+/* ---- A driver without memory ------------------------------------------------------------------------------------- */
+
+/* Draws a frame and more of another size, and destroys all; what was refused is said, and nothing stays behind. */
+static void draw_with(const tc_gl *table, gl_refuse *refuse, tc_surface *surface, const tc_scene_options *options,
+                      const uint8_t *picture)
+{
+    const tc_camera c = flat_view();
+    tc_renderer *r = NULL;
+    tc_frame_stats stats = {0};
+    tc_error error = {.text = ""};
+    tc_status status = tc_renderer_create(table, surface, options, &r, &error);
+    if (status == TC_OK)
+        status = tc_renderer_frame(r, &c, true, &stats, &error);
+    bool was_refused = refuse->refuse && refuse->asked >= refuse->refuse;
+    if (status != (was_refused ? TC_ERR_MEMORY : TC_OK) || (status && (!error.text[0] || strchr(error.text, '\n'))))
+        fail_msg("allocation %d refused: %d, \"%s\"", refuse->refuse, status, error.text);
+    if (r) { /* and once there is memory again it goes on */
+        uint8_t *rgb = malloc(3 * WIDTH * HEIGHT);
+        assert_non_null(rgb);
+        do {
+            bool before = refuse->asked < refuse->refuse;
+            status = tc_renderer_frame(r, &c, true, &stats, &error);
+            bool again = before && refuse->asked >= refuse->refuse; /* it was in a later frame */
+            assert_int_equal(status, again ? TC_ERR_MEMORY : TC_OK);
+        } while (status != TC_OK || !stats.resident);
+        tc_renderer_read(r, rgb, NULL);
+        if (picture)
+            assert_memory_equal(rgb, picture, 3 * WIDTH * HEIGHT);
+        free(rgb);
+    }
+    tc_renderer_destroy(r);
+    if (refuse->alive)
+        fail_msg("allocation %d refused: %d objects are left", refuse->refuse, refuse->alive);
+    assert_int_equal(gl->GetError(), GL_NO_ERROR);
+}
+
+static void a_driver_without_memory_is_said(void **state)
+{
+    (void)state;
+    const tc_camera c = flat_view();
+    for (int samples = 1; samples <= 4; samples += 3) {
+        tc_scene_options options = look;
+        options.samples = samples;
+        scene s = scene_create(context, flat, 63, &options);
+        scene_draw(&s, &c, true);
+        uint8_t *picture = scene_pixels(&s, &c);
+        tc_surface *surface = another_surface(false);
+        gl_refuse refuse = {0};
+        tc_gl table = gl_refuse_begin(gl, &refuse);
+        draw_with(&table, &refuse, surface, &options, picture);
+        int all = refuse.asked;
+        assert_true(all > 8);
+        for (int k = 1; k <= all; k++) {
+            refuse = (gl_refuse){.refuse = k};
+            table = gl_refuse_begin(gl, &refuse);
+            draw_with(&table, &refuse, surface, &options, picture);
+        }
+        surface->destroy(surface);
+        free(picture);
+        scene_destroy(&s);
+    }
+}
+
+/* ---- A scheme's own text ----------------------------------------------------------------------------------------- */
+
+/* Parts of programs need not be files of shaders/: this one's heights are all on the shore. */
+static void a_scheme_brings_its_own_text(void **state)
+{
+    (void)state;
+    static const char *const parts[] = {"all_shore.frag", NULL};
+    static const struct tc_shader_file texts[] = {
+        {"all_shore.frag", "INTERPOLATED in float v_height;\nfloat surface_height()\n{\n    return heights.x;\n}\n"},
+        {NULL, NULL}};
+    const tc_scene_options plain = {.unlit = true, .background_set = true, .budget = -1};
+    const tc_camera c = {.x = 3000, .y = 2000, .z = 3000, .pitch = -1.57, .fov = 1, .width = WIDTH, .height = HEIGHT};
+    scene s = {.surface = another_surface(false)};
+    s.surface->fragment_parts = parts;
+    s.surface->texts = texts;
+    tc_error error = {.text = ""};
+    if (tc_renderer_create(gl, s.surface, &plain, &s.renderer, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    scene_draw(&s, &c, true);
+    uint8_t *rgb = scene_pixels(&s, &c);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        assert_memory_equal(rgb + 3 * i, rgb, 3);
+    assert_true(rgb[0] > 0);
+    free(rgb);
+    scene_destroy(&s);
+    static const struct tc_shader_file wrong[] = {
+        {"all_shore.frag", "float surface_height()\n{\n    return nothing;\n}\n"}, {NULL, NULL}};
+    s.surface = another_surface(false);
+    s.surface->fragment_parts = parts;
+    s.surface->texts = wrong;
+    assert_int_equal(tc_renderer_create(gl, s.surface, &plain, &s.renderer, &error), TC_ERR_CONTEXT);
+    assert_non_null(strstr(error.text, "all_shore.frag:3: "));
+    s.surface->destroy(s.surface);
+}
+
 int main(void)
 {
     context = scene_context();
@@ -521,6 +621,8 @@ int main(void)
         cmocka_unit_test(a_host_gets_its_state_back),
         cmocka_unit_test(two_views_in_a_frame_are_the_two_apart),
         cmocka_unit_test(nonsense_matrices_are_refused),
+        cmocka_unit_test(a_driver_without_memory_is_said),
+        cmocka_unit_test(a_scheme_brings_its_own_text),
         cmocka_unit_test(targets_that_are_not_as_they_say_are_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

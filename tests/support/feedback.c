@@ -18,7 +18,7 @@ GLuint feedback_program(const tc_gl *gl, const char *defines, const char *const 
     const char *text[16] = {"#version 450 core\n", defines};
     int texts = 2, captured = 0;
     for (; *parts && texts < 15; parts++)
-        if (!(text[texts++] = tc_shader_text(*parts)))
+        if (!(text[texts++] = tc_shader_text(NULL, *parts)))
             complain(*parts);
     text[texts++] = own;
     char log[1024] = "";
