@@ -22,7 +22,8 @@ WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointe
 WARNXX := -Wall -Wextra -Wshadow -Werror
 # -ffp-contract=off: the same heights from every compiler and on every processor. -fno-math-errno: square roots are an
 # instruction, with the same result.
-COMMON := -g -fPIC -pthread -ffp-contract=off -fno-math-errno -MMD -MP -I. -I$(O)/gen -DTC_VERSION='"$(VERSION)"' -DTC_PLUGIN_DIR='"$(PREFIX)/lib/terraclip"'
+# -fvisibility=hidden: what a shared library shows are the functions of its public header, which says so.
+COMMON := -g -fPIC -fvisibility=hidden -pthread -ffp-contract=off -fno-math-errno -MMD -MP -I. -I$(O)/gen -DTC_VERSION='"$(VERSION)"' -DTC_PLUGIN_DIR='"$(PREFIX)/lib/terraclip"'
 opt.release := -O3 -DNDEBUG
 opt.debug := -O0
 opt.sanitize := -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
@@ -54,12 +55,15 @@ obj = $(patsubst %,$(OBJ)/%.o,$(basename $(1)))
 
 LIBRARY := $(O)/libterraclip.a
 DRAW_LIBRARY := $(O)/libterraclip-draw.a
+SONAME := $(firstword $(subst ., ,$(VERSION)))
+SHARED := $(O)/libterraclip.so.$(VERSION)
+DRAW_SHARED := $(O)/libterraclip-draw.so.$(VERSION)
 APP_LIBRARY := $(OBJ)/app.a
 PROGRAMS := $(O)/terraclip $(O)/planar-viewer $(O)/planet-viewer
 PLUGINS := $(O)/terraclip-gdal.so $(O)/terraclip-oiio.so $(O)/terraclip-window.so
 
 .PHONY: all
-all: $(PROGRAMS) $(PLUGINS) $(LIBRARY) $(DRAW_LIBRARY)
+all: $(PROGRAMS) $(PLUGINS) $(LIBRARY) $(DRAW_LIBRARY) $(SHARED) $(DRAW_SHARED)
 
 # make V=1 shows the commands.
 Q := $(if $(V),,@)
@@ -120,6 +124,17 @@ $(APP_LIBRARY): $(APP_OBJ)
 $(LIBRARY) $(DRAW_LIBRARY) $(APP_LIBRARY):
 	@echo "  AR    $@"
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
+
+# The shared libraries. What drawing needs of the core beyond its public functions it brings along, hidden.
+$(SHARED): $(CORE_OBJ)
+	@echo "  LINK  $@"
+	$(Q)$(CC) -shared -Wl,-soname,libterraclip.so.$(SONAME) $(LDFLAGS_ALL) $^ -o $@ $(LIBS)
+	$(Q)ln -sf $(@F) $(O)/libterraclip.so.$(SONAME) && ln -sf libterraclip.so.$(SONAME) $(O)/libterraclip.so
+$(DRAW_SHARED): $(DRAW_OBJ) $(SHARED) $(LIBRARY)
+	@echo "  LINK  $@"
+	$(Q)$(CC) -shared -Wl,-soname,libterraclip-draw.so.$(SONAME) -Wl,--exclude-libs,ALL $(LDFLAGS_ALL) $(DRAW_OBJ) \
+	    $(SHARED) $(LIBRARY) -o $@ -Wl,--no-undefined $(LIBS)
+	$(Q)ln -sf $(@F) $(O)/libterraclip-draw.so.$(SONAME) && ln -sf libterraclip-draw.so.$(SONAME) $(O)/libterraclip-draw.so
 
 $(O)/terraclip: $(OBJ)/data/main.o $(DATA_OBJ) $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	$(LINK)
@@ -260,6 +275,8 @@ install: all
 	install -m 755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(PLUGINS) $(DESTDIR)$(PREFIX)/lib/terraclip
 	install -m 644 $(LIBRARY) $(DESTDIR)$(PREFIX)/lib
+	install -m 755 $(SHARED) $(DESTDIR)$(PREFIX)/lib
+	cp -P $(O)/libterraclip.so $(O)/libterraclip.so.$(SONAME) $(DESTDIR)$(PREFIX)/lib
 	install -m 644 common/terraclip.h $(DESTDIR)$(PREFIX)/include
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' docs/terraclip.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/terraclip.pc
 

@@ -24,6 +24,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#ifdef __GNUC__
+#pragma GCC visibility push(default) /* what is declared here is what the library shows */
+#endif
 
 /* ---- Status ------------------------------------------------------------------------------------------------- */
 
@@ -298,6 +301,9 @@ typedef struct tc_camera {
     int width, height;     /* pixels of the frame */
 } tc_camera;
 
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 #ifdef __cplusplus
 }
 #endif

@@ -14,6 +14,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#ifdef __GNUC__
+#pragma GCC visibility push(default)
+#endif
 
 /* ---- Targets ------------------------------------------------------------------------------------------------- */
 
@@ -44,6 +47,9 @@ typedef struct tc_target_place {
     bool keep_state; /* gives all OpenGL state back as it was, at the price of asking for it. Else promises nothing */
 } tc_target_place;
 
+#ifdef __GNUC__
+#pragma GCC visibility pop
+#endif
 #ifdef __cplusplus
 }
 #endif

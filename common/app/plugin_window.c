@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-extern const struct tc_window_plugin tc_plugin;
+extern const struct tc_window_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
 
 struct tc_window {
     GLFWwindow *glfw;

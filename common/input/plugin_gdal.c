@@ -415,5 +415,5 @@ static bool same_crs(const char *wkt, const char *other_wkt)
     return same;
 }
 
-extern const struct tc_gdal_plugin tc_plugin;
+extern const struct tc_gdal_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
 const struct tc_gdal_plugin tc_plugin = {.open = open_raster, .write_tiff = tc_gdal_write_tiff, .same_crs = same_crs};

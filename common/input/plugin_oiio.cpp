@@ -258,6 +258,6 @@ tc_status write_picture(const char *path, const char *temporary, int width, int 
 } // namespace
 
 extern "C" {
-extern const struct tc_oiio_plugin tc_plugin;
+extern const struct tc_oiio_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
 const struct tc_oiio_plugin tc_plugin = {open_raster, write_picture, can_write};
 }

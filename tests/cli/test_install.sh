@@ -12,7 +12,7 @@ if ! make -C "$root" config=$config install PREFIX=/usr DESTDIR="$stage" >instal
 fi
 
 cases=$((cases + 1))
-wanted='./bin/planar-viewer ./bin/planet-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/pkgconfig/terraclip.pc
+wanted='./bin/planar-viewer ./bin/planet-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/libterraclip.so.'"$(cat "$root/VERSION")"' ./lib/pkgconfig/terraclip.pc
 ./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-window.so'
 found=$(cd "$stage/usr" && find . -type f | LC_ALL=C sort | tr '\n' ' ')
 [ "$(echo $found)" = "$(echo $wanted)" ] || fail "installed: $found"
@@ -40,7 +40,7 @@ mv elsewhere/terraclip "$stage/usr"
 # ---- The library
 
 cat >use.c <<'end'
-/* A slope of 100 x 50 samples as a pyramid, and what is read from it. */
+/* A slope of 100 x 50 samples as a field, and what is read from it. */
 #include <terraclip.h>
 
 #include <math.h>
@@ -54,25 +54,26 @@ int main(void)
     grid.z = malloc(100 * 50 * sizeof *grid.z);
     for (int i = 0; grid.z && i < 100 * 50; i++)
         grid.z[i] = (float)(i % 100 + 2 * (i / 100));
-    tc_pyramid *pyramid;
+    tc_field *field;
     tc_error error;
-    if (!grid.z || tc_pyramid_build(&grid, 0, &pyramid, &error) != TC_OK)
+    if (!grid.z || tc_field_build(&grid, 0, &field, &error) != TC_OK)
         return 1;
-    int levels = tc_pyramid_info(pyramid)->levels;
-    tc_level coarser = tc_pyramid_level(pyramid, levels - 1);
+    int levels = tc_field_info(field)->levels;
+    tc_level coarser = tc_field_level(field, levels - 1);
     float z[6] = {0};
     double height = 0;
-    if (tc_pyramid_read(pyramid, levels - 1, (tc_rect){10, 10, 13, 12}, z, NULL, 3) != TC_OK ||
-        tc_pyramid_height(pyramid, 45 * 30, 12.5 * 30, &height) != TC_OK)
+    if (tc_field_read(field, levels - 1, (tc_rect){10, 10, 13, 12}, z, NULL, 3) != TC_OK ||
+        tc_field_height(field, 45 * 30, 12.5 * 30, &height) != TC_OK)
         return 2;
     printf("%s: %d levels, %dx%d, %.3f %.3f %.3f, %.3f\n", tc_version(), levels, (int)coarser.width,
            (int)coarser.height, z[0], z[1], z[3], height);
-    tc_pyramid_destroy(pyramid);
+    tc_field_destroy(field);
     return tc_exit_code(TC_ERR_USAGE) == 2 && strlen(tc_status_text(TC_ERR_IO)) > 0 ? 0 : 3;
 }
 end
 # Without what /usr itself may hold.
 export PKG_CONFIG_LIBDIR="$stage/usr/lib/pkgconfig" PKG_CONFIG_SYSROOT_DIR="$stage"
+export LD_LIBRARY_PATH="$stage/usr/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}"
 export PKG_CONFIG_ALLOW_SYSTEM_CFLAGS=1 PKG_CONFIG_ALLOW_SYSTEM_LIBS=1
 sanitizers=
 [ $config != sanitize ] || sanitizers=-fsanitize=address,undefined
@@ -99,6 +100,18 @@ library=$stage/usr/lib/libterraclip.a
 for name in $(grep -o '^[^/ ].*\btc_[a-z_]*(' "$root/common/terraclip.h" | grep -o 'tc_[a-z_]*($' | tr -d '('); do
     nm --defined-only "$library" 2>/dev/null | grep -q " T $name\$" || fail "$name is not in the library"
 done
+# What the shared libraries show are the functions of their headers, and nothing else.
+shows() { # LIBRARY HEADER
+    cases=$((cases + 1))
+    strange=$(nm -D --defined-only "$1" | awk '$2 ~ /[TDBRVW]/ { print $3 }' | grep -Ev '^(_init|_fini|__(asan|odr_asan|ubsan|sanitizer).*)$' |
+        while read -r name; do grep -q "\b$name\b" "$2" || echo "$name"; done | head -n 4 | tr '\n' ' ')
+    [ -z "$strange" ] || fail "${1##*/} shows $strange"
+    for name in $(grep -o '^[^/ ].*\btc_[a-z_]*(' "$2" | grep -o 'tc_[a-z_]*($' | tr -d '('); do
+        nm -D --defined-only "$1" | grep -q " T $name\$" || fail "${1##*/} does not show $name"
+    done
+}
+shows "$stage/usr/lib/libterraclip.so" "$root/common/terraclip.h"
+shows "$build/libterraclip-draw.so" "$root/common/terraclip_draw.h"
 # Nothing in the library needs OpenGL, GDAL or a window; and what it exports has its prefix.
 cases=$((cases + 1))
 strange=$(nm -u "$library" 2>/dev/null | grep -Ei ' (gl[A-Z]|egl|osmesa|gdal|glfw|dlopen)' | head -n 3)
