@@ -131,17 +131,68 @@ bool tc_field_wraps(const tc_field *field, int level);
  * same layout. z may be NULL: then only voids are read. Thread-safe. */
 tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
 
-/* Lower and upper bound of the level's heights over rect (cut to the level where that does not wrap; metres above
- * z_base). Conservative:
- * may be wider than the truth, never narrower. Thread-safe, takes no time to speak of. */
-void tc_field_range(const tc_field *field, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
+/* Whether samples can be had at once. */
+typedef enum tc_ready {
+    TC_READY,  /* they can: reading them decodes nothing and reads no file */
+    TC_COMING, /* not yet */
+    TC_FAILED  /* they could not be read; that is tried again by itself, ever more seldom (0.25 s to 30 s) */
+} tc_ready;
 
-/* Bytes of memory held. */
-size_t tc_field_bytes(const tc_field *field);
+/* What a question whether samples are ready asks for beside. */
+typedef enum tc_urgency {
+    TC_ONLY_ASK, /* nothing */
+    TC_SOON,     /* that a thread decodes them, after what is urgent */
+    TC_URGENT    /* that it decodes them first; of what is as urgent, coarser levels first */
+} tc_urgency;
+
+/* Whether the samples of rect (cut to the level where that does not wrap) are ready. A rectangle of any size gets
+ * ready: what is kept of decoded samples grows beyond tc_open_options.cache_bytes while one question needs more.
+ * Thread-safe, takes no time to speak of. */
+tc_ready tc_field_ready(const tc_field *field, int level, tc_rect rect, tc_urgency urgency);
+
+/* As tc_field_read() where the samples are ready, TC_READY; else z and voids hold nothing of use. Also TC_FAILED for
+ * what tc_field_read() refuses. Thread-safe, never waits for a file or for decoding. */
+tc_ready tc_field_read_ready(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
+                             tc_urgency urgency);
+
+/* Bounds of heights, metres above z_base. Conservative: may be wider than the truth, never narrower. */
+typedef struct tc_range {
+    float lo, hi;
+    float step; /* how far a sample may be from the next coarser level's mesh there; INFINITY where that is not known */
+} tc_range;
+
+/* What bounds the level's heights over rect (cut to the level where that does not wrap; all of the terrain where
+ * nothing is left). At most four reads of memory, however large the rectangle: never waits for a file. Of a packed
+ * terrain it may be wide until more of the file's index has been read, which this asks for. Thread-safe. */
+tc_range tc_field_range(const tc_field *field, int level, tc_rect rect);
+
+/* Whether samples have changed since the last call with the same *since, 0 at first: then *finest_ret is a rectangle of
+ * the finest level around all that has. Any number of readers, each with a *since of its own. Thread-safe. */
+bool tc_field_changed(const tc_field *field, uint64_t *since, tc_rect *finest_ret);
+
+/* Figures of a field since it was opened. */
+typedef struct tc_field_stats {
+    size_t bytes;       /* of memory held */
+    size_t cache_bytes; /* of these for decoded tiles and masks */
+    int64_t damaged;    /* tiles found damaged, which were read from the next coarser level */
+    int64_t unreadable; /* tiles that could not be read when that was last tried, up to 256 */
+    int64_t decoded;    /* bytes of tiles decoded */
+    int64_t waits;      /* readings that had to wait for a file or for decoding on the thread that asked */
+    int64_t ranges;     /* questions for a range, and reads of memory for them */
+    int64_t range_reads;
+} tc_field_stats;
+tc_field_stats tc_field_tell(const tc_field *field);
+
+/* Where it lies; lives as long as the field. */
+const tc_georef *tc_field_georef(const tc_field *field);
 
 /* Height of the finest level at (x, y) metres, on its mesh of triangles, in metres above z_base; outside the terrain
  * that of the nearest border point, where the terrain does not wrap. */
 tc_status tc_field_height(const tc_field *field, double x, double y, double *z_ret);
+
+/* The same without waiting, of the finest level that is ready there (*level_ret, where not NULL); asks for the finest.
+ * False where none is. */
+bool tc_field_height_ready(const tc_field *field, double x, double y, double *z_ret, int *level_ret);
 
 /* ---- Packed terrains ------------------------------------------------------------------------------------------ */
 
@@ -264,7 +315,7 @@ typedef struct tc_open_options {
     bool has_policy; /* else as the file says */
     tc_void_policy voids;
     double void_constant; /* metres */
-    size_t cache_bytes;   /* of decoded tiles; 0: 32 MiB */
+    size_t cache_bytes;   /* of decoded tiles and masks, of all charts together; 0: 40 MiB, else at least 1 MiB */
 } tc_open_options;
 
 /* Opens a packed terrain; reads its header only. A file that was cut short opens with the levels that are whole. */
@@ -284,13 +335,9 @@ typedef struct tc_byte_source {
 tc_status tc_field_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
                               tc_field **field_ret, tc_error *error);
 
-/* NULL for a pyramid that is not packed; lives as long as the pyramid. */
+/* NULL for a field that is not read from a packed file; lives as long as the field. */
 const tc_packed_info *tc_field_packed_info(const tc_field *field);
 tc_packed_level tc_field_packed_level(const tc_field *field, int level);
-
-/* Tiles found damaged so far, which were read from the next coarser level, and bytes of tiles decoded so far. */
-int64_t tc_field_damaged(const tc_field *field);
-int64_t tc_field_bytes_decoded(const tc_field *field);
 
 /* ---- Camera ------------------------------------------------------------------------------------------------- */
 

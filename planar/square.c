@@ -59,11 +59,10 @@ static void vertex_bounds(const assembly *a, int field_level, tc_rect cells, dou
         samples.y0 = tc_max64(0, tc_min64(samples.y0, size.height - 2));
         beyond++;
     }
-    float lo, hi;
-    tc_field_range(a->field, field_level, samples, &lo, &hi);
+    tc_range range = tc_field_range(a->field, field_level, samples);
     double more = beyond == 0 ? 0 : beyond == 1 ? 1 : 4;
-    *lo_ret = lo - more * ((double)hi - lo);
-    *hi_ret = hi + more * ((double)hi - lo);
+    *lo_ret = range.lo - more * ((double)range.hi - range.lo);
+    *hi_ret = range.hi + more * ((double)range.hi - range.lo);
 }
 
 /* Bounds of everything drawn over the cells: the level's own heights and the morph's targets. */

@@ -301,9 +301,8 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
         s->head.charts = chart + 1;
         for (int l = tc_clipmap_field_level(s->head.clipmap[chart], 1); l <= tc_field_info(c->field)->levels; l++) {
             tc_level size = tc_field_level(c->field, l);
-            float lo, hi;
-            tc_field_range(c->field, l, (tc_rect){0, 0, size.width, size.height}, &lo, &hi);
-            s->z_lo = fmin(s->z_lo, lo), s->z_hi = fmax(s->z_hi, hi);
+            tc_range all = tc_field_range(c->field, l, (tc_rect){0, 0, size.width, size.height});
+            s->z_lo = fmin(s->z_lo, all.lo), s->z_hi = fmax(s->z_hi, all.hi);
         }
     }
     if (tc_rings_partial(s))

@@ -223,9 +223,8 @@ static void chart_bounds(const rings_surface *s, const rings_view *v, int chart,
         double x = v->place[chart].x, y = v->place[chart].y;
         tc_rect r = {(int64_t)floor(ldexp(x + e.x0, -shift)) - 1, (int64_t)floor(ldexp(y + e.y0, -shift)) - 1,
                      (int64_t)ceil(ldexp(x + e.x1, -shift)) + 2, (int64_t)ceil(ldexp(y + e.y1, -shift)) + 2};
-        float a, b;
-        tc_field_range(field, tc_clipmap_field_level(clipmap, level), r, &a, &b);
-        widen(lo, hi, a, b);
+        tc_range range = tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
+        widen(lo, hi, range.lo, range.hi);
     }
 }
 

@@ -108,10 +108,10 @@ void tc_terrain_close(tc_terrain *terrain)
 
 int64_t tc_terrain_bytes_decoded(const tc_field *field)
 {
-    return tc_field_packed_info(field) ? tc_field_bytes_decoded(field) : 0;
+    return tc_field_tell(field).decoded;
 }
 
 int64_t tc_terrain_damaged(const tc_field *field)
 {
-    return tc_field_packed_info(field) ? tc_field_damaged(field) : 0;
+    return tc_field_tell(field).damaged;
 }

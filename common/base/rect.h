@@ -56,6 +56,17 @@ static inline bool tc_rect_within(tc_rect a, tc_rect b)
     return tc_rect_empty(a) || (a.x0 >= b.x0 && a.y0 >= b.y0 && a.x1 <= b.x1 && a.y1 <= b.y1);
 }
 
+/* The one or two pieces on a level that wraps, `width` wide, of what sticks out of it; once around is all. */
+static inline int tc_rect_round(tc_rect rect, int64_t width, tc_rect piece[2])
+{
+    int64_t x = rect.x0 - tc_turn(rect.x0, width), w = rect.x1 - rect.x0;
+    if (w >= width)
+        x = 0, w = width;
+    piece[0] = (tc_rect){x, rect.y0, tc_min64(x + w, width), rect.y1};
+    piece[1] = (tc_rect){0, rect.y0, x + w - width, rect.y1};
+    return x + w > width ? 2 : 1;
+}
+
 static inline bool tc_rect_equal(tc_rect a, tc_rect b)
 {
     return (tc_rect_empty(a) && tc_rect_empty(b)) || (a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1);

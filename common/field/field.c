@@ -1,4 +1,4 @@
-/* pyramid.c - what is the same for every kind of pyramid. */
+/* field.c - what is the same for every kind of field. */
 #include "field.h"
 
 #include <math.h>
@@ -69,19 +69,25 @@ static tc_rect cut(const tc_field *field, int level, tc_rect rect)
     return tc_rect_intersect(rect, all);
 }
 
-tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+/* Reads piece by piece: without waiting, where how is given, which then is TC_COMING where that cannot be. */
+static tc_status read_pieces(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
+                             tc_ready *how)
 {
-    if (level < 1 || level > field->info.levels)
+    if (level < 1 || level > field->info.levels || field->class->sample != TC_FIELD_HEIGHTS)
         return TC_ERR_USAGE;
-    if (tc_rect_within(rect, level_rect(field, level)))
-        return tc_rect_empty(rect) ? TC_OK : field->class->read(field, level, rect, z, voids, stride);
-    if (!tc_field_wraps(field, level) || rect.y0 < 0 || rect.y1 > field->level[level - 1].height)
+    bool within = tc_rect_within(rect, level_rect(field, level));
+    if (!within && (!tc_field_wraps(field, level) || rect.y0 < 0 || rect.y1 > field->level[level - 1].height))
         return TC_ERR_USAGE;
     tc_status status = TC_OK;
     while (status == TC_OK && !tc_rect_empty(rect)) {
-        tc_rect piece = piece_at(field, level, rect);
+        tc_rect piece = within ? rect : piece_at(field, level, rect);
         int64_t width = piece.x1 - piece.x0;
-        status = field->class->read(field, level, piece, z, voids, stride);
+        if (!how || !field->class->read_ready)
+            status = field->class->read(field, level, piece, z, voids, stride);
+        else if (!field->class->read_ready(field, level, piece, z, voids, stride)) {
+            *how = TC_COMING;
+            return TC_OK;
+        }
         rect.x0 += width;
         z = z ? z + width : NULL;
         voids = voids ? voids + width : NULL;
@@ -89,53 +95,119 @@ tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z
     return status;
 }
 
-bool tc_field_ready(const tc_field *field, int level, tc_rect rect)
+tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
 {
+    return read_pieces(field, level, rect, z, voids, stride, NULL);
+}
+
+tc_ready tc_field_read_ready(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
+                             tc_urgency urgency)
+{
+    tc_ready how = TC_READY;
+    if (read_pieces(field, level, rect, z, voids, stride, &how))
+        return TC_FAILED;
+    if (how == TC_READY)
+        return TC_READY;
+    /* What has come in between is had by asking again. */
+    return tc_field_ready(field, level, rect, urgency) == TC_FAILED ? TC_FAILED : TC_COMING;
+}
+
+tc_ready tc_field_ready(const tc_field *field, int level, tc_rect rect, tc_urgency urgency)
+{
+    if (level < 1 || level > field->info.levels)
+        return TC_FAILED;
     rect = cut(field, level, rect);
-    return !field->class->ready || tc_rect_empty(rect) || field->class->ready(field, level, rect);
+    return !field->class->ready || tc_rect_empty(rect) ? TC_READY : field->class->ready(field, level, rect, urgency);
 }
 
-void tc_field_range(const tc_field *field, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
+tc_range tc_field_range(const tc_field *field, int level, tc_rect rect)
 {
-    rect = cut(field, level, rect);
-    if (tc_rect_empty(rect)) {
-        *z_min_ret = field->info.z_min, *z_max_ret = field->info.z_max;
-        return;
-    }
-    *z_min_ret = INFINITY, *z_max_ret = -INFINITY;
-    while (!tc_rect_empty(rect)) {
-        tc_rect piece = piece_at(field, level, rect);
-        float low, high;
-        field->class->bounds(field, level, piece, &low, &high);
-        *z_min_ret = fminf(*z_min_ret, low), *z_max_ret = fmaxf(*z_max_ret, high);
-        rect.x0 += piece.x1 - piece.x0;
-    }
+    rect = level < 1 || level > field->info.levels ? (tc_rect){0, 0, 0, 0} : cut(field, level, rect);
+    if (tc_rect_empty(rect))
+        return (tc_range){field->info.z_min, field->info.z_max, INFINITY};
+    return field->class->range(field, level, rect);
 }
 
-size_t tc_field_bytes(const tc_field *field)
+bool tc_field_changed(const tc_field *field, uint64_t *since, tc_rect *finest_ret)
 {
-    return field->class->bytes(field);
+    return field->class->changed && field->class->changed(field, since, finest_ret);
 }
 
-tc_status tc_field_height(const tc_field *field, double x, double y, double *z_ret)
+tc_field_stats tc_field_tell(const tc_field *field)
 {
-    int m = field->info.levels;
-    const tc_level *l = &field->level[m - 1];
-    bool wraps = tc_field_wraps(field, m);
+    tc_field_stats stats = {0};
+    field->class->tell(field, &stats);
+    return stats;
+}
+
+const struct tc_container *tc_field_container(const tc_field *field)
+{
+    return field->class->container ? field->class->container(field) : NULL;
+}
+
+const tc_georef *tc_field_georef(const tc_field *field)
+{
+    return &field->georef;
+}
+
+bool tc_is_other_body(const tc_georef *georef)
+{
+    return georef->semi_major > 0 && (georef->semi_major < 6.3e6 || georef->semi_major > 6.45e6);
+}
+
+/* ---- Height at a point ------------------------------------------------------------------------------------------ */
+
+/* The cell of a level that a point lies in, and where in it. */
+typedef struct cell {
+    tc_rect rect; /* 2 x 2 samples, or fewer where there are no more */
+    double tx, ty;
+} cell;
+
+static cell cell_at(const tc_field *field, int level, double x, double y)
+{
+    const tc_level *l = &field->level[level - 1];
+    bool wraps = tc_field_wraps(field, level);
     double u = x / l->spacing_x;
     u = wraps ? u - floor(u / (double)l->width) * (double)l->width : fmin(fmax(u, 0), (double)(l->width - 1));
     double v = fmin(fmax(y / l->spacing_y, 0), (double)(l->height - 1));
     int64_t i = wraps ? (int64_t)u : tc_clamp64((int64_t)u, 0, tc_max64(l->width - 2, 0));
     int64_t j = tc_max64(0, tc_min64((int64_t)v, l->height - 2));
-    tc_rect cell = {i, j, wraps ? i + 2 : tc_min64(i + 2, l->width), tc_min64(j + 2, l->height)};
-    float z[4];
-    tc_status status = tc_field_read(field, m, cell, z, NULL, 2);
-    if (status)
-        return status;
-    if (cell.x1 - cell.x0 < 2)
+    return (cell){
+        {i, j, wraps ? i + 2 : tc_min64(i + 2, l->width), tc_min64(j + 2, l->height)}, u - (double)i, v - (double)j};
+}
+
+static double height_in(const cell *c, float z[4])
+{
+    if (c->rect.x1 - c->rect.x0 < 2)
         z[1] = z[0], z[3] = z[2];
-    if (cell.y1 - cell.y0 < 2)
+    if (c->rect.y1 - c->rect.y0 < 2)
         z[2] = z[0], z[3] = z[1];
-    *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], u - (double)i, v - (double)j);
-    return TC_OK;
+    return tc_triangle_height(z[0], z[1], z[2], z[3], c->tx, c->ty);
+}
+
+tc_status tc_field_height(const tc_field *field, double x, double y, double *z_ret)
+{
+    int m = field->info.levels;
+    cell c = cell_at(field, m, x, y);
+    float z[4];
+    tc_status status = tc_field_read(field, m, c.rect, z, NULL, 2);
+    if (status == TC_OK)
+        *z_ret = height_in(&c, z);
+    return status;
+}
+
+bool tc_field_height_ready(const tc_field *field, double x, double y, double *z_ret, int *level_ret)
+{
+    for (int l = field->info.levels; l >= 1; l--) {
+        cell c = cell_at(field, l, x, y);
+        float z[4];
+        tc_urgency urgency = l == field->info.levels ? TC_SOON : TC_ONLY_ASK;
+        if (tc_field_read_ready(field, l, c.rect, z, NULL, 2, urgency) != TC_READY)
+            continue;
+        *z_ret = height_in(&c, z);
+        if (level_ret)
+            *level_ret = l;
+        return true;
+    }
+    return false;
 }

@@ -1,33 +1,51 @@
-/* pyramid.h - the reader interface behind tc_field: what a kind of pyramid (in memory, packed) implements. */
+/* field.h - what a kind of field implements: levels of samples, read by rectangles. Fields are in memory, packed, or
+ * decorate another one. */
 #ifndef TC_FIELD_H
 #define TC_FIELD_H
 
 #include "common/terraclip.h"
 
-/* Rectangles are not empty and lie within the level: what sticks out of a level that wraps is cut into pieces before,
- * but for `ready`: pieces would take turns in pushing each other out of a cache. */
+/* What a sample is. */
+typedef enum tc_field_sample {
+    TC_FIELD_HEIGHTS, /* float, metres above z_base */
+    TC_FIELD_COLOURS  /* RGBA8 */
+} tc_field_sample;
+
+struct tc_container;
+
+/* Rectangles are not empty and lie within the level's rows; of read and read_ready also within its columns (what goes
+ * round is cut into pieces before), else they may stick out of a level that wraps, by less than once around. */
 typedef struct tc_field_class {
-    tc_status (*read)(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
-    void (*bounds)(const tc_field *field, int level, tc_rect rect, float *z_min_ret, float *z_max_ret);
-    bool (*ready)(const tc_field *field, int level, tc_rect rect); /* NULL: always */
-    size_t (*bytes)(const tc_field *field);
+    tc_field_sample sample;
+    tc_status (*read)(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride);
+    /* The same without waiting; false where that cannot be. NULL: reading never waits. */
+    bool (*read_ready)(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride);
+    tc_ready (*ready)(const tc_field *field, int level, tc_rect rect, tc_urgency urgency); /* NULL: always */
+    tc_range (*range)(const tc_field *field, int level, tc_rect rect);
+    bool (*changed)(const tc_field *field, uint64_t *since, tc_rect *finest_ret); /* NULL: never */
+    void (*tell)(const tc_field *field, tc_field_stats *stats);                   /* adds to what is there */
+    /* Head of the packed file that this is read from. NULL: none. */
+    const struct tc_container *(*container)(const tc_field *field);
     void (*destroy)(tc_field *field);
 } tc_field_class;
 
 enum { TC_MAX_FIELD_LEVELS = 48 };
 
-/* The head of every kind of pyramid. */
+/* The head of every kind of field. What decorates another one begins with a copy of its head. */
 struct tc_field {
     const tc_field_class *class;
     tc_terrain_info info;
+    tc_georef georef;                    /* crs_wkt: owned by the kind of field */
     tc_level level[TC_MAX_FIELD_LEVELS]; /* [l - 1] */
 };
 
 /* Fills in the sizes and spacings of all levels and info.levels from the finest. */
 void tc_field_set_levels(tc_field *field, tc_level finest);
 
-/* Whether reading rect (cut to the level where that does not wrap) would take no time to speak of. Where it would, a
- * thread begins to see to it that it soon does not. */
-bool tc_field_ready(const tc_field *field, int level, tc_rect rect);
+/* Its packed file's head, through what decorates it; NULL where there is none. */
+const struct tc_container *tc_field_container(const tc_field *field);
+
+/* Whether the body that the georeference is on is clearly not the Earth: its radius tells. */
+bool tc_is_other_body(const tc_georef *georef);
 
 #endif

@@ -1,11 +1,13 @@
-/* memory_field.c - a pyramid held in memory: every level as floats, with height bounds by tiles. */
+/* memory_field.c - a field held in memory: every level as floats, with a pyramid of ranges over its tiles. */
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "filter.h"
 #include "common/base/parallel.h"
 #include "field.h"
+#include "range_pyramid.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
 
@@ -15,20 +17,21 @@ enum {
 };
 
 typedef struct memory_level {
-    float *z;       /* [j * width + i] */
-    uint8_t *voids; /* the same; NULL where the terrain has no voids */
-    float *bounds;  /* (min, max) of each tile */
-    int64_t tiles_x;
+    float *z;                /* [j * width + i] */
+    uint8_t *voids;          /* the same; NULL where the terrain has no voids */
+    tc_range_pyramid ranges; /* leaves: tiles */
 } memory_level;
 
 typedef struct memory_field {
     tc_field head;
-    tc_georef georef;
     memory_level level[TC_MAX_FIELD_LEVELS];
+    _Atomic int64_t asked, range_reads;
 } memory_field;
 
-static tc_status memory_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+static tc_status memory_read(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
+                             ptrdiff_t stride)
 {
+    float *z = samples;
     const memory_level *l = &((const memory_field *)field)->level[level - 1];
     int64_t width = field->level[level - 1].width, w = rect.x1 - rect.x0;
     for (int64_t j = rect.y0; j < rect.y1; j++) {
@@ -42,19 +45,19 @@ static tc_status memory_read(const tc_field *field, int level, tc_rect rect, flo
     return TC_OK;
 }
 
-static void memory_bounds(const tc_field *field, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
+static tc_range memory_range(const tc_field *field, int level, tc_rect rect)
 {
-    const memory_level *l = &((const memory_field *)field)->level[level - 1];
-    float lo = INFINITY, hi = -INFINITY;
-    for (int64_t ty = rect.y0 / TILE; ty <= (rect.y1 - 1) / TILE; ty++) {
-        const float *b = l->bounds + 2 * (ty * l->tiles_x + rect.x0 / TILE);
-        for (int64_t tx = rect.x0 / TILE; tx <= (rect.x1 - 1) / TILE; tx++, b += 2) {
-            lo = fminf(lo, b[0]);
-            hi = fmaxf(hi, b[1]);
-        }
+    memory_field *p = (memory_field *)field;
+    tc_rect piece[2];
+    int pieces = tc_rect_round(rect, field->level[level - 1].width, piece), reads = 0;
+    tc_range all = TC_NO_RANGE;
+    for (int n = 0; n < pieces; n++) {
+        tc_rect r = piece[n], leaves = {r.x0 / TILE, r.y0 / TILE, (r.x1 - 1) / TILE + 1, (r.y1 - 1) / TILE + 1};
+        all = tc_range_both(all, tc_range_ask(&p->level[level - 1].ranges, leaves, pieces == 1 ? 2 : 1, &reads));
     }
-    *z_min_ret = lo;
-    *z_max_ret = hi;
+    p->asked++;
+    p->range_reads += reads;
+    return all;
 }
 
 static int64_t tiles(int64_t size)
@@ -62,16 +65,16 @@ static int64_t tiles(int64_t size)
     return (size + TILE - 1) / TILE;
 }
 
-static size_t memory_bytes(const tc_field *field)
+static void memory_tell(const tc_field *field, tc_field_stats *stats)
 {
     const memory_field *p = (const memory_field *)field;
-    size_t bytes = sizeof *p;
+    stats->bytes += sizeof *p;
     for (int l = 0; l < field->info.levels; l++) {
         int64_t w = field->level[l].width, h = field->level[l].height;
-        bytes += (size_t)(w * h) * (sizeof(float) + (p->level[l].voids ? 1 : 0));
-        bytes += (size_t)(tiles(w) * tiles(h)) * 2 * sizeof(float);
+        stats->bytes += (size_t)(w * h) * (sizeof(float) + (p->level[l].voids ? 1 : 0));
+        stats->bytes += (size_t)tc_range_nodes(tiles(w), tiles(h)) * sizeof(tc_range);
     }
-    return bytes;
+    stats->ranges += p->asked, stats->range_reads += p->range_reads;
 }
 
 static void memory_destroy(tc_field *field)
@@ -80,13 +83,17 @@ static void memory_destroy(tc_field *field)
     for (int l = 0; l < field->info.levels; l++) {
         free(p->level[l].z);
         free(p->level[l].voids);
-        free(p->level[l].bounds);
+        free(p->level[l].ranges.node);
     }
-    free(p->georef.crs_wkt);
+    free(p->head.georef.crs_wkt);
     free(p);
 }
 
-static const tc_field_class memory_class = {memory_read, memory_bounds, NULL, memory_bytes, memory_destroy};
+static const tc_field_class memory_class = {.sample = TC_FIELD_HEIGHTS,
+                                            .read = memory_read,
+                                            .range = memory_range,
+                                            .tell = memory_tell,
+                                            .destroy = memory_destroy};
 
 /* Building: each level from the next finer one, in bands of rows. */
 typedef struct step {
@@ -129,25 +136,71 @@ static void flatten_row(void *context, int64_t j)
             l->z[i] = s->void_height;
 }
 
-static void bounds_row(void *context, int64_t ty)
+/* `count` heights of the coarser level's row j, and what goes on behind its sides: the slope between the last two
+ * samples, half a step further, or the other side of a level that wraps. */
+static void coarse_row(const memory_field *p, int level, int64_t j, int64_t count, float *row)
+{
+    const tc_level *size = &p->head.level[level - 1];
+    int64_t w = size->width, inside = tc_min64(j, size->height - 1);
+    const float *z = p->level[level - 1].z + inside * w, *before = inside > 0 ? z - w : z;
+    for (int64_t i = 0; i < w; i++)
+        row[i] = j > inside ? z[i] + 0.5f * (z[i] - before[i]) : z[i];
+    if (count > w)
+        row[w] = tc_field_wraps(&p->head, level) ? row[0] : row[w - 1] + 0.5f * (row[w - 1] - row[tc_max64(w - 2, 0)]);
+}
+
+/* Heights of the coarser level's mesh on the spots of row j, whose cells are cut from south-east to north-west
+ * (mesh.h): in the middle of a cell is the middle of that edge. */
+static void mesh_row(const memory_field *p, int level, int64_t j, float *row, float *mesh)
+{
+    int64_t w = p->head.level[level - 1].width, cw = p->head.level[level - 2].width;
+    float *south = row, *north = row + cw + 1;
+    coarse_row(p, level - 1, j / 2, w / 2 + 1, south);
+    if (j % 2)
+        coarse_row(p, level - 1, j / 2 + 1, w / 2 + 1, north);
+    else
+        memcpy(north, south, (size_t)(cw + 1) * sizeof *north);
+    for (int64_t i = 0; i < w / 2; i++) {
+        mesh[2 * i] = 0.5f * (south[i] + north[i]);
+        mesh[2 * i + 1] = 0.5f * (south[i + 1] + north[i]);
+    }
+    if (w % 2)
+        mesh[w - 1] = 0.5f * (south[w / 2] + north[w / 2]);
+}
+
+/* Ranges of a row of tiles. */
+static void range_row(void *context, int64_t ty)
 {
     step *s = context;
     memory_level *l = &s->p->level[s->level - 1];
     int64_t width = s->p->head.level[s->level - 1].width, height = s->p->head.level[s->level - 1].height;
-    float *bounds = l->bounds + 2 * ty * l->tiles_x;
-    for (int64_t tx = 0; tx < l->tiles_x; tx++)
-        bounds[2 * tx] = INFINITY, bounds[2 * tx + 1] = -INFINITY;
+    tc_range *range = l->ranges.node + ty * l->ranges.nx;
+    float *mesh = s->level > 1 ? malloc((size_t)(2 * width + 4) * sizeof *mesh) : NULL;
+    if (s->level > 1 && !mesh) {
+        s->failed = 1;
+        return;
+    }
+    for (int64_t tx = 0; tx < l->ranges.nx; tx++)
+        range[tx] = (tc_range){INFINITY, -INFINITY, mesh ? 0 : INFINITY};
     for (int64_t j = ty * TILE; j < tc_min64((ty + 1) * TILE, height); j++) {
         const float *row = l->z + j * width;
-        for (int64_t tx = 0; tx < l->tiles_x; tx++) {
-            float lo = bounds[2 * tx], hi = bounds[2 * tx + 1];
-            for (int64_t i = tx * TILE; i < tc_min64((tx + 1) * TILE, width); i++) {
-                lo = row[i] < lo ? row[i] : lo;
-                hi = row[i] > hi ? row[i] : hi;
+        if (mesh)
+            mesh_row(s->p, s->level, j, mesh + width, mesh);
+        for (int64_t tx = 0; tx < l->ranges.nx; tx++) {
+            tc_range r = range[tx];
+            int64_t end = tc_min64((tx + 1) * TILE, width);
+            for (int64_t i = tx * TILE; i < end; i++) {
+                r.lo = row[i] < r.lo ? row[i] : r.lo;
+                r.hi = row[i] > r.hi ? row[i] : r.hi;
             }
-            bounds[2 * tx] = lo, bounds[2 * tx + 1] = hi;
+            for (int64_t i = tx * TILE; i < end && mesh; i++) {
+                float off = fabsf(row[i] - mesh[i]);
+                r.step = off > r.step ? off : r.step;
+            }
+            range[tx] = r;
         }
     }
+    free(mesh);
 }
 
 static bool allocate_level(memory_field *p, int level, bool voids)
@@ -158,15 +211,9 @@ static bool allocate_level(memory_field *p, int level, bool voids)
         l->z = malloc((size_t)(w * h) * sizeof *l->z);
     if (voids && !l->voids)
         l->voids = malloc((size_t)(w * h));
-    l->tiles_x = tiles(w);
-    l->bounds = malloc((size_t)(tiles(w) * tiles(h)) * 2 * sizeof *l->bounds);
-    return l->z && l->bounds && (!voids || l->voids);
-}
-
-/* Whether the body that the georeference is on is clearly not the Earth: its radius tells. */
-static bool is_other_body(const tc_georef *georef)
-{
-    return georef->semi_major > 0 && (georef->semi_major < 6.3e6 || georef->semi_major > 6.45e6);
+    l->ranges = (tc_range_pyramid){tiles(w), tiles(h), NULL};
+    l->ranges.node = malloc((size_t)tc_range_nodes(tiles(w), tiles(h)) * sizeof *l->ranges.node);
+    return l->z && l->ranges.node && (!voids || l->voids);
 }
 
 /* Takes over what the grid owns; its numbers become the finest level and the terrain's. */
@@ -184,8 +231,8 @@ static void take_grid(memory_field *p, tc_grid *grid)
     }
     info->void_count = grid->void_count;
     info->wraps_x = grid->wraps_x;
-    info->other_body = is_other_body(&grid->georef);
-    p->georef = grid->georef;
+    info->other_body = tc_is_other_body(&grid->georef);
+    p->head.georef = grid->georef;
     p->level[info->levels - 1].z = grid->z;
     p->level[info->levels - 1].voids = grid->void_count > 0 ? grid->voids : NULL;
     if (grid->void_count <= 0)
@@ -215,10 +262,11 @@ tc_status tc_field_build(tc_grid *grid, int threads, tc_field **field_ret, tc_er
             tc_parallel_for(threads, (p->head.level[s.level - 1].height + BAND - 1) / BAND, downsample_band, &s);
     }
     /* Only once all levels are filtered: a flat void must not leak into its neighbours. */
+    for (s.level = m; s.level >= 1 && flat && !s.failed; s.level--)
+        tc_parallel_for(threads, p->head.level[s.level - 1].height, flatten_row, &s);
     for (s.level = m; s.level >= 1 && !s.failed; s.level--) {
-        if (flat)
-            tc_parallel_for(threads, p->head.level[s.level - 1].height, flatten_row, &s);
-        tc_parallel_for(threads, tiles(p->head.level[s.level - 1].height), bounds_row, &s);
+        tc_parallel_for(threads, p->level[s.level - 1].ranges.ny, range_row, &s);
+        tc_range_build(&p->level[s.level - 1].ranges);
     }
     if (s.failed) {
         memory_destroy(&p->head);

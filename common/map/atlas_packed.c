@@ -126,7 +126,7 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     tc_status status = open_range(name, s, 0, s->source.size, options, &field, error);
     if (status)
         return status;
-    const tc_container *c = tc_packed_container(field);
+    const tc_container *c = tc_field_container(field);
     tc_globe globe;
     atlas->chart[0].field = field;
     atlas->radius = c->info.terrain.radius;

@@ -331,7 +331,7 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
         size_t h, n;
         tc_ground_bytes(renderer->surface->clipmap[chart], &h, &n);
         heights += h, normals += n;
-        fields += tc_field_bytes(tc_clipmap_field(renderer->surface->clipmap[chart]));
+        fields += tc_field_tell(tc_clipmap_field(renderer->surface->clipmap[chart])).bytes;
     }
     *stats_ret =
         (tc_memory_stats){.geometry = o->vertex_bytes + o->index_bytes + tc_frame_slots_bytes(&renderer->slots),

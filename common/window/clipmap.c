@@ -343,9 +343,9 @@ static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
         own = content->reach > own ? content->reach : own;
         finer = content->reach_finer > finer ? content->reach_finer : finer;
     }
-    bool ready = tc_field_ready(c->field, s->field_level, grown(rect, own));
+    bool ready = tc_field_ready(c->field, s->field_level, grown(rect, own), TC_SOON) == TC_READY;
     if (finer >= 0 && s->field_level < tc_field_info(c->field)->levels)
-        ready &= tc_field_ready(c->field, s->field_level + 1, grown(refine(rect), finer));
+        ready &= tc_field_ready(c->field, s->field_level + 1, grown(refine(rect), finer), TC_SOON) == TC_READY;
     return ready;
 }
 

@@ -80,7 +80,7 @@ static bool ours_read(const coded *c, tc_rect rect, void *samples_ret)
         terrain_read(field, samples_ret, NULL);
     else if (status == TC_OK)
         status = tc_field_read(field, tc_field_info(field)->levels, rect, samples_ret, NULL, rect.x1 - rect.x0);
-    bool whole = status == TC_OK && tc_field_damaged(field) == 0;
+    bool whole = status == TC_OK && tc_field_tell(field).damaged == 0;
     tc_field_destroy(field);
     return whole;
 }

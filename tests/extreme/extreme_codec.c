@@ -56,7 +56,7 @@ static void sixteen_levels(int mode)
     must(packing_write(&p, path, &result, &error), &error);
     must(tc_field_open(path, NULL, &file, &error), &error);
     int levels = tc_field_info(file)->levels, coded = 0;
-    double unit = tc_packed_container(file)->z_unit, excess = 0, drift = 0, worst = 0;
+    double unit = tc_field_container(file)->z_unit, excess = 0, drift = 0, worst = 0;
     for (int l = 1; l <= levels; l++) {
         tc_packed_level declared = tc_field_packed_level(file, l);
         tc_level size = tc_field_level(file, l);

@@ -128,13 +128,13 @@ static void bounds_hold(void **state)
         tc_level level = tc_field_level(p, l);
         int64_t x = test_random_int(&r, -5, level.width + 5), y = test_random_int(&r, -5, level.height + 5);
         tc_rect rect = {x, y, x + test_random_int(&r, 1, 40), y + test_random_int(&r, 1, 40)}, part;
-        float lo, hi, z[40 * 40];
-        tc_field_range(p, l, rect, &lo, &hi);
+        float z[40 * 40];
+        tc_range range = tc_field_range(p, l, rect);
         part = tc_rect_intersect(rect, (tc_rect){0, 0, level.width, level.height});
         assert_int_equal(tc_field_read(p, l, part, z, NULL, 40), TC_OK);
         for (int64_t j = 0; j < part.y1 - part.y0; j++)
             for (int64_t i = 0; i < part.x1 - part.x0; i++)
-                assert_true(z[40 * j + i] >= lo && z[40 * j + i] <= hi);
+                assert_true(z[40 * j + i] >= range.lo && z[40 * j + i] <= range.hi);
     }
     tc_field_destroy(p);
 }
@@ -192,7 +192,7 @@ static void flat_voids_do_not_leak(void **state)
         assert_int_equal(tc_field_build(&grid, 0, &p[flat], NULL), TC_OK);
     }
     assert_true(tc_field_info(p[1])->z_min == -300 && tc_field_info(p[0])->z_min > -300);
-    float a[N * N], b[N * N], lo, hi;
+    float a[N * N], b[N * N];
     uint8_t voids[N * N];
     int64_t flat = 0;
     for (int l = 1; l <= tc_field_info(p[0])->levels; l++) {
@@ -200,11 +200,11 @@ static void flat_voids_do_not_leak(void **state)
         tc_rect all = {0, 0, level.width, level.height};
         assert_int_equal(tc_field_read(p[0], l, all, a, voids, N), TC_OK);
         assert_int_equal(tc_field_read(p[1], l, all, b, NULL, N), TC_OK);
-        tc_field_range(p[1], l, all, &lo, &hi);
+        tc_range range = tc_field_range(p[1], l, all);
         for (int64_t k = 0; k < level.width * level.height; k++) {
             int64_t at = k / level.width * N + k % level.width;
             assert_true(b[at] == (voids[at] ? -300 : a[at]));
-            assert_true(b[at] >= lo && b[at] <= hi);
+            assert_true(b[at] >= range.lo && b[at] <= range.hi);
             flat += voids[at];
         }
     }
@@ -276,7 +276,7 @@ static void a_globe_is_read_across_its_seam(void **state)
         int64_t w = level.width, y = test_random_int(&r, 0, level.height - 1), x = test_random_int(&r, -200, 200);
         int64_t count = test_random_int(&r, 1, MOST), rows = tc_min64(2, level.height - y);
         tc_rect rect = {x, y, x + count, y + rows};
-        float z[2 * MOST], all[2 * WIDTH], low, high;
+        float z[2 * MOST], all[2 * WIDTH];
         uint8_t voids[2 * MOST], all_voids[2 * WIDTH];
         bool inside = x >= 0 && x + count <= w;
         assert_int_equal(tc_field_wraps(p, l), l >= m - 4);
@@ -285,13 +285,13 @@ static void a_globe_is_read_across_its_seam(void **state)
         if (status != TC_OK)
             continue;
         assert_int_equal(tc_field_read(p, l, (tc_rect){0, y, w, y + rows}, all, all_voids, w), TC_OK);
-        tc_field_range(p, l, rect, &low, &high);
-        assert_true(tc_field_ready(p, l, rect));
+        tc_range range = tc_field_range(p, l, rect);
+        assert_int_equal(tc_field_ready(p, l, rect, TC_SOON), TC_READY);
         for (int64_t j = 0; j < rows; j++)
             for (int64_t i = 0; i < count; i++) {
                 int64_t at = j * w + ((x + i) % w + w) % w;
                 assert_true(z[j * MOST + i] == all[at] && voids[j * MOST + i] == all_voids[at]);
-                assert_true(all[at] >= low && all[at] <= high);
+                assert_true(all[at] >= range.lo && all[at] <= range.hi);
             }
         rect.y1 = level.height + 1;
         assert_int_equal(tc_field_read(p, l, rect, z, NULL, MOST), TC_ERR_USAGE);
@@ -319,6 +319,78 @@ static void nonsense_grids_are_refused(void **state)
     assert_null(grid.z);
 }
 
+/* However large a rectangle is, four reads bound it: also across a seam. */
+static void a_range_takes_four_reads(void **state)
+{
+    (void)state;
+    for (int wraps = 0; wraps < 2; wraps++) {
+        tc_grid grid = terrain_grid(TERRAIN_CLIFF, 1000, 700, 10, 5);
+        grid.wraps_x = wraps;
+        tc_field *p;
+        assert_int_equal(tc_field_build(&grid, 1, &p, NULL), TC_OK);
+        test_random r = {9};
+        for (int n = 0; n < 3000; n++) {
+            int l = (int)test_random_int(&r, 1, tc_field_info(p)->levels);
+            tc_level level = tc_field_level(p, l);
+            int64_t x = test_random_int(&r, -level.width, level.width), y = test_random_int(&r, -3, level.height - 1);
+            tc_rect rect = {x, y, x + test_random_int(&r, 1, level.width + 2),
+                            y + test_random_int(&r, 1, level.height + 2)};
+            int64_t before = tc_field_tell(p).range_reads;
+            tc_range range = tc_field_range(p, l, rect);
+            assert_true(tc_field_tell(p).range_reads - before <= 4);
+            assert_true(range.lo <= range.hi);
+        }
+        assert_true(tc_field_tell(p).ranges > 1000); /* some lie outside */
+        tc_field_destroy(p);
+    }
+}
+
+/* Height of a level's mesh at a place in samples. */
+static double on_mesh(const float *z, int64_t w, int64_t h, bool wraps, double u, double v)
+{
+    int64_t i = wraps ? (int64_t)u : tc_max64(0, tc_min64((int64_t)u, w - 2));
+    int64_t j = tc_max64(0, tc_min64((int64_t)v, h - 2)), e = wraps ? (i + 1) % w : tc_min64(i + 1, w - 1);
+    int64_t n = tc_min64(j + 1, h - 1);
+    double a = z[j * w + i], b = z[j * w + e], c = z[n * w + i], d = z[n * w + e], tx = u - (double)i,
+           ty = v - (double)j;
+    return tx + ty <= 1 ? a + tx * (b - a) + ty * (c - a) : d + (1 - tx) * (c - d) + (1 - ty) * (b - d);
+}
+
+static void steps_hold(void **state)
+{
+    (void)state;
+    enum { W = 96, H = 75 };
+    for (int wraps = 0; wraps < 2; wraps++) {
+        tc_grid grid = terrain_grid(TERRAIN_CLIFF, W, H, 10, 8);
+        grid.wraps_x = wraps;
+        tc_field *p;
+        assert_int_equal(tc_field_build(&grid, 1, &p, NULL), TC_OK);
+        static float z[W * H], coarse[W * H];
+        for (int l = tc_field_info(p)->levels; l > 1; l--) {
+            tc_level a = tc_field_level(p, l), b = tc_field_level(p, l - 1);
+            tc_field_read(p, l, (tc_rect){0, 0, a.width, a.height}, z, NULL, a.width);
+            tc_field_read(p, l - 1, (tc_rect){0, 0, b.width, b.height}, coarse, NULL, b.width);
+            bool round = tc_field_wraps(p, l - 1);
+            for (int64_t y = 0; y < a.height; y += 16)
+                for (int64_t x = 0; x < a.width; x += 16) {
+                    tc_rect tile = {x, y, tc_min64(x + 16, a.width), tc_min64(y + 16, a.height)};
+                    double most = 0;
+                    for (int64_t j = tile.y0; j < tile.y1; j++)
+                        for (int64_t i = tile.x0; i < tile.x1; i++)
+                            if ((round || i < 2 * b.width - 1) && j < 2 * b.height - 1)
+                                most = fmax(most, fabs(z[j * a.width + i] - on_mesh(coarse, b.width, b.height, round,
+                                                                                    0.5 * (double)i, 0.5 * (double)j)));
+                    float step = tc_field_range(p, l, tile).step;
+                    bool whole = (round || tile.x1 < 2 * b.width) && tile.y1 < 2 * b.height;
+                    assert_true(step >= most * (1 - 1e-5) - 1e-3);
+                    assert_true(!whole || step <= most * (1 + 1e-5) + 1e-3);
+                }
+        }
+        assert_true(isinf(tc_field_range(p, 1, (tc_rect){0, 0, 1, 1}).step));
+        tc_field_destroy(p);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -333,6 +405,8 @@ int main(void)
         cmocka_unit_test(turning_a_globe_turns_its_levels),
         cmocka_unit_test(a_globe_is_read_across_its_seam),
         cmocka_unit_test(nonsense_grids_are_refused),
+        cmocka_unit_test(a_range_takes_four_reads),
+        cmocka_unit_test(steps_hold),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

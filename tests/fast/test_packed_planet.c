@@ -115,7 +115,7 @@ static void compare_level(const tc_field *file, const tc_field *truth, int l, do
 static bool declared_well(const tc_field *file, int l, double rms)
 {
     double declared = tc_field_packed_level(file, l).rms;
-    return fabs(rms - declared) <= 1e-4 * declared + 2 * tc_packed_container(file)->z_unit;
+    return fabs(rms - declared) <= 1e-4 * declared + 2 * tc_field_container(file)->z_unit;
 }
 
 static const tc_pack_options ways[] = {

@@ -101,14 +101,14 @@ static void gets_ready(void **state)
             if (wraps) /* mostly across the seam */
                 r.x0 -= level.width / 2, r.x1 -= level.width / 2;
             int polls = 0;
-            while (!tc_field_ready(p, l, r) && polls++ < 5000)
+            while (tc_field_ready(p, l, r, TC_SOON) != TC_READY && polls++ < 5000)
                 usleep(1000);
             if (polls >= 5000)
                 printf("way %d: level %d, %lld..%lld x %lld..%lld is never ready\n", way, l, (long long)r.x0,
                        (long long)r.x1, (long long)r.y0, (long long)r.y1);
             assert_true(polls < 5000);
         }
-        assert_int_equal(tc_field_damaged(p), 0);
+        assert_int_equal(tc_field_tell(p).damaged, 0);
         tc_field_destroy(p);
         free((void *)m.bytes);
     }
@@ -136,7 +136,7 @@ static void what_fails_may_come_later(void **state)
         m.broken = false;
         assert_int_equal(tc_field_read(p, l, all, z, NULL, WIDTH), TC_OK);
         assert_memory_equal(z, truth, sizeof z);
-        assert_int_equal(tc_field_damaged(p), 0);
+        assert_int_equal(tc_field_tell(p).damaged, 0);
         tc_field_destroy(p);
         free((void *)m.bytes);
     }

@@ -26,11 +26,11 @@ static void expect(int good, const char *what)
 static float *read_rect(const tc_field *p, int l, tc_rect r, uint8_t **voids_ret)
 {
     size_t samples = (size_t)tc_rect_area(r);
-    float *z = malloc(samples * sizeof *z), low, high;
+    float *z = malloc(samples * sizeof *z);
     *voids_ret = malloc(samples);
     expect(z && *voids_ret, "no memory");
-    tc_field_range(p, l, r, &low, &high);
-    expect(isfinite(low) && isfinite(high) && low <= high, "bounds are nonsense");
+    tc_range range = tc_field_range(p, l, r);
+    expect(isfinite(range.lo) && isfinite(range.hi) && range.lo <= range.hi, "bounds are nonsense");
     if (tc_field_read(p, l, r, z, *voids_ret, r.x1 - r.x0)) {
         free(z);
         return NULL;
@@ -87,7 +87,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!status) {
         double z;
         tc_field_height(p, 10, 10, &z);
-        tc_field_packed_info(p), tc_field_damaged(p), tc_field_bytes_decoded(p), tc_field_bytes(p);
+        tc_field_packed_info(p), tc_field_tell(p).damaged, tc_field_tell(p).decoded, tc_field_tell(p).bytes;
     }
     tc_field_destroy(p);
     close(file);

@@ -166,11 +166,11 @@ static void read_level(const tc_field *p, int l, const intact *of, outcome *o, b
     if (level.width > WHOLE || level.height > WHOLE)
         r = (tc_rect){tc_max64(0, all.x1 - PART), tc_max64(0, all.y1 - PART), all.x1, all.y1};
     int64_t w = r.x1 - r.x0, samples = tc_rect_area(r);
-    float *z = __real_malloc((size_t)samples * sizeof *z), low, high;
+    float *z = __real_malloc((size_t)samples * sizeof *z);
     uint8_t *v = __real_malloc((size_t)samples);
     assert_true(z && v);
-    tc_field_range(p, l, r, &low, &high);
-    assert_true(isfinite(low) && isfinite(high) && low <= high);
+    tc_range range = tc_field_range(p, l, r);
+    assert_true(isfinite(range.lo) && isfinite(range.hi) && range.lo <= range.hi);
     tc_status status = tc_field_read(p, l, r, z, v, w);
     o->read = status ? status : o->read;
     const tc_level *same = &of->c.level[l - 1];
@@ -211,8 +211,8 @@ static outcome look_at(const char *path, const intact *of, bool keep)
             read_level(p, l, of, &o, keep);
             tc_field_packed_level(p, l);
         }
-        o.damaged = tc_field_damaged(p);
-        assert_true(tc_field_bytes(p) < MOST_BYTES);
+        o.damaged = tc_field_tell(p).damaged;
+        assert_true(tc_field_tell(p).bytes < MOST_BYTES);
         tc_field_destroy(p);
     }
     alarm(0);

@@ -92,7 +92,7 @@ static int64_t bytes_decoded(const tc_atlas *atlas)
 {
     int64_t sum = 0;
     for (int k = 0; k < atlas->charts; k++)
-        sum += tc_field_bytes_decoded(atlas->chart[k].field);
+        sum += tc_field_tell(atlas->chart[k].field).decoded;
     return sum;
 }
 

@@ -87,10 +87,10 @@ static tc_status try_bytes(const uint8_t *head, size_t head_size, const uint8_t 
         if (level.width > MOST_WHOLE || level.height > MOST_WHOLE)
             r = (tc_rect){level.width / 3, level.height / 3, tc_min64(level.width, level.width / 3 + PART),
                           tc_min64(level.height, level.height / 3 + PART)};
-        float *z = __real_malloc((size_t)tc_rect_area(r) * sizeof *z), low, high;
+        float *z = __real_malloc((size_t)tc_rect_area(r) * sizeof *z);
         uint8_t *v = __real_malloc((size_t)tc_rect_area(r));
-        tc_field_range(p, l, r, &low, &high);
-        assert_true(isfinite(low) && isfinite(high) && low <= high);
+        tc_range range = tc_field_range(p, l, r);
+        assert_true(isfinite(range.lo) && isfinite(range.hi) && range.lo <= range.hi);
         if (tc_field_read(p, l, r, z, v, r.x1 - r.x0) == TC_OK)
             for (int64_t i = 0; i < tc_rect_area(r); i++)
                 assert_true(isfinite(z[i]) && v[i] <= 1);

@@ -33,9 +33,10 @@ float computed_height(const tc_field *field, int64_t x, int64_t y)
     return (float)height_at((const computed *)field, x, y);
 }
 
-static tc_status read_samples(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids,
+static tc_status read_samples(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
                               ptrdiff_t stride)
 {
+    float *z = samples;
     computed *c = (computed *)field;
     int shift = field->info.levels - level;
     for (int64_t j = rect.y0; j < rect.y1; j++) {
@@ -48,16 +49,16 @@ static tc_status read_samples(const tc_field *field, int level, tc_rect rect, fl
     return TC_OK;
 }
 
-static void bounds(const tc_field *field, int level, tc_rect rect, float *z_min_ret, float *z_max_ret)
+static tc_range range(const tc_field *field, int level, tc_rect rect)
 {
     (void)level, (void)rect;
-    *z_min_ret = field->info.z_min, *z_max_ret = field->info.z_max;
+    return (tc_range){field->info.z_min, field->info.z_max, INFINITY};
 }
 
-static size_t bytes(const tc_field *field)
+static void tell(const tc_field *field, tc_field_stats *stats)
 {
     (void)field;
-    return sizeof(computed);
+    stats->bytes += sizeof(computed);
 }
 
 static void destroy(tc_field *field)
@@ -67,7 +68,7 @@ static void destroy(tc_field *field)
 
 tc_field *computed_field(int64_t width, int64_t height, double spacing, double highest)
 {
-    static const tc_field_class class = {.read = read_samples, .bounds = bounds, .bytes = bytes, .destroy = destroy};
+    static const tc_field_class class = {.read = read_samples, .range = range, .tell = tell, .destroy = destroy};
     computed *c = calloc(1, sizeof *c);
     if (!c)
         exit(99);

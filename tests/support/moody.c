@@ -41,16 +41,17 @@ static bool all_decoded(moody_field *m, int level, tc_rect rect)
     return true;
 }
 
-static bool ready(const tc_field *field, int level, tc_rect rect)
+static tc_ready ready(const tc_field *field, int level, tc_rect rect, tc_urgency urgency)
 {
     moody_field *m = (moody_field *)field;
     if (!m->on || !m->most || all_decoded(m, level, rect))
-        return true;
-    m->wish[level - 1] = rect;
-    return false;
+        return TC_READY;
+    if (urgency != TC_ONLY_ASK)
+        m->wish[level - 1] = rect;
+    return TC_COMING;
 }
 
-static tc_status read_mood(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+static tc_status read_mood(const tc_field *field, int level, tc_rect rect, void *z, uint8_t *voids, ptrdiff_t stride)
 {
     moody_field *m = (moody_field *)field;
     if (m->on && m->most && !all_decoded(m, level, rect))
@@ -62,14 +63,14 @@ static tc_status read_mood(const tc_field *field, int level, tc_rect rect, float
     return tc_field_read(m->base, level, rect, z, voids, stride);
 }
 
-static void bounds(const tc_field *field, int level, tc_rect rect, float *lo, float *hi)
+static tc_range range(const tc_field *field, int level, tc_rect rect)
 {
-    tc_field_range(((const moody_field *)field)->base, level, rect, lo, hi);
+    return tc_field_range(((const moody_field *)field)->base, level, rect);
 }
 
 moody_field *moody_create(const tc_field *base, uint64_t seed)
 {
-    static const tc_field_class class = {.read = read_mood, .bounds = bounds, .ready = ready};
+    static const tc_field_class class = {.read = read_mood, .range = range, .ready = ready};
     moody_field *m = calloc(1, sizeof *m);
     if (m) {
         m->head = *base;

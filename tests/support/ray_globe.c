@@ -39,12 +39,10 @@ static float cap_highest(const tc_atlas *a, int chart, double x0, double y0, dou
         }
     /* Arcs between the points bulge by less than this. */
     double slack = 2 + 0.01 * fmax(hi[0] - lo[0], hi[1] - lo[1]);
-    float z_min, z_max;
-    tc_field_range(c->field, tc_field_info(c->field)->levels,
-                   (tc_rect){(int64_t)floor(lo[0] - slack), (int64_t)floor(lo[1] - slack),
-                             (int64_t)ceil(hi[0] + slack) + 1, (int64_t)ceil(hi[1] + slack) + 1},
-                   &z_min, &z_max);
-    return z_max;
+    return tc_field_range(c->field, tc_field_info(c->field)->levels,
+                          (tc_rect){(int64_t)floor(lo[0] - slack), (int64_t)floor(lo[1] - slack),
+                                    (int64_t)ceil(hi[0] + slack) + 1, (int64_t)ceil(hi[1] + slack) + 1})
+        .hi;
 }
 
 /* Highest ground of one tile alone. */
@@ -52,8 +50,8 @@ static float tile_highest(const ray_globe *g, int64_t i, int64_t j)
 {
     const tc_chart *c = &g->atlas->chart[0];
     tc_rect r = {i * TILE - 1, j * TILE - 1, (i + 1) * TILE + 2, (j + 1) * TILE + 2};
-    float lo, hi;
-    tc_field_range(c->field, tc_field_info(c->field)->levels, r, &lo, &hi);
+    tc_range range = tc_field_range(c->field, tc_field_info(c->field)->levels, r);
+    float hi = range.hi;
     double x0 = g->x0 + (double)i * g->side, y0 = g->y0 + (double)j * g->side, y1 = y0 + g->side;
     if (g->atlas->charts > 1 && y1 > TC_CAP_BLEND_START * DEGREE)
         hi = fmaxf(hi, cap_highest(g->atlas, 1, x0, y0, x0 + g->side, y1));

@@ -246,7 +246,7 @@ terrain_error terrain_compare(const tc_grid *grid, const char *path)
         e.rms += d * d, e.max = fmax(e.max, fabs(d)), valid++;
     }
     e.rms = sqrt(e.rms / (double)valid);
-    if (tc_field_damaged(field) > 0)
+    if (tc_field_tell(field).damaged > 0)
         terrain_must(TC_ERR_FORMAT, &(tc_error){.text = "a tile came back damaged"});
     tc_field_destroy(field);
     free(z), free(voids);

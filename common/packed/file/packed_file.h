@@ -35,7 +35,4 @@ tc_status tc_packed_file_tile(tc_packed_file *file, const tc_tile_entry *entry, 
 /* Bytes of a packed pyramid's own container, whatever follows it in the file. */
 int64_t tc_packed_chart_bytes(const tc_field *field);
 
-/* The head of a packed pyramid's file; NULL for another. Lives as long as the pyramid. */
-const tc_container *tc_packed_container(const tc_field *field);
-
 #endif

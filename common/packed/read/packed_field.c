@@ -75,9 +75,11 @@ static int64_t next_cut(int64_t x, int64_t end, int64_t most)
     return cut - x < most / 4 ? cut + most : cut;
 }
 
-static tc_status packed_read(const tc_field *field, int l, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+static tc_status packed_read(const tc_field *field, int l, tc_rect rect, void *samples, uint8_t *voids,
+                             ptrdiff_t stride)
 {
     packed_field *p = (packed_field *)field;
+    float *z = samples;
     scratch *s = tc_packed_borrow(p);
     if (!s)
         return TC_ERR_MEMORY;
@@ -102,7 +104,7 @@ static float to_metres(const tc_container *c, int32_t k)
     return (float)(c->z_origin + c->z_unit * k);
 }
 
-static void packed_bounds(const tc_field *field, int l, tc_rect rect, float *z_min_ret, float *z_max_ret)
+static void piece_bounds(const tc_field *field, int l, tc_rect rect, float *z_min_ret, float *z_max_ret)
 {
     enum { FINE = 2 * TC_TILE, MOST_TILES = 64 };
     packed_field *p = (packed_field *)field;
@@ -140,6 +142,18 @@ static void packed_bounds(const tc_field *field, int l, tc_rect rect, float *z_m
     }
 }
 
+static tc_range packed_range(const tc_field *field, int l, tc_rect rect)
+{
+    tc_rect piece[2];
+    tc_range all = {INFINITY, -INFINITY, INFINITY};
+    for (int n = tc_rect_round(rect, field->level[l - 1].width, piece) - 1; n >= 0; n--) {
+        float lo, hi;
+        piece_bounds(field, l, piece[n], &lo, &hi);
+        all.lo = fminf(all.lo, lo), all.hi = fmaxf(all.hi, hi);
+    }
+    return all;
+}
+
 /* Reads ahead: what it decodes stays in the caches. */
 static void read_ahead(void *context, int l, tc_rect rect)
 {
@@ -152,26 +166,41 @@ static void read_ahead(void *context, int l, tc_rect rect)
     free(z), free(voids);
 }
 
-static bool packed_ready(const tc_field *field, int l, tc_rect rect)
+static tc_ready packed_ready(const tc_field *field, int l, tc_rect rect, tc_urgency urgency)
 {
     packed_field *p = (packed_field *)field;
-    return tc_packed_decoded(p, l, rect) || !tc_prefetch_ask(&p->prefetch, l, rect);
+    if (tc_packed_decoded(p, l, rect))
+        return TC_READY;
+    return urgency == TC_ONLY_ASK || tc_prefetch_ask(&p->prefetch, l, rect) ? TC_COMING : TC_READY;
 }
 
-static size_t packed_bytes(const tc_field *field)
+static bool packed_read_ready(const tc_field *field, int l, tc_rect rect, void *samples, uint8_t *voids,
+                              ptrdiff_t stride)
+{
+    return tc_packed_decoded((packed_field *)field, l, rect) &&
+           packed_read(field, l, rect, samples, voids, stride) == TC_OK;
+}
+
+static void packed_tell(const tc_field *field, tc_field_stats *stats)
 {
     packed_field *p = (packed_field *)field;
-    size_t bytes = sizeof *p + tc_block_cache_bytes(&p->tiles) + tc_block_cache_bytes(&p->masks) +
-                   tc_block_cache_bytes(&p->file.pages);
+    stats->bytes += sizeof *p + tc_block_cache_bytes(&p->file.pages);
+    size_t cached = tc_block_cache_bytes(&p->tiles) + tc_block_cache_bytes(&p->masks);
+    stats->bytes += cached, stats->cache_bytes += cached;
     for (int l = 0; l < field->info.levels; l++) {
         const level_state *level = &p->level[l];
         if (!level->ready)
             continue;
-        bytes += tc_level_coder_bytes(&level->coder);
+        stats->bytes += tc_level_coder_bytes(&level->coder);
         if (level->whole)
-            bytes += (size_t)(field->level[l].width * field->level[l].height) * sizeof(int32_t);
+            stats->bytes += (size_t)(field->level[l].width * field->level[l].height) * sizeof(int32_t);
     }
-    return bytes;
+    stats->damaged += p->damaged, stats->decoded += p->decoded;
+}
+
+static const tc_container *packed_container(const tc_field *field)
+{
+    return &((const packed_field *)field)->file.container;
 }
 
 static void packed_destroy(tc_field *field)
@@ -194,7 +223,14 @@ static void packed_destroy(tc_field *field)
     free(p);
 }
 
-static const tc_field_class packed_class = {packed_read, packed_bounds, packed_ready, packed_bytes, packed_destroy};
+static const tc_field_class packed_class = {.sample = TC_FIELD_HEIGHTS,
+                                            .read = packed_read,
+                                            .read_ready = packed_read_ready,
+                                            .ready = packed_ready,
+                                            .range = packed_range,
+                                            .tell = packed_tell,
+                                            .container = packed_container,
+                                            .destroy = packed_destroy};
 
 /* ---- Opening ------------------------------------------------------------------------------------------------------
  */
@@ -251,7 +287,8 @@ static void set_info(packed_field *p, const tc_open_options *o)
     info->z_min = (float)c->z_min, info->z_max = (float)c->z_max;
     info->void_count = c->voids;
     info->wraps_x = c->levels >= c->wraps_from;
-    info->other_body = t->georef.semi_major > 0 && (t->georef.semi_major < 6.3e6 || t->georef.semi_major > 6.45e6);
+    info->other_body = tc_is_other_body(&t->georef);
+    p->head.georef = t->georef;
     p->voids = o->has_policy ? o->voids : t->voids;
     p->void_height = (float)((o->has_policy ? o->void_constant : t->void_constant) - t->z_base);
     if (p->voids == TC_VOIDS_CONSTANT && c->voids > 0) {
@@ -310,54 +347,29 @@ tc_status tc_field_open_bytes(const char *name, const tc_byte_source *source, co
     return make_field(p, tc_packed_file_open_bytes(name, source, &p->file, error), options, field_ret, error);
 }
 
-/* ---- What a packed pyramid tells beside -----------------------------------------------------------------------------
- */
-
-static packed_field *as_packed(const tc_field *field)
-{
-    return field->class == &packed_class ? (packed_field *)field : NULL;
-}
+/* ---- What the file's head tells beside --------------------------------------------------------------------------- */
 
 const tc_packed_info *tc_field_packed_info(const tc_field *field)
 {
-    packed_field *p = as_packed(field);
-    return p ? &p->file.container.info : NULL;
-}
-
-const tc_container *tc_packed_container(const tc_field *field)
-{
-    packed_field *p = as_packed(field);
-    return p ? &p->file.container : NULL;
+    const tc_container *c = tc_field_container(field);
+    return c ? &c->info : NULL;
 }
 
 int64_t tc_packed_chart_bytes(const tc_field *field)
 {
-    const tc_container *c = tc_packed_container(field);
+    const tc_container *c = tc_field_container(field);
     return c ? tc_container_cap_begin(c, 0) : 0;
 }
 
 tc_packed_level tc_field_packed_level(const tc_field *field, int level)
 {
-    packed_field *p = as_packed(field);
-    if (!p || level < 1 || level > p->file.container.levels)
+    const tc_container *c = tc_field_container(field);
+    if (!c || level < 1 || level > c->levels)
         return (tc_packed_level){0};
-    const tc_container *c = &p->file.container;
     const tc_level_record *r = &c->record[level - 1];
     if (level <= c->base) { /* rounding to height units, which keep a lossless source's own values */
         bool exact = c->info.mode == TC_PACK_LOSSLESS && level == c->levels && c->levels == c->base;
         return (tc_packed_level){0, exact ? 0 : 0.5 * c->z_unit, exact ? 0 : 0.5 * c->z_unit, 0};
     }
     return (tc_packed_level){r->end - r->begin, r->rms, r->max_error, r->residual_variance};
-}
-
-int64_t tc_field_damaged(const tc_field *field)
-{
-    packed_field *p = as_packed(field);
-    return p ? p->damaged : 0;
-}
-
-int64_t tc_field_bytes_decoded(const tc_field *field)
-{
-    packed_field *p = as_packed(field);
-    return p ? p->decoded : 0;
 }
