@@ -30,7 +30,7 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
 {
     tc_frame frame;
     tc_frame_options options = {0};
-    s->surface->frame(s->surface, camera, &options, tc_renderer_used(s->renderer).textures->held, &frame);
+    s->surface->frame(s->surface, camera, &options, &tc_renderer_used(s->renderer).textures->layers, &frame);
     const tc_geometry *g = &s->surface->geometry;
     square_viewer viewer = tc_square_viewer(s->clipmap, camera);
     int count = frame.strip_draws + frame.list_draws;

@@ -62,9 +62,9 @@ static void forced_wanted(tc_surface *surface, const tc_camera *camera, tc_rect 
 
 /* The draws of rings beyond the horizon are the last ones of a frame where nothing is culled. */
 static void forced_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                         const int held[TC_MAX_CHARTS], tc_frame *frame_ret)
+                         const tc_layers *layers, tc_frame *frame_ret)
 {
-    forced.own.frame(surface, camera, options, held, frame_ret);
+    forced.own.frame(surface, camera, options, layers, frame_ret);
     if (forced.what != BEYOND_HORIZON && forced.what != OUTSIDE_VIEW)
         return;
     int count = frame_ret->strip_draws, beyond = 0;
@@ -74,7 +74,7 @@ static void forced_frame(tc_surface *surface, const tc_camera *camera, const tc_
         memcpy(forced.draws, frame_ret->draws, (size_t)tc_min64(count, MOST_DRAWS) * sizeof *forced.draws);
     tc_frame_options all = *options;
     all.no_cull = true;
-    forced.own.frame(surface, camera, &all, held, frame_ret);
+    forced.own.frame(surface, camera, &all, layers, frame_ret);
     if (forced.what == OUTSIDE_VIEW) {
         frame_ret->strip_draws -= beyond;
         return;
@@ -239,7 +239,7 @@ static void measure_extents(const tc_scene_options *own)
     const tc_frame_stats *f = use.frame;
     int unseen = 0;
     for (int chart = 0; chart < use.surface->charts; chart++)
-        unseen += use.textures->held[chart] == 0;
+        unseen += use.textures->layers.held[chart] == 0;
     if (f->blocks < f->blocks_unculled)
         measure_pair("triangles outside the view", own, NULL, NULL, NULL, OUTSIDE_VIEW);
     if (f->levels_beyond > 0)
