@@ -316,6 +316,7 @@ typedef struct tc_open_options {
     tc_void_policy voids;
     double void_constant; /* metres */
     size_t cache_bytes;   /* of decoded tiles and masks, of all charts together; 0: 40 MiB, else at least 1 MiB */
+    bool flat;            /* tc_map_open(): a planet as a flat map, its grid of longitude and latitude alone */
 } tc_open_options;
 
 /* Opens a packed terrain; reads its header only. A file that was cut short opens with the levels that are whole. */
@@ -338,6 +339,43 @@ tc_status tc_field_open_bytes(const char *name, const tc_byte_source *source, co
 /* NULL for a field that is not read from a packed file; lives as long as the field. */
 const tc_packed_info *tc_field_packed_info(const tc_field *field);
 tc_packed_level tc_field_packed_level(const tc_field *field, int level);
+
+/* ---- Maps: heights on a body ---------------------------------------------------------------------------------- */
+
+/* A flat terrain or a planet, with all its charts: fields of their own, each a part of the body. A flat terrain has
+ * one; a planet has one of longitude and latitude and, where that reaches both poles, polar caps laid over it. Heights
+ * are read at places: (x, y) metres from the south-west sample, or longitude and latitude in radians. Reading is
+ * thread-safe. */
+typedef struct tc_map tc_map;
+
+/* Builds a map of *grid in memory and takes the grid over (it is zeroed, also on failure freed).
+ * radius: 0 for a flat terrain. Else metres of the sphere that heights are above; the grid's georeference must then be
+ * known, in degrees and not rotated, and heights under voids be filled. Where it covers 360 degrees, to within half a
+ * sample, it goes around, and its width must be halvable until it and the height are at most 250 samples; where it
+ * reaches both poles too, to within a row, there are caps. Spacings are lengths on the equator then.
+ * threads: 0 as many as there are processors. The result does not depend on it. TC_ERR_USAGE for a grid or a radius
+ * that is not as above, TC_ERR_FORMAT for heights that the radius is too small for, TC_ERR_MEMORY. */
+tc_status tc_map_build(tc_grid *grid, double radius, int threads, tc_map **map_ret, tc_error *error);
+
+/* Opens a packed terrain or planet with all its charts; reads their heads only. A file that was cut short opens with
+ * the levels that are whole, and without caps where the head of one is missing. The second one from any bytes, which it
+ * closes also where it fails. */
+tc_status tc_map_open(const char *path, const tc_open_options *options, tc_map **map_ret, tc_error *error);
+tc_status tc_map_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                            tc_map **map_ret, tc_error *error);
+void tc_map_destroy(tc_map *map);
+
+/* Metres; 0: a flat terrain. */
+double tc_map_radius(const tc_map *map);
+
+/* How many charts there are, and the field of one, 0 or above and below that; it lives as long as the map. Chart 0 is
+ * the source's own grid. */
+int tc_map_charts(const tc_map *map);
+const tc_field *tc_map_field(const tc_map *map, int chart);
+
+/* Height of the finest levels at a place, metres (z_base included). Of a flat terrain on its mesh of triangles, outside
+ * it that of the nearest border point; of a planet bilinear, and that of the sphere where it has none. */
+tc_status tc_map_height(const tc_map *map, double x, double y, double *z_ret);
 
 /* ---- Camera ------------------------------------------------------------------------------------------------- */
 

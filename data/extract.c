@@ -10,7 +10,7 @@
 #include "common/app/interrupt.h"
 #include "common/base/numbers.h"
 #include "common/base/outfile.h"
-#include "common/app/terrain.h"
+#include "common/app/load.h"
 #include "progress.h"
 
 #include <inttypes.h>
@@ -292,7 +292,7 @@ static tc_status write(const struct arguments *a, job *j, tc_error *error)
     snprintf(text, sizeof text, "level %d, %" PRId64 " x %" PRId64 " samples, %s", j->level, j->tiff.width,
              j->tiff.height, j->stored ? "stored values of the source" : "metres as float32");
     tc_progress_say(j->progress, false, text);
-    int64_t damaged = tc_terrain_damaged(j->field);
+    int64_t damaged = tc_field_tell(j->field).damaged;
     if (damaged > 0)
         return tc_fail(error, TC_ERR_FORMAT,
                        "%s: damaged: %" PRId64 " tiles could not be read; %s was written with the next coarser level "
@@ -301,9 +301,9 @@ static tc_status write(const struct arguments *a, job *j, tc_error *error)
     return TC_OK;
 }
 
-static tc_status extract(const struct arguments *a, const tc_terrain *terrain, tc_progress *progress, tc_error *error)
+static tc_status extract(const struct arguments *a, const tc_map *map, tc_progress *progress, tc_error *error)
 {
-    const tc_field *field = terrain->field;
+    const tc_field *field = tc_map_field(map, 0);
     const tc_packed_info *packed = tc_field_packed_info(field);
     int levels = tc_field_info(field)->levels;
     if (a->level > levels)
@@ -333,14 +333,14 @@ tc_status tc_extract_main(int argc, char **argv, tc_error *error)
         return status;
     tc_progress progress = tc_progress_begin("extract", a.quiet, a.verbose);
     const tc_source_options options = {.say = tc_progress_say, .say_context = &progress};
-    tc_terrain terrain = {0};
-    status = tc_terrain_open_packed(a.file, &options, &terrain, error);
+    tc_map *map = NULL;
+    status = tc_map_load_packed(a.file, &options, &(tc_load_options){.body = &tc_plane_body}, &map, error);
     if (status == TC_OK)
         status = tc_outfile_probe(a.output, error);
     if (status == TC_OK) {
         tc_watch_interrupts();
-        status = extract(&a, &terrain, &progress, error);
+        status = extract(&a, map, &progress, error);
     }
-    tc_terrain_close(&terrain);
+    tc_map_destroy(map);
     return status;
 }

@@ -2,19 +2,19 @@
  *
  * A point is taken to columns and rows by the file's transform, and from there to samples of a level. Heights are those
  * of the level's mesh of triangles, which planar-viewer draws. planet-viewer's ground is another one between samples:
- * it interpolates bilinearly, and mixes the polar caps in from 56 degrees of latitude on, as tc_atlas_height() does.
+ * it interpolates bilinearly, and mixes the polar caps in from 56 degrees of latitude on, as tc_map_height() does.
  *
  * Around the globe longitudes go on. Between its last row and the pole a packed planet has the polar cap's height; a
  * map that was not packed as one goes straight to the row's mean, at the pole. */
 #include "height.h"
 
-#include "common/map/atlas_packed.h"
-#include "common/base/mesh.h"
+#include "common/chart/lonlat.h"
+#include "common/field/point.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/app/arguments.h"
 #include "common/base/numbers.h"
-#include "common/app/terrain.h"
+#include "common/app/load.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -86,8 +86,8 @@ void tc_height_help(FILE *file)
 /* ---- Points ----------------------------------------------------------------------------------------------------- */
 
 typedef struct place {
-    const tc_terrain *terrain;
-    const tc_atlas *atlas; /* of a packed planet, else zero */
+    const tc_map *map;
+    const tc_field *field; /* of its first chart */
     int level;
     double stride_x, stride_y; /* finest samples between those of the level */
     int64_t around;            /* finest columns once around the globe, of a map whose levels do not go round; else 0 */
@@ -100,7 +100,7 @@ static const double tolerance = 1e-6;
 /* Finest samples east and north of the south-west one, by the transform. */
 static void to_samples(const place *p, double x, double y, double *u, double *v)
 {
-    const tc_terrain *t = p->terrain;
+    const tc_map *t = p->map;
     const double *g = t->georef.transform;
     double determinant = g[1] * g[5] - g[2] * g[4];
     x -= g[0];
@@ -111,24 +111,24 @@ static void to_samples(const place *p, double x, double y, double *u, double *v)
 
 static bool inside(const place *p, double u, double v)
 {
-    return u >= -tolerance && u <= (double)(p->terrain->width - 1) + tolerance && v >= -tolerance &&
-           v <= (double)(p->terrain->height - 1) + tolerance;
+    return u >= -tolerance && u <= (double)(p->map->width - 1) + tolerance && v >= -tolerance &&
+           v <= (double)(p->map->height - 1) + tolerance;
 }
 
 /* The point in finest samples; false: outside. */
 static bool locate(const place *p, double x, double y, double *u, double *v)
 {
-    const tc_terrain *t = p->terrain;
+    const tc_map *t = p->map;
     if (!t->georef.known) {
-        const tc_level level = tc_field_level(t->field, p->level);
+        const tc_level level = tc_field_level(p->field, p->level);
         *u = x / level.spacing_x * p->stride_x;
         *v = y / level.spacing_y * p->stride_y;
         return inside(p, *u, *v);
     }
-    if (tc_field_info(t->field)->wraps_x) {
+    if (tc_field_info(p->field)->wraps_x) {
         to_samples(p, x, y, u, v);
         *u -= floor(*u / (double)t->width) * (double)t->width;
-        return p->atlas->charts ? fabs(y) <= 90 : *v >= -tolerance && *v <= (double)(t->height - 1) + tolerance;
+        return tc_map_radius(t) > 0 ? fabs(y) <= 90 : *v >= -tolerance && *v <= (double)(t->height - 1) + tolerance;
     }
     if (p->around > 0) {
         double turn = (double)p->around;
@@ -165,52 +165,46 @@ static tc_status read_seam(const tc_field *field, int level, tc_rect last, float
 static tc_status read_mesh(const place *p, const tc_field *field, int level, double u, double v, double *z_ret)
 {
     const tc_level l = tc_field_level(field, level);
-    bool wraps = tc_field_wraps(field, level);
     double share = seam_share(p, l.width, u);
-    u = wraps ? fmax(u, 0) : fmin(fmax(u, 0), (double)(l.width - 1));
-    v = fmin(fmax(v, 0), (double)(l.height - 1));
-    int64_t i = tc_clamp64((int64_t)u, 0, wraps ? l.width - 1 : tc_max64(0, l.width - 2)),
-            j = tc_clamp64((int64_t)v, 0, tc_max64(0, l.height - 2));
-    double tx = u - (double)i, ty = v - (double)j;
-    tc_rect cell = {i, j, wraps ? i + 2 : tc_min64(i + 2, l.width), tc_min64(j + 2, l.height)};
-    float z[4] = {0};
-    uint8_t voids[4] = {0};
-    tc_status status;
-    if (share > 0) {
-        i = l.width - 1, tx = share;
-        status = read_seam(field, level, (tc_rect){i, cell.y0, i + 1, cell.y1}, z, voids);
-    } else {
-        status = tc_field_read(field, level, cell, z, voids, 2);
+    tc_cell cell;
+    tc_status status = tc_field_cell(field, level, fmax(u, 0), v, true, &cell);
+    if (status == TC_OK && share > 0) {
+        int64_t i = l.width - 1, j = tc_clamp64((int64_t)v, 0, tc_max64(0, l.height - 2));
+        cell.tx = share;
+        status = read_seam(field, level, (tc_rect){i, j, i + 1, tc_min64(j + 2, l.height)}, cell.z, cell.voids);
     }
-    if (status != TC_OK)
-        return status;
-    *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], tx, ty) + tc_field_info(field)->z_base;
-    /* Of the triangle's corners, those that have a share. */
-    bool lower = tx + ty <= 1;
-    const double shares[4] = {lower ? 1 - tx - ty : 0, lower ? tx : 1 - ty, lower ? ty : 1 - tx,
-                              lower ? 0 : tx + ty - 1};
-    for (int k = 0; k < 4 && p->terrain->voids == TC_VOIDS_HOLE; k++)
-        if (voids[k] && shares[k] > 0)
-            *z_ret = NAN;
-    return TC_OK;
+    if (status == TC_OK)
+        *z_ret = p->map->voids == TC_VOIDS_HOLE && tc_cell_void(&cell)
+                     ? NAN
+                     : tc_cell_mesh(&cell) + tc_field_info(field)->z_base;
+    return status;
 }
 
-/* The same on a polar cap, at the level whose samples are about as far apart. */
-static tc_status read_cap(const place *p, double longitude, double latitude, double *z_ret)
+/* The same on the chart laid over that place, a polar cap, at the level whose samples are about as far apart. */
+static tc_status read_cap(const place *p, const tc_chart *cap, double longitude, double latitude, double *z_ret)
 {
     const double degree = 3.141592653589793 / 180;
-    const tc_chart *cap = &p->atlas->chart[latitude > 0 ? 1 : 2];
     int levels = tc_field_info(cap->field)->levels, missing = tc_field_packed_info(cap->field)->levels_missing;
     int level = (int)tc_clamp64(levels + missing - (int)lrint(log2(p->stride_y)), 1, levels);
-    double r = 2 * tan(0.5 * (90 - fabs(latitude)) * degree), spacing = ldexp(cap->dx, levels - level);
-    return read_mesh(p, cap->field, level, (r * cos(longitude * degree) - cap->x0) / spacing,
-                     (r * sin(longitude * degree) - cap->y0) / spacing, z_ret);
+    double x, y, spacing = ldexp(cap->dx, levels - level);
+    cap->class->from_place(longitude * degree, latitude * degree, &x, &y);
+    return read_mesh(p, cap->field, level, (x - cap->x0) / spacing, (y - cap->y0) / spacing, z_ret);
+}
+
+/* The chart that has all of the height there, if it is none but the first; else NULL. */
+static const tc_chart *chart_over(const place *p, double latitude)
+{
+    double sine = sin(latitude * 3.141592653589793 / 180);
+    for (int k = 1; k < p->map->charts; k++)
+        if (p->map->chart[k].class->share(sine) >= 1)
+            return &p->map->chart[k];
+    return NULL;
 }
 
 /* Mean height of the level's first or last row; NaN where all of it are voids that are left out. */
 static tc_status read_row_mean(const place *p, int64_t row, double *z_ret)
 {
-    const tc_field *field = p->terrain->field;
+    const tc_field *field = p->field;
     const tc_level l = tc_field_level(field, p->level);
     int64_t columns = tc_min64(l.width, (int64_t)ceil((double)p->around / p->stride_x)), count = 0;
     float *z = malloc((size_t)columns * sizeof *z);
@@ -219,7 +213,7 @@ static tc_status read_row_mean(const place *p, int64_t row, double *z_ret)
     tc_status status = z && voids ? tc_field_read(field, p->level, rect, z, voids, columns) : TC_ERR_MEMORY;
     double sum = 0;
     for (int64_t i = 0; i < columns && status == TC_OK; i++)
-        if (p->terrain->voids != TC_VOIDS_HOLE || !voids[i])
+        if (p->map->voids != TC_VOIDS_HOLE || !voids[i])
             sum += (double)z[i], count++;
     free(z), free(voids);
     *z_ret = count > 0 ? sum / (double)count + tc_field_info(field)->z_base : NAN;
@@ -230,7 +224,7 @@ static tc_status read_row_mean(const place *p, int64_t row, double *z_ret)
 static tc_status read_to_pole(const place *p, int64_t row, double u, double beyond, double gap, double *z_ret)
 {
     double z = 0, pole = 0, share = fmin(beyond / gap, 1);
-    tc_status status = read_mesh(p, p->terrain->field, p->level, u / p->stride_x, (double)row, &z);
+    tc_status status = read_mesh(p, p->field, p->level, u / p->stride_x, (double)row, &z);
     if (status == TC_OK)
         status = read_row_mean(p, row, &pole);
     *z_ret = share < 1 ? z + share * (pole - z) : pole;
@@ -240,14 +234,15 @@ static tc_status read_to_pole(const place *p, int64_t row, double u, double beyo
 /* Height of the level at (x, y), which lies at (u, v) in finest samples. */
 static tc_status read_height(const place *p, double x, double y, double u, double v, double *z_ret)
 {
-    double beyond = fmax(-v, v - (double)(p->terrain->height - 1)), gap = v < 0 ? p->south : p->north;
+    double beyond = fmax(-v, v - (double)(p->map->height - 1)), gap = v < 0 ? p->south : p->north;
     if (beyond > 0 && gap > tolerance) {
-        int64_t last = tc_field_level(p->terrain->field, p->level).height - 1;
+        int64_t last = tc_field_level(p->field, p->level).height - 1;
         return read_to_pole(p, v < 0 ? 0 : last, u, beyond, gap, z_ret);
     }
-    if (beyond > 0 && p->atlas->charts == TC_MAX_CHARTS)
-        return read_cap(p, x, y, z_ret);
-    return read_mesh(p, p->terrain->field, p->level, u / p->stride_x, v / p->stride_y, z_ret);
+    const tc_chart *over = beyond > 0 ? chart_over(p, y) : NULL;
+    if (over)
+        return read_cap(p, over, x, y, z_ret);
+    return read_mesh(p, p->field, p->level, u / p->stride_x, v / p->stride_y, z_ret);
 }
 
 static void print_height(double z)
@@ -267,7 +262,7 @@ static tc_status tell_one(const struct arguments *a, const place *p, double x, d
         return tc_fail(error, TC_ERR_IO,
                        "%s %s: expected a point of %s, found one outside, at column %.2f of %" PRId64
                        " and row %.2f of %" PRId64 " from the south-west",
-                       a->texts[0], a->texts[1], a->file, u, p->terrain->width, v, p->terrain->height);
+                       a->texts[0], a->texts[1], a->file, u, p->map->width, v, p->map->height);
     tc_status status = read_height(p, x, y, u, v, &z);
     if (status != TC_OK)
         return tc_fail(error, status, "%s: cannot be read: %s", a->file, tc_status_text(status));
@@ -335,35 +330,31 @@ static void say(void *context, bool warning, const char *text)
 /* Whether the map goes around the globe, and ends next to the poles, where its levels do not know. */
 static void find_around(place *p)
 {
-    const tc_terrain *t = p->terrain;
-    const double *g = t->georef.transform;
-    if (!t->georef.known || !t->georef.geographic || g[2] != 0 || g[4] != 0 || !(g[1] > 0 && g[5] < 0) ||
-        tc_field_info(t->field)->wraps_x)
+    const tc_map *m = p->map;
+    tc_lonlat at;
+    if (tc_field_info(p->field)->wraps_x || !tc_lonlat_of(&m->georef, m->width, m->height, &at))
         return;
-    int64_t columns = (int64_t)fmin((double)t->width, floor(360 / g[1] + 0.5));
-    if (!tc_atlas_around(columns, 360 / g[1]))
+    int64_t columns = (int64_t)fmin((double)m->width, floor(at.turn + 0.5));
+    if (!tc_lonlat_round(columns, at.turn))
         return;
-    double north = (90 - g[3]) / -g[5] + 0.5, south = (g[3] + (double)t->height * g[5] + 90) / -g[5] + 0.5;
     p->around = columns;
-    p->north = north > 0 && north < 1.001 ? north : 0;
-    p->south = south > 0 && south < 1.001 ? south : 0;
+    p->north = at.north > 0 && at.north < 1.001 ? at.north : 0;
+    p->south = at.south > 0 && at.south < 1.001 ? at.south : 0;
 }
 
-static tc_status tell(const struct arguments *a, const tc_terrain *terrain, const tc_atlas *atlas, double x, double y,
-                      tc_error *error)
+static tc_status tell(const struct arguments *a, const tc_map *map, double x, double y, tc_error *error)
 {
-    int levels = tc_field_info(terrain->field)->levels;
+    const tc_field *field = tc_map_field(map, 0);
+    int levels = tc_field_info(field)->levels;
     if (a->level > levels)
         return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
-    place p = {.terrain = terrain, .atlas = atlas, .level = a->level ? a->level : levels};
-    const tc_level level = tc_field_level(terrain->field, p.level);
-    p.stride_x = rint(level.spacing_x / terrain->spacing_x);
-    p.stride_y = rint(level.spacing_y / terrain->spacing_y);
+    place p = {.map = map, .field = field, .level = a->level ? a->level : levels};
+    const tc_level level = tc_field_level(field, p.level);
+    p.stride_x = rint(level.spacing_x / map->spacing_x);
+    p.stride_y = rint(level.spacing_y / map->spacing_y);
     find_around(&p);
     tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
-    int64_t damaged = tc_terrain_damaged(terrain->field);
-    for (int c = 1; c < atlas->charts; c++)
-        damaged += tc_terrain_damaged(atlas->chart[c].field);
+    int64_t damaged = tc_map_damaged(map);
     if (status == TC_OK && damaged > 0)
         status = tc_fail(error, TC_ERR_FORMAT,
                          "%s: damaged: %" PRId64 " tiles could not be read; the next coarser level stood in", a->file,
@@ -388,17 +379,11 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
             return tc_fail(error, TC_ERR_USAGE, "point: expected two numbers, found '%s'", a.texts[i]);
     a.source.say = say;
     a.source.say_context = &a;
-    tc_terrain terrain = {0};
-    status = tc_terrain_open(a.file, &a.source, 0, &terrain, error);
-    const tc_packed_info *packed = status == TC_OK ? tc_field_packed_info(terrain.field) : NULL;
-    const tc_open_options how = {
-        .has_policy = a.source.has_voids, .voids = a.source.voids, .void_constant = a.source.void_constant};
-    tc_atlas atlas = {0};
-    if (packed && packed->terrain.radius > 0)
-        status = tc_atlas_open(a.file, &how, &atlas, error);
-    if (status == TC_OK)
-        status = tell(&a, &terrain, &atlas, point[0], point[1], error);
-    tc_atlas_free(&atlas);
-    tc_terrain_close(&terrain);
+    tc_map *map;
+    status = tc_map_load(a.file, &a.source, NULL, &map, error);
+    if (status != TC_OK)
+        return status;
+    status = tell(&a, map, point[0], point[1], error);
+    tc_map_destroy(map);
     return status;
 }

@@ -1,12 +1,11 @@
 /* info.c - `terraclip info`: what a packed terrain holds, from its header alone. */
 #include "info.h"
 
-#include "common/map/atlas_packed.h"
 #include "common/base/status.h"
 #include "common/packed/file/packed_file.h"
 #include "common/app/arguments.h"
 #include "common/app/json.h"
-#include "common/app/terrain.h"
+#include "common/app/load.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -50,8 +49,8 @@ static const char *const type_names[] = {"uint8",  "int8",  "uint16",  "int16", 
 
 /* All that is told. */
 typedef struct facts {
-    const tc_field *field;
-    const tc_atlas *atlas; /* of a planet; else zero */
+    const tc_map *map;
+    const tc_field *field; /* of its first chart */
     const tc_packed_info *packed;
     const tc_terrain_info *info;
     tc_packed_level finest;
@@ -67,9 +66,10 @@ static void name_crs(const char *wkt, char *name, size_t capacity)
     snprintf(name, capacity, "%.*s", length, start ? start + 1 : "");
 }
 
-static facts gather(const tc_field *field, const tc_atlas *atlas)
+static facts gather(const tc_map *map)
 {
-    facts f = {.field = field, .atlas = atlas, .packed = tc_field_packed_info(field), .info = tc_field_info(field)};
+    const tc_field *field = tc_map_field(map, 0);
+    facts f = {.map = map, .field = field, .packed = tc_field_packed_info(field), .info = tc_field_info(field)};
     const tc_pack_terrain *t = &f.packed->terrain;
     f.finest = tc_field_packed_level(field, f.info->levels);
     f.bits = 8 * (double)f.packed->bytes / ((double)t->width * (double)t->height);
@@ -86,23 +86,20 @@ static void print_key(const char *name, double value)
 
 static bool is_planet(const facts *f)
 {
-    return f->packed->terrain.radius > 0;
+    return tc_map_radius(f->map) > 0;
 }
-
-/* The charts that can be read, their names as in the format. */
-static const char *const chart_names[TC_MAX_CHARTS] = {"lonlat", "north cap", "south cap"};
 
 static void print_planet_json(const facts *f)
 {
     print_key("radius_m", f->packed->terrain.radius);
     printf("  \"charts\": [");
-    for (int c = 0; c < f->atlas->charts; c++) {
-        const tc_field *chart = f->atlas->chart[c].field;
+    for (int c = 0; c < f->map->charts; c++) {
+        const tc_field *chart = f->map->chart[c].field;
         const tc_pack_terrain *t = &tc_field_packed_info(chart)->terrain;
         int levels = tc_field_info(chart)->levels;
         printf("%s\n    {\"chart\": \"%s\", \"width\": %" PRId64 ", \"height\": %" PRId64 ", \"bytes\": %" PRId64
                ", \"levels\": %d, \"levels_missing\": %d, \"rms_m\": ",
-               c ? "," : "", chart_names[c], t->width, t->height, tc_packed_chart_bytes(chart), levels,
+               c ? "," : "", f->map->chart[c].class->name, t->width, t->height, tc_packed_chart_bytes(chart), levels,
                tc_field_packed_info(chart)->levels_missing);
         tc_json_number(tc_field_packed_level(chart, levels).rms, stdout);
         printf("}");
@@ -113,7 +110,7 @@ static void print_planet_json(const facts *f)
 static void print_json(const facts *f)
 {
     const tc_pack_terrain *t = &f->packed->terrain;
-    printf("{\n  \"version\": %d,\n  \"atlas\": \"%s\",\n", f->packed->version, is_planet(f) ? "lonlat" : "flat");
+    printf("{\n  \"version\": %d,\n  \"atlas\": \"%s\",\n", f->packed->version, f->map->chart[0].class->name);
     if (is_planet(f))
         print_planet_json(f);
     printf("  \"levels\": [\n");
@@ -192,10 +189,10 @@ static void print_planet(const facts *f)
 {
     printf("  planet         radius %.10g m, %s\n", f->packed->terrain.radius,
            f->packed->terrain.wraps_x ? "once around" : "a part of it");
-    for (int c = 1; c < f->atlas->charts; c++) {
-        const tc_field *chart = f->atlas->chart[c].field;
+    for (int c = 1; c < f->map->charts; c++) {
+        const tc_field *chart = f->map->chart[c].field;
         const tc_pack_terrain *t = &tc_field_packed_info(chart)->terrain;
-        printf("  %s      %" PRId64 " x %" PRId64 " samples, ", chart_names[c], t->width, t->height);
+        printf("  %s      %" PRId64 " x %" PRId64 " samples, ", f->map->chart[c].class->name, t->width, t->height);
         print_bytes(tc_packed_chart_bytes(chart));
         printf(", rms %.4g m\n", tc_field_packed_level(chart, tc_field_info(chart)->levels).rms);
     }
@@ -251,26 +248,20 @@ tc_status tc_info_main(int argc, char **argv, tc_error *error)
     tc_status status = tc_arguments_read(&line, argc, argv, &a, &action, error);
     if (status == TC_OK && !a.file)
         status = tc_fail(error, TC_ERR_USAGE, "FILE: expected a packed terrain, found none");
-    tc_terrain terrain = {0};
-    if (status == TC_OK)
-        status = tc_terrain_open_packed(a.file, &(tc_source_options){.say = say, .say_context = &a}, &terrain, error);
     if (status != TC_OK)
         return status;
-    tc_atlas atlas = {0};
-    if (tc_field_packed_info(terrain.field)->terrain.radius > 0)
-        status = tc_atlas_open(a.file, NULL, &atlas, error);
-    if (status != TC_OK) {
-        tc_terrain_close(&terrain);
+    const tc_source_options source = {.say = say, .say_context = &a};
+    tc_map *map;
+    status = tc_map_load_packed(a.file, &source, &(tc_load_options){0}, &map, error);
+    if (status != TC_OK)
         return status;
-    }
-    const facts f = gather(terrain.field, &atlas);
+    const facts f = gather(map);
     if (a.json)
         print_json(&f);
     else
         print_table(&f, a.file);
     if (!a.json && a.verbose && f.packed->terrain.georef.crs_wkt)
         printf("\n%s\n", f.packed->terrain.georef.crs_wkt);
-    tc_atlas_free(&atlas);
-    tc_terrain_close(&terrain);
+    tc_map_destroy(map);
     return TC_OK;
 }

@@ -2,7 +2,7 @@
  * halved often enough. Rows are resampled whole: those of several files lie in a temporary file until all are there. */
 #include "pack_planet.h"
 
-#include "common/map/atlas.h"
+#include "common/chart/body.h"
 #include "common/chart/row_resample.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
@@ -193,9 +193,9 @@ tc_status tc_planet_input_read(const tc_planet_input *in, const char *scratch, t
     if (status == TC_OK && r.rows.file >= 0)
         status = give_gathered(&r, error);
     double base = in->terrain.z_base;
+    const tc_body body = tc_body_of(in->terrain.radius);
     if (status == TC_OK && r.low <= r.high)
-        status =
-            tc_atlas_check_relief(in->path, base + (double)r.low, base + (double)r.high, in->terrain.radius, error);
+        status = body.class->check_relief(&body, in->path, base + (double)r.low, base + (double)r.high, error);
     tc_row_resampler_destroy(r.resampler);
     tc_spool_close(&r.rows);
     return status;

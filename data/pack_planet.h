@@ -3,7 +3,7 @@
 #define TC_PACK_PLANET_H
 
 #include "common/input/mosaic.h"
-#include "common/map/planet_place.h"
+#include "common/app/planet_place.h"
 
 /* How a mosaic becomes a planet. */
 typedef struct tc_planet_input {

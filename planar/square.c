@@ -338,6 +338,10 @@ static void square_destroy(tc_surface *surface)
 
 tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error)
 {
+    static const tc_surface_words words = {.levels = "levels",
+                                           .blocks = "blocks",
+                                           .fine = "too fine for the height above ground, or not where the terrain is",
+                                           .outside = "outside the view"};
     static const char *const vertex_parts[] = {"square_wide.glsl", "square.glsl", NULL};
     static const char *const fragment_parts[] = {"square.frag", NULL};
     const tc_clip_level *l = tc_clipmap_level(clipmap, 1);
@@ -359,6 +363,7 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
     s->wide = edge >= (int64_t)1 << 30;
     s->head =
         (tc_surface){.name = "square",
+                     .words = &words,
                      .vertex_parts = s->wide ? vertex_parts : vertex_parts + 1,
                      .fragment_parts = fragment_parts,
                      .sky = "sky.frag",

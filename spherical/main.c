@@ -1,36 +1,83 @@
 /* main.c - planet-viewer: a planet, or a part of one, on a sphere. */
-#include "globe.h"
 #include "rings.h"
 
-#include <string.h>
-
+#include "common/app/options.h"
 #include "common/app/viewer.h"
+#include "common/base/numbers.h"
 
-static tc_status make_surface(const tc_atlas *atlas, const tc_surface_request *request, tc_surface **surface_ret,
-                              tc_error *error)
+static tc_status create(tc_rings_scheme scheme, const tc_map *map, const tc_surface_request *request,
+                        tc_surface **surface_ret, tc_error *error)
 {
-    bool ch06 = request->scheme && strcmp(request->scheme, "rings-ch06") == 0;
     int n_phi = request->n ? request->n : request->interactive ? 256 : tc_rings_n_phi_for(request->camera);
-    const tc_rings_options options = {.scheme = ch06 ? TC_RINGS_CH06 : TC_RINGS_EXACT,
+    const tc_rings_options options = {.scheme = scheme,
                                       .n_phi = n_phi,
                                       .m = request->steps,
                                       .n = request->interactive ? 255 : tc_clipmap_n_for(request->camera),
                                       .max_levels = request->levels,
                                       .normals = request->needs->light,
                                       .holes = request->needs->holes};
-    return tc_rings_create(atlas, &options, surface_ret, error);
+    return tc_rings_create(map, &options, surface_ret, error);
+}
+
+static tc_status create_rings(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
+                              tc_error *error)
+{
+    return create(TC_RINGS_EXACT, map, request, surface_ret, error);
+}
+
+static tc_status create_ch06(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
+                             tc_error *error)
+{
+    return create(TC_RINGS_CH06, map, request, surface_ret, error);
+}
+
+static bool read_n_phi(void *n, const char *value)
+{
+    int *steps = n;
+    return tc_read_int(value, 64, 2048, steps) && *steps % 32 == 0;
+}
+
+static bool read_steps(void *steps, const char *value)
+{
+    return tc_read_int(value, 4, 64, steps) && *(int *)steps % 2 == 0;
+}
+
+static bool read_radius(void *radius, const char *value)
+{
+    return tc_read_number(value, 1e-3, 1e12, radius);
 }
 
 int main(int argc, char **argv)
 {
+    static const tc_scheme schemes[] = {{"rings", NULL, create_rings},
+                                        {"rings-ch06", "the paper's own map transform", create_ch06}};
+    static const tc_option options[] = {
+        {.help = "Geometry clipmap"},
+        TC_LEVELS_OPTION,
+        TC_BUDGET_OPTION,
+        {.help = "Planet"},
+        TC_SCHEME_OPTION,
+        {0, "n", "N", "a multiple of 32 of 64..2048",
+         "steps of a ring around the viewer (by the frame's width, 512 or 1024; in a window on a software renderer "
+         "256)",
+         read_n_phi, offsetof(tc_options, n)},
+        {0, "steps", "M", "an even number of 4..64",
+         "steps outwards in a level of rings (as long as those around, N / 12.6)", read_steps,
+         offsetof(tc_options, steps)},
+        {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
+         read_radius, offsetof(tc_options, radius)},
+    };
     static const tc_viewer_program program = {
         .name = "planet-viewer",
         .summary =
             "Shows a map of a planet in longitude and latitude, or of a part of one, as a globe: from space to the "
             "ground, in a window or as a picture.",
-        .navigation = &tc_globe_navigation,
-        .sphere = true,
-        .make_surface = make_surface,
+        .body = &tc_sphere_body,
+        .navigation = &tc_sphere_navigation,
+        .schemes = schemes,
+        .scheme_count = sizeof schemes / sizeof *schemes,
+        .options = options,
+        .option_count = sizeof options / sizeof *options,
     };
     return tc_viewer_main(&program, argc, argv);
 }

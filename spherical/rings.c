@@ -183,7 +183,7 @@ static void set_chart(rings_surface *s, const rings_view *v, const tc_layers *la
         double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = rint(x), j = rint(y);
         int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
         rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
-        const tc_chart *c = &s->atlas->chart[chart];
+        const tc_chart *c = &s->map->chart[chart];
         set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
         set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
              lattice.y1 - j);
@@ -200,7 +200,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v, const tc_layers 
 {
     float(*u)[4] = (float(*)[4])s->surface_uniforms;
     const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
-    bool caps = s->head.charts == TC_MAX_CHARTS;
+    bool caps = s->head.charts > 1;
     set4(u[0], v->cos_theta, v->sin_theta, v->cos_lambda, v->sin_lambda);
     set4(u[1], v->radius + v->z, v->z_eye - v->z, v->z, s->shift_base + 1);
     /* Without caps weights never leave 0. */
@@ -211,7 +211,7 @@ static void set_uniforms(rings_surface *s, const rings_view *v, const tc_layers 
         set_chart(s, v, layers, chart);
     u[10][3] = v->no_morph;
     if (!caps) {
-        const tc_chart *c = &s->atlas->chart[0];
+        const tc_chart *c = &s->map->chart[0];
         bool south, north;
         rings_extent r = tc_rings_sides(s, v, &south, &north);
         set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
@@ -282,19 +282,19 @@ static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_e
     int n = 63;
     while (n < TC_CLIPMAP_MAX_N && (n + 1 < s->geometry.n_phi || n < o->n))
         n = 2 * n + 1;
-    if (s->atlas->chart[0].wraps && n < 255)
+    if (s->map->chart[0].wraps && n < 255)
         n = 255; /* > TC_MOST_ODD */
     s->z_lo = INFINITY, s->z_hi = -INFINITY;
-    for (int chart = 0; chart < s->atlas->charts; chart++) {
-        const tc_chart *c = &s->atlas->chart[chart];
+    for (int chart = 0; chart < s->map->charts; chart++) {
+        const tc_chart *c = &s->map->chart[chart];
         tc_ground_options clip = {.n = n,
                                   .max_levels = o->max_levels,
                                   .normals = o->normals,
                                   .holes = o->holes,
                                   .wraps = c->wraps,
                                   .relief = RELIEF,
-                                  .spacing_x = c->dx * s->atlas->radius,
-                                  .spacing_y = c->dy * s->atlas->radius};
+                                  .spacing_x = c->dx * s->map->body.radius,
+                                  .spacing_y = c->dy * s->map->body.radius};
         tc_status status = tc_ground_create(c->field, &clip, &s->head.clipmap[chart], error);
         if (status)
             return status;
@@ -329,13 +329,19 @@ int tc_rings_n_phi_for(const tc_camera *camera)
 /* Levels of rings down to centimetres. */
 static int ring_levels(const rings_surface *s)
 {
-    double radius = s->atlas->radius;
+    double radius = s->map->body.radius;
     return (int)fmin(fmax(ceil(log2(M_PI * radius / 0.02)), 8), 44);
 }
 
-tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options, tc_surface **surface_ret,
-                          tc_error *error)
+tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc_surface **surface_ret, tc_error *error)
 {
+    static const tc_surface_words words = {.levels = "rings",
+                                           .blocks = "sectors",
+                                           .fine = "finer than a pixel",
+                                           .beyond = "beyond the horizon",
+                                           .outside = "beyond the horizon or outside the view",
+                                           .charts = true};
+    static const char *const defines[] = {"SPHERE", NULL};
     static const char *const vertex_parts[] = {"rings.glsl", "rings.vert", NULL};
     static const char *const ch06_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.vert", NULL};
     static const char *const fragment_parts[] = {"rings.glsl", "rings.frag", NULL};
@@ -347,24 +353,29 @@ tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options
     if (m < 4 || m > most_steps(n_phi) || m % 2 != 0)
         return tc_fail(error, TC_ERR_USAGE, "--steps: expected an even number from 4 to %d, found %d",
                        most_steps(n_phi), m);
+    if (map->chart[0].class != &tc_chart_lonlat || (map->charts != 1 && map->charts != 3))
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "rings: expected a planet in longitude and latitude, found a map of another kind");
     rings_surface *s = calloc(1, sizeof *s);
     if (!s)
         return tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
     bool ch06 = options->scheme == TC_RINGS_CH06;
-    s->atlas = atlas;
+    s->map = map;
     s->scheme = options->scheme;
-    s->outside = -tc_field_info(atlas->chart[0].field)->z_base;
+    s->outside = -tc_field_info(map->chart[0].field)->z_base;
     s->geometry = (rings_geometry){.levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2};
     /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 4: steps around are up to pi / 2 samples
      * long, and as long outwards with as many as tc_rings_steps() says. CH06 section 4.2 has n_phi / 8. */
-    s->shift_base = (int)ceil(log2(M_PI / (atlas->chart[0].dy * n_phi / 4)) - 1e-9);
+    s->shift_base = (int)ceil(log2(M_PI / (map->chart[0].dy * n_phi / 4)) - 1e-9);
     s->head = (tc_surface){.name = ch06 ? "rings-ch06" : "rings",
+                           .words = &words,
+                           .defines = defines,
                            .vertex_parts = ch06 ? ch06_parts : vertex_parts,
                            .fragment_parts = ch06 ? ch06_fragment_parts : fragment_parts,
                            .sky = "globe_sky.frag",
-                           .sphere = true,
-                           .near_plane = 1e-4 * fmin(1, atlas->radius * 1e-3),
-                           .extent = 2 * atlas->radius,
+                           .own_haze = true,
+                           .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
+                           .extent = 2 * map->body.radius,
                            .wanted = tc_rings_wanted,
                            .frame = rings_frame,
                            .drawn_height = tc_rings_drawn_height,

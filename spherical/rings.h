@@ -3,7 +3,7 @@
  * CH06: Clasen, Hege, "Terrain Rendering using Spherical Clipmaps", EuroVis 2006. Level i of the rings covers the
  * angles theta~ from pi 2^(-i-1) to pi 2^-i around the viewer's foot point, in n_phi steps of phi~ around it and m
  * steps of theta~. The geometry never changes; the map transform turns it to where the viewer is, and heights come from
- * the charts of an atlas. For this surface a camera's x and y are longitude and latitude, radians, its z the height
+ * the charts of a map. For this surface a camera's x and y are longitude and latitude, radians, its z the height
  * above the sphere, and heading and pitch are those of a local observer.
  *
  * Beside the exact transform there is the paper's own (TC_RINGS_CH06), to compare. */
@@ -35,8 +35,9 @@ int tc_rings_steps(int n_phi);
  * 512 or 1024. So windows are no larger than shading makes them. */
 int tc_rings_n_phi_for(const tc_camera *camera);
 
-/* A surface over an atlas, which must outlive it; it makes and owns the clipmaps of the charts. */
-tc_status tc_rings_create(const tc_atlas *atlas, const tc_rings_options *options, tc_surface **surface_ret,
+/* A surface over a planet, which must outlive it; it makes and owns the clipmaps of the charts. TC_ERR_UNSUPPORTED for
+ * a map of other charts than longitude and latitude, alone or with both caps. */
+tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc_surface **surface_ret,
                           tc_error *error);
 
 #endif

@@ -58,7 +58,7 @@ typedef struct rings_view {
 
 typedef struct rings_surface {
     tc_surface head;
-    const tc_atlas *atlas;
+    const tc_map *map;
     tc_rings_scheme scheme;
     rings_geometry geometry;
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */

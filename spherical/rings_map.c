@@ -26,9 +26,9 @@ static double rise(const rings_view *v, double s_x, double h)
 void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, double s_x, double s_y, double h,
                   double *du_ret, double *dv_ret)
 {
-    const tc_chart *c = &s->atlas->chart[chart];
+    const tc_chart *c = &s->map->chart[chart];
     double dx, dy;
-    if (c->projection == TC_LONLAT) {
+    if (c->class == &tc_chart_lonlat) {
         relative_angles(view, s_x, s_y, h, &dx, &dy);
         dy = -dy;
         if (tc_rings_partial(s) && !c->wraps) { /* the way round on which it is nearer */
@@ -38,7 +38,8 @@ void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, dou
         }
     } else {
         const double *k = view->place[chart].c;
-        double pz = view->cos_theta + rise(view, s_x, h), scale = 2 / (1 + (c->projection == TC_CAP_NORTH ? pz : -pz));
+        double pz = view->cos_theta + rise(view, s_x, h),
+               scale = 2 / (1 + (c->class == &tc_chart_north_cap ? pz : -pz));
         double x = scale * (k[0] * s_x + k[1] * h + k[2]), y = scale * s_y;
         dx = view->cos_lambda * x - view->sin_lambda * y;
         dy = view->sin_lambda * x + view->cos_lambda * y;
@@ -50,7 +51,7 @@ void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, dou
 void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double h,
                       double weight_ret[TC_MAX_CHARTS])
 {
-    tc_atlas_weights(s->head.charts, view->cos_theta + rise(view, s_x, h), weight_ret);
+    tc_map_shares(s->map, view->cos_theta + rise(view, s_x, h), weight_ret);
 }
 
 double tc_rings_shift(const rings_surface *s, const rings_view *view, double w)
@@ -105,12 +106,12 @@ rings_extent tc_rings_held(const tc_clipmap *clipmap, int level)
 
 bool tc_rings_partial(const rings_surface *s)
 {
-    return s->atlas->charts < TC_MAX_CHARTS;
+    return s->map->charts == 1;
 }
 
 rings_extent tc_rings_sides(const rings_surface *s, const rings_view *view, bool *south_ret, bool *north_ret)
 {
-    const tc_chart *c = &s->atlas->chart[0];
+    const tc_chart *c = &s->map->chart[0];
     tc_level size = tc_field_level(c->field, tc_field_info(c->field)->levels);
     double x = view->place[0].x, y = view->place[0].y, rows = (double)(size.height - 1);
     *south_ret = c->y0 - 1.01 * c->dy < -M_PI / 2;
@@ -122,7 +123,7 @@ rings_extent tc_rings_sides(const rings_surface *s, const rings_view *view, bool
  * outside comes down to the sphere within about a cell of the mesh. */
 static double come_inside(const rings_surface *s, const rings_view *view, double h, double *du, double *dv)
 {
-    const tc_chart *c = &s->atlas->chart[0];
+    const tc_chart *c = &s->map->chart[0];
     bool south, north;
     rings_extent r = tc_rings_sides(s, view, &south, &north);
     double u = c->wraps ? *du : fmin(fmax(*du, r.x0), r.x1), v = fmin(fmax(*dv, r.y0), r.y1);
@@ -227,6 +228,6 @@ bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const t
     mesh_vertex(s, &view, inner, w1, column + 1, p[3]);
     double r0 = meet(d, p[0], p[1], p[2], &in[0]);
     double r1 = inner > 0 ? meet(d, p[1], p[3], p[2], &in[1]) : (in[1] = -INFINITY, 0);
-    *z_ret = (in[0] >= in[1] ? r0 : r1) - view.radius + tc_field_info(s->atlas->chart[0].field)->z_base;
+    *z_ret = (in[0] >= in[1] ? r0 : r1) - view.radius + tc_field_info(s->map->chart[0].field)->z_base;
     return isfinite(*z_ret);
 }

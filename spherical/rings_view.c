@@ -14,7 +14,7 @@
 
 static rings_place place_lonlat(const rings_surface *s, int chart, const tc_camera *camera)
 {
-    const tc_chart *c = &s->atlas->chart[chart];
+    const tc_chart *c = &s->map->chart[chart];
     rings_place at = {.x = (camera->x - c->x0) / c->dx, .y = (camera->y - c->y0) / c->dy, .near = true};
     tc_level size = tc_field_level(c->field, tc_field_info(c->field)->levels);
     double middle = 0.5 * (double)(size.width - 1), period = 2 * M_PI / c->dx;
@@ -33,8 +33,8 @@ static rings_place place_lonlat(const rings_surface *s, int chart, const tc_came
 
 static rings_place place_cap(const rings_surface *s, int chart, const rings_view *v)
 {
-    const tc_chart *c = &s->atlas->chart[chart];
-    bool north = c->projection == TC_CAP_NORTH;
+    const tc_chart *c = &s->map->chart[chart];
+    bool north = c->class == &tc_chart_north_cap;
     double theta = north ? v->theta : M_PI - v->theta, t = tan(theta / 2);
     rings_place at = {.near = theta <= M_PI / 2};
     double x = at.near ? 2 * t : 0; /* along the viewer's meridian */
@@ -53,22 +53,22 @@ static double finer_detail(const rings_surface *s, double latitude)
 {
     const double limit = TC_CAP_BLEND_END * DEGREE;
     double lat = fabs(latitude), fits = 0.97 * cos(fmin(lat, limit));
-    if (s->head.charts == TC_MAX_CHARTS && lat > limit) /* on to the caps, where all directions are alike */
+    if (s->head.charts > 1 && lat > limit) /* on to the caps, where all directions are alike */
         fits += (0.93 - fits) * fmin(1, (lat - limit) / (16 * DEGREE));
-    double samples = ldexp(M_PI / s->atlas->chart[0].dy, -s->shift_base); /* of a ring in the level that it reads */
+    double samples = ldexp(M_PI / s->map->chart[0].dy, -s->shift_base); /* of a ring in the level that it reads */
     return fmax(0, log2(0.5 * (tc_clipmap_n(s->head.clipmap[0]) - 11) * fits / (1.07 * samples)));
 }
 
 static rings_view place(const rings_surface *s, const tc_camera *camera)
 {
-    double z_base = tc_field_info(s->atlas->chart[0].field)->z_base;
-    rings_view v = {.theta = M_PI / 2 - camera->y, .radius = s->atlas->radius + z_base, .z_eye = camera->z - z_base};
+    double z_base = tc_field_info(s->map->chart[0].field)->z_base;
+    rings_view v = {.theta = M_PI / 2 - camera->y, .radius = s->map->body.radius + z_base, .z_eye = camera->z - z_base};
     v.sin_theta = fmax(cos(camera->y), 0), v.cos_theta = sin(camera->y);
     v.detail = finer_detail(s, camera->y);
     v.cos_lambda = cos(camera->x), v.sin_lambda = sin(camera->x);
     for (int chart = 0; chart < s->head.charts; chart++)
         v.place[chart] =
-            s->atlas->chart[chart].projection == TC_LONLAT ? place_lonlat(s, chart, camera) : place_cap(s, chart, &v);
+            s->map->chart[chart].class == &tc_chart_lonlat ? place_lonlat(s, chart, camera) : place_cap(s, chart, &v);
     double weight[TC_MAX_CHARTS];
     tc_rings_weights(s, &v, 0, 0, weight);
     for (int chart = 0; chart < s->head.charts; chart++) {
@@ -114,7 +114,7 @@ static rings_near read_near(const rings_surface *s, const rings_view *v, int cha
     int level = tc_clipmap_field_level(clipmap, levels);
     double x = ldexp(v->place[chart].x, -shift), y = ldexp(v->place[chart].y, -shift);
     tc_level size = tc_field_level(field, level);
-    bool wraps = s->atlas->chart[chart].wraps;
+    bool wraps = s->map->chart[chart].wraps;
     tc_rect r = {(int64_t)floor(x) - AROUND + 1, (int64_t)floor(y) - AROUND + 1, (int64_t)floor(x) + AROUND + 1,
                  (int64_t)floor(y) + AROUND + 1};
     tc_rect there = tc_rect_intersect(r, (tc_rect){wraps ? r.x0 : 0, 0, wraps ? r.x1 : size.width, size.height});
@@ -173,11 +173,11 @@ static double reach(const rings_view *v, double angle, double south, double nort
 
 rings_extent tc_rings_extent(const rings_surface *s, const rings_view *v, int chart, double angle)
 {
-    const tc_chart *c = &s->atlas->chart[chart];
+    const tc_chart *c = &s->map->chart[chart];
     const rings_place *at = &v->place[chart];
-    bool caps = s->head.charts == TC_MAX_CHARTS;
+    bool caps = s->head.charts > 1;
     double lat = M_PI / 2 - v->theta;
-    if (c->projection == TC_LONLAT) {
+    if (c->class == &tc_chart_lonlat) {
         double limit = caps ? TC_CAP_BLEND_END * DEGREE : M_PI / 2;
         double south = fmax(lat - angle, -limit), north = fmin(lat + angle, limit);
         if (south > north)
@@ -185,7 +185,7 @@ rings_extent tc_rings_extent(const rings_surface *s, const rings_view *v, int ch
         double half = reach(v, angle, south, north) / c->dx;
         return (rings_extent){-half, (south - lat) / c->dy, half, (north - lat) / c->dy};
     }
-    double theta = c->projection == TC_CAP_NORTH ? v->theta : M_PI - v->theta;
+    double theta = c->class == &tc_chart_north_cap ? v->theta : M_PI - v->theta;
     double rim = (90 - TC_CAP_BLEND_START) * DEGREE, edge = 2 * tan(rim / 2);
     if (theta - angle > rim)
         return nothing;
@@ -327,7 +327,7 @@ static bool in_reach(const rings_surface *s, const rings_view *v, int chart)
 static int64_t turns_back(const rings_surface *s, const rings_view *v, int chart)
 {
     enum { MOST = 16 };
-    const tc_chart *c = &s->atlas->chart[chart];
+    const tc_chart *c = &s->map->chart[chart];
     if (!c->wraps)
         return 0;
     int64_t turns = 2 * (int64_t)floor(v->place[chart].x * c->dx / (4 * M_PI));

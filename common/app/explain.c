@@ -47,23 +47,19 @@ static void count_layers(const tc_renderer_use *use, int *unseen_ret, int *all_r
 static void add_frame(const tc_renderer_use *use, tc_left_out *list)
 {
     const tc_frame_stats *f = use->frame;
-    bool sphere = use->needs->sphere;
+    const tc_surface_words *words = use->surface->words;
     int levels = f->levels_active + f->levels_fine + f->levels_beyond, unseen, layers;
     count_layers(use, &unseen, &layers);
-    if (sphere) {
-        add(list, "%d of %d rings: beyond the horizon", f->levels_beyond, levels);
-        add(list, "%d of %d rings: finer than a pixel", f->levels_fine, levels);
-    } else {
-        add(list, "%d of %d levels: too fine for the height above ground, or not where the terrain is", f->levels_fine,
-            levels);
-    }
+    if (words->beyond)
+        add(list, "%d of %d %s: %s", f->levels_beyond, levels, words->levels, words->beyond);
+    add(list, "%d of %d %s: %s", f->levels_fine, levels, words->levels, words->fine);
     if (unseen > 0)
         add(list, "%d of %d charts: not in sight so far", unseen, use->surface->charts);
     if (use->textures->depth < layers)
         add(list, "%d of %d layers of vertex textures: no view has asked for them", layers - use->textures->depth,
             layers);
-    add(list, "%" PRId64 " of %" PRId64 " triangles: %soutside the view", f->triangles_unculled - f->triangles,
-        f->triangles_unculled, sphere ? "beyond the horizon or " : "");
+    add(list, "%" PRId64 " of %" PRId64 " triangles: %s", f->triangles_unculled - f->triangles, f->triangles_unculled,
+        words->outside);
 }
 
 void tc_explain_left_out(const tc_renderer *renderer, tc_left_out *list)
@@ -99,19 +95,19 @@ static void print_frame(const tc_renderer_use *use, FILE *file)
 {
     const tc_surface *surface = use->surface;
     const tc_frame_stats *f = use->frame;
-    bool sphere = use->needs->sphere;
+    const tc_surface_words *words = surface->words;
     int held = 0, all = 0;
     for (int chart = 0; chart < surface->charts; chart++)
         for (int level = 1; level <= tc_clipmap_levels(surface->clipmap[chart]); level++, all++)
             held += level <= use->textures->layers.held[chart] &&
                     !tc_rect_empty(tc_clipmap_level(surface->clipmap[chart], level)->clip);
-    for (int chart = 0; sphere && chart < surface->charts; chart++)
+    for (int chart = 0; words->charts && chart < surface->charts; chart++)
         fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, use->textures->layers.held[chart],
                 tc_clipmap_levels(surface->clipmap[chart]));
     fprintf(file, "uses: levels: %d of %d hold samples\n", held, all);
-    fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "rings" : "levels", f->levels_active,
+    fprintf(file, "uses: %s: %d of %d drawn\n", words->levels, f->levels_active,
             f->levels_active + f->levels_fine + f->levels_beyond);
-    fprintf(file, "uses: %s: %d of %d drawn\n", sphere ? "sectors" : "blocks", f->blocks, f->blocks_unculled);
+    fprintf(file, "uses: %s: %d of %d drawn\n", words->blocks, f->blocks, f->blocks_unculled);
     if (f->draws > f->blocks)
         fprintf(file, "uses: crack closers: %d draws\n", f->draws - f->blocks);
     fprintf(file, "uses: triangles: %" PRId64 " of %" PRId64 " drawn\n", f->triangles, f->triangles_unculled);

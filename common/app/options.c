@@ -16,7 +16,7 @@
 static bool set_view(void *options, const char *value)
 {
     tc_options *o = options;
-    return o->has_view = tc_pose_parse(o->navigation, value, &o->view);
+    return o->has_view = tc_pose_parse(o->program->navigation, value, &o->view);
 }
 
 static bool set_size(void *options, const char *value)
@@ -50,32 +50,13 @@ static bool read_background(void *scene, const char *value)
     return s->background_set = true;
 }
 
-static bool read_n(void *n, const char *value)
+bool tc_read_scheme(void *options, const char *value)
 {
-    int *samples = n;
-    return tc_read_int(value, 15, 2047, samples) && (*samples & (*samples + 1)) == 0;
-}
-
-static bool read_n_phi(void *n, const char *value)
-{
-    int *steps = n;
-    return tc_read_int(value, 64, 2048, steps) && *steps % 32 == 0;
-}
-
-static bool read_steps(void *steps, const char *value)
-{
-    return tc_read_int(value, 4, 64, steps) && *(int *)steps % 2 == 0;
-}
-
-static bool read_radius(void *radius, const char *value)
-{
-    return tc_read_number(value, 1e-3, 1e12, radius);
-}
-
-static bool read_scheme(void *scheme, const char *value)
-{
-    *(const char **)scheme = value;
-    return strcmp(value, "rings") == 0 || strcmp(value, "rings-ch06") == 0;
+    tc_options *o = options;
+    for (int i = 0; i < o->program->scheme_count; i++)
+        if (strcmp(value, o->program->schemes[i].name) == 0)
+            o->scheme = &o->program->schemes[i];
+    return o->scheme && strcmp(value, o->scheme->name) == 0;
 }
 
 static bool read_samples(void *samples, const char *value)
@@ -83,12 +64,12 @@ static bool read_samples(void *samples, const char *value)
     return tc_read_int(value, 1, 16, samples);
 }
 
-static bool read_levels(void *levels, const char *value)
+bool tc_read_levels(void *levels, const char *value)
 {
     return tc_read_int(value, 1, TC_MAX_LEVELS, levels);
 }
 
-static bool read_budget(void *budget, const char *value)
+bool tc_read_budget(void *budget, const char *value)
 {
     return tc_read_integer(value, 1, (int64_t)1 << 40, budget);
 }
@@ -111,91 +92,54 @@ static bool read_backend(void *backend, const char *value)
 
 /* ---- The table ---------------------------------------------------------------------------------------------- */
 
-/* One row of the table, and whose it is. A view's texts are the navigation's. */
-typedef enum owner { ALL, FLAT, GLOBE } owner;
-static const struct row {
-    owner of;
-    tc_option option;
-} table[] = {
-    {ALL, {.help = "What is seen"}},
-    {ALL, {0, "view", NULL, NULL, NULL, set_view, 0}},
-    {ALL, {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)}},
-    {ALL, {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0}},
-    {ALL, TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light")},
-    {ALL,
-     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
-      offsetof(tc_options, scene)}},
-    {ALL, TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces")},
-    {ALL, TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail")},
-    {ALL, TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly")},
-    {ALL,
-     {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
-      offsetof(tc_options, scene.samples)}},
-    {ALL, {.help = "Where it goes"}},
-    {ALL,
-     {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
-      offsetof(tc_options, output)}},
-    {ALL,
-     {0, "path", "FILE", "a file name",
-      "fly through the views of FILE, one a line as --view has it; with -o frame-%05d.png write each frame, "
-      "without only measure",
-      tc_read_text, offsetof(tc_options, path)}},
-    {ALL,
-     {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
-      offsetof(tc_options, frames)}},
-    {ALL,
-     {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", read_backend,
-      offsetof(tc_options, backend)}},
-    {ALL, {.help = "How the file is read"}},
-    {ALL,
-     {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", tc_read_spacing,
-      offsetof(tc_options, source.spacing)}},
-    {ALL,
-     {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", tc_read_unit,
-      offsetof(tc_options, source.unit)}},
-    {ALL,
-     {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height", tc_read_nodata,
-      offsetof(tc_options, source)}},
-    {ALL,
-     {0, "voids", "POLICY", TC_EXPECTED_VOIDS, "where there is no height: fill, hole or constant=V (fill)",
-      tc_read_voids, offsetof(tc_options, source)}},
-    {ALL,
-     {0, "threads", "N", TC_EXPECTED_THREADS, "that prepare the terrain (all processors)", tc_read_threads,
-      offsetof(tc_options, threads)}},
-    {ALL, {.help = "Geometry clipmap"}},
-    {FLAT,
-     {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
-      offsetof(tc_options, n)}},
-    {ALL, {0, "levels", "M", "1..32", "of detail at most (all)", read_levels, offsetof(tc_options, levels)}},
-    {ALL,
-     {0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)", read_budget,
-      offsetof(tc_options, scene.budget)}},
-    {GLOBE, {.help = "Planet"}},
-    {GLOBE,
-     {0, "scheme", "NAME", "rings or rings-ch06", "rings, or rings-ch06: the paper's own map transform (rings)",
-      read_scheme, offsetof(tc_options, scheme)}},
-    {GLOBE,
-     {0, "n", "N", "a multiple of 32 of 64..2048",
-      "steps of a ring around the viewer (by the frame's width, 512 or 1024; in a window on a software renderer 256)",
-      read_n_phi, offsetof(tc_options, n)}},
-    {GLOBE,
-     {0, "steps", "M", "an even number of 4..64",
-      "steps outwards in a level of rings (as long as those around, N / 12.6)", read_steps,
-      offsetof(tc_options, steps)}},
-    {GLOBE,
-     {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
-      read_radius, offsetof(tc_options, radius)}},
-    {ALL, {.help = "What is told"}},
-    {ALL,
-     {0, "stats", "FILE.json", "a file name", "write times, counts and memory", tc_read_text,
-      offsetof(tc_options, stats)}},
-    {ALL, TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output")},
-    {ALL, TC_SWITCH(tc_options, explain, 0, "explain",
-                    "print what the scene uses, and what it does not need and was left out")},
-    {ALL, TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress")},
-    {ALL, TC_SWITCH(tc_options, verbose, 'v', "verbose", "how the file was understood, what it is drawn with")},
+/* A view's texts are the navigation's. The program's own options follow. */
+static const tc_option table[] = {
+    {.help = "What is seen"},
+    {0, "view", NULL, NULL, NULL, set_view, 0},
+    {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)},
+    {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
+    TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
+    {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
+     offsetof(tc_options, scene)},
+    TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces"),
+    TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail"),
+    TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),
+    {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
+     offsetof(tc_options, scene.samples)},
+    {.help = "Where it goes"},
+    {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
+     offsetof(tc_options, output)},
+    {0, "path", "FILE", "a file name",
+     "fly through the views of FILE, one a line as --view has it; with -o frame-%05d.png write each frame, "
+     "without only measure",
+     tc_read_text, offsetof(tc_options, path)},
+    {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
+     offsetof(tc_options, frames)},
+    {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", read_backend,
+     offsetof(tc_options, backend)},
+    {.help = "How the file is read"},
+    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the file says", tc_read_spacing,
+     offsetof(tc_options, source.spacing)},
+    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the file says", tc_read_unit,
+     offsetof(tc_options, source.unit)},
+    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height", tc_read_nodata,
+     offsetof(tc_options, source)},
+    {0, "voids", "POLICY", TC_EXPECTED_VOIDS, "where there is no height: fill, hole or constant=V (fill)",
+     tc_read_voids, offsetof(tc_options, source)},
+    {0, "threads", "N", TC_EXPECTED_THREADS, "that prepare the terrain (all processors)", tc_read_threads,
+     offsetof(tc_options, threads)},
 };
-static const tc_option last_rows[] = {TC_HELP_AND_VERSION};
+static const tc_option last_rows[] = {
+    {.help = "What is told"},
+    {0, "stats", "FILE.json", "a file name", "write times, counts and memory", tc_read_text,
+     offsetof(tc_options, stats)},
+    TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output"),
+    TC_SWITCH(tc_options, explain, 0, "explain",
+              "print what the scene uses, and what it does not need and was left out"),
+    TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress"),
+    TC_SWITCH(tc_options, verbose, 'v', "verbose", "how the file was understood, what it is drawn with"),
+    TC_HELP_AND_VERSION,
+};
 
 static tc_status set_terrain(void *options, const char *operand, tc_error *error)
 {
@@ -207,28 +151,47 @@ static tc_status set_terrain(void *options, const char *operand, tc_error *error
 }
 
 /* The rows of a program. */
-enum { MOST_ROWS = sizeof table / sizeof *table + sizeof last_rows / sizeof *last_rows };
+enum { ROWS = sizeof table / sizeof *table, LAST_ROWS = sizeof last_rows / sizeof *last_rows };
 typedef struct rows {
-    tc_option row[MOST_ROWS];
+    tc_option row[ROWS + TC_PROGRAM_OPTIONS + LAST_ROWS];
+    char schemes[128], schemes_help[512];
     tc_command_line line;
 } rows;
 
-static void make_rows(const tc_options_program *program, rows *r)
+/* "a, b or c", and what each is. */
+static void name_schemes(const tc_viewer_program *program, rows *r)
 {
-    int count = 0;
-    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
-        if (table[i].of == (program->sphere ? FLAT : GLOBE))
-            continue;
-        tc_option *row = &r->row[count++];
-        *row = table[i].option;
+    size_t names = 0, help = 0;
+    for (int i = 0; i < program->scheme_count; i++) {
+        const tc_scheme *scheme = &program->schemes[i];
+        const char *before = i == 0 ? "" : i + 1 < program->scheme_count ? ", " : " or ";
+        names += (size_t)snprintf(r->schemes + names, sizeof r->schemes - names, "%s%s", before, scheme->name);
+        before = i == 0 ? "" : i + 1 < program->scheme_count ? ", " : ", or ";
+        help += (size_t)snprintf(r->schemes_help + help, sizeof r->schemes_help - help, "%s%s%s%s", before,
+                                 scheme->name, scheme->help ? ": " : "", scheme->help ? scheme->help : "");
+    }
+    snprintf(r->schemes_help + help, sizeof r->schemes_help - help, " (%s)", program->schemes[0].name);
+}
+
+static void make_rows(const tc_viewer_program *program, rows *r)
+{
+    int own = program->option_count, count = ROWS + own + LAST_ROWS;
+    memcpy(r->row, table, sizeof table);
+    for (int i = 0; i < own; i++)
+        r->row[ROWS + i] = program->options[i];
+    memcpy(r->row + ROWS + own, last_rows, sizeof last_rows);
+    for (int i = 0; i < count; i++) {
+        tc_option *row = &r->row[i];
         if (row->set == set_view) {
             row->argument = program->navigation->form;
             row->expected = program->navigation->bounds;
             row->help = program->navigation->help;
+        } else if (row->set == tc_read_scheme) {
+            name_schemes(program, r);
+            row->expected = r->schemes;
+            row->help = r->schemes_help;
         }
     }
-    memcpy(r->row + count, last_rows, sizeof last_rows);
-    count += (int)(sizeof last_rows / sizeof *last_rows);
     r->line = (tc_command_line){.options = r->row, .count = count, .help = "--help", .operand = set_terrain};
 }
 
@@ -254,10 +217,10 @@ static tc_status check_together(const tc_options *o, tc_error *error)
     return TC_OK;
 }
 
-tc_status tc_options_parse(const tc_options_program *program, int argc, char **argv, tc_options *options_ret,
+tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **argv, tc_options *options_ret,
                            tc_error *error)
 {
-    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE, .navigation = program->navigation};
+    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE, .program = program};
     tc_action action = TC_RUN;
     rows r;
     make_rows(program, &r);
@@ -271,7 +234,7 @@ tc_status tc_options_parse(const tc_options_program *program, int argc, char **a
     return status;
 }
 
-void tc_options_print_help(const tc_options_program *program, FILE *file)
+void tc_options_print_help(const tc_viewer_program *program, FILE *file)
 {
     fprintf(file, "usage: %s [OPTION]... TERRAIN\n\n%s\n", program->name, program->summary);
     rows r;

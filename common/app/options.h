@@ -9,6 +9,7 @@
 #include "common/view/flight.h"
 #include "common/render/renderer.h"
 #include "common/input/source.h"
+#include "viewer.h"
 
 #include <stdio.h>
 
@@ -29,28 +30,40 @@ typedef struct tc_options {
     bool explain, json, quiet, verbose;
     tc_source_options source; /* without say */
     int n, levels;            /* of the clipmap; 0: not given */
-    const char *scheme;       /* NULL: not given; the rest of globes only */
-    int steps;                /* of theta~ in a level of rings; 0: not given */
-    double radius;            /* metres; 0: not given */
-    const tc_navigation *navigation;
+    const tc_scheme *scheme;  /* NULL: not given */
+    int steps;                /* outwards in a level; 0: not given */
+    double radius;            /* metres, of a sphere; 0: not given */
+    const tc_viewer_program *program;
     tc_scene_options scene; /* without holes */
 } tc_options;
 
-/* What differs between the programs. */
-typedef struct tc_options_program {
-    const char *name;    /* "planar-viewer" */
-    const char *summary; /* one sentence for the help */
-    const tc_navigation *navigation;
-    bool sphere; /* has the options of planets */
-} tc_options_program;
+/* Rows that programs put into their own tables (viewer.h), at most TC_PROGRAM_OPTIONS in all. Texts of TC_SCHEME_OPTION
+ * come from the program's schemes. */
+enum { TC_PROGRAM_OPTIONS = 12 };
+#define TC_SCHEME_OPTION                                                                                               \
+    {                                                                                                                  \
+        0, "scheme", "NAME", NULL, NULL, tc_read_scheme, 0                                                             \
+    }
+#define TC_LEVELS_OPTION                                                                                               \
+    {                                                                                                                  \
+        0, "levels", "M", "1..32", "of detail at most (all)", tc_read_levels, offsetof(tc_options, levels)             \
+    }
+#define TC_BUDGET_OPTION                                                                                               \
+    {                                                                                                                  \
+        0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)",           \
+            tc_read_budget, offsetof(tc_options, scene.budget)                                                         \
+    }
+bool tc_read_scheme(void *options, const char *value); /* tc_options */
+bool tc_read_levels(void *levels, const char *value);  /* int */
+bool tc_read_budget(void *budget, const char *value);  /* int64_t */
 
 /* Reads the command line. On failure *error names the option, what it expects and what was found; status
  * TC_ERR_USAGE. With -h or --version the rest is not looked at. */
-tc_status tc_options_parse(const tc_options_program *program, int argc, char **argv, tc_options *options_ret,
+tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **argv, tc_options *options_ret,
                            tc_error *error);
 
 /* Prints usage and options; the caller goes on with the keys of the window. */
-void tc_options_print_help(const tc_options_program *program, FILE *file);
+void tc_options_print_help(const tc_viewer_program *program, FILE *file);
 
 /* Whether pattern has exactly one number, %d or %0Nd with N of 1 .. 9, and no other percent sign. */
 bool tc_frame_pattern_valid(const char *pattern);

@@ -19,7 +19,7 @@
 #endif
 
 enum { WINDOW_FRAMES = 65536 };          /* that a window's statistics look back */
-static const double LEAST_HEIGHT = 0.01; /* metres above the ground of a planet */
+static const double LEAST_HEIGHT = 0.01; /* metres above the ground; less where samples are a few of them apart */
 
 /* ---- Starting ----------------------------------------------------------------------------------------------- */
 
@@ -37,38 +37,29 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     source.say = say;
     source.say_context = v;
     source.outputs = &v->outputs;
-    tc_status status;
-    if (v->program->sphere) {
-        status = tc_planet_open(v->options.terrain, &source, v->options.radius, v->options.threads, &v->planet, error);
-        v->atlas = v->planet.atlas;
-        v->voids = v->planet.voids;
-    } else {
-        status = tc_terrain_open(v->options.terrain, &source, v->options.threads, &v->terrain, error);
-        v->atlas = (tc_atlas){.charts = 1, .chart = {{.field = v->terrain.field}}};
-        v->voids = v->terrain.voids;
-    }
-    v->field = v->atlas.chart[0].field;
-    return status;
+    const tc_load_options load = {.body = v->program->body, .radius = v->options.radius, .threads = v->options.threads};
+    return tc_map_load(v->options.terrain, &source, &load, &v->map, error);
 }
 
-static double true_height(const tc_viewer *v, double x, double y)
+/* Whether there is to be a window that a person sees. */
+static bool interactive(const tc_options *options)
 {
-    double z = 0;
-    if (v->program->sphere)
-        tc_atlas_height(&v->atlas, x, y, &z);
-    else
-        tc_field_height(v->field, x, y, &z);
-    return z + tc_field_info(v->field)->z_base;
+    return !options->output && (!options->path || options->backend == TC_BACKEND_WINDOW);
 }
 
-/* The terrain's height, or that of a coarser level which is drawn in its place and may be higher. */
+/* The ground under the eye. Where a person waits for the next frame, nothing is read or decoded for it: it is what is
+ * drawn, which the eye must be above, or else a rough one; pictures and measured flights have the true one, or that of
+ * a coarser level which is drawn in its place and may be higher. */
 static double ground_height(void *context, double x, double y)
 {
     const tc_viewer *v = context;
-    double z = true_height(v, x, y), drawn;
-    if (v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn))
-        z = fmax(z, drawn);
-    return z;
+    double z = 0, drawn;
+    bool shown = v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn);
+    if (!interactive(&v->options))
+        tc_map_height(v->map, x, y, &z);
+    else if (!shown)
+        tc_map_rough_height(v->map, x, y, &z);
+    return shown ? (interactive(&v->options) ? drawn : fmax(z, drawn)) : z;
 }
 
 static tc_status load_terrain(tc_viewer *v, tc_error *error)
@@ -76,55 +67,73 @@ static tc_status load_terrain(tc_viewer *v, tc_error *error)
     tc_status status = open_file(v, error);
     if (status != TC_OK)
         return status;
-    const tc_terrain_info *info = tc_field_info(v->field);
-    const tc_level finest = tc_field_level(v->field, info->levels);
+    const tc_field *field = tc_map_field(v->map, 0);
+    const tc_terrain_info *info = tc_field_info(field);
+    const tc_level finest = tc_field_level(field, info->levels);
     v->spacing = fmin(finest.spacing_x, finest.spacing_y);
-    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->atlas.radius};
-    double read = v->terrain.read_ms + v->planet.read_ms, build = v->terrain.build_ms + v->planet.build_ms;
+    v->least_height = fmin(LEAST_HEIGHT, 0.25 * v->spacing);
+    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->map->body.radius};
     if (v->options.verbose)
         fprintf(stderr,
                 "%s: %s: %" PRId64 " x %" PRId64 " samples every %g x %g m, heights %.2f to %.2f m, %" PRId64
                 " voids; %s in %.0f ms, %d levels in %.0f ms\n",
                 v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
                 info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
-                tc_field_packed_info(v->field) ? "opened" : "read", read, info->levels, build);
-    if (v->options.verbose && v->program->sphere)
-        fprintf(stderr, "%s: radius %.10g m, %d charts\n", v->program->name, v->atlas.radius, v->atlas.charts);
+                tc_field_packed_info(field) ? "opened" : "read", v->map->read_ms, info->levels, v->map->build_ms);
+    const tc_body *body = &v->map->body;
+    char about[64];
+    if (v->options.verbose && body->class->describe) {
+        body->class->describe(body, about, sizeof about);
+        fprintf(stderr, "%s: %s, %d charts\n", v->program->name, about, v->map->charts);
+    }
     return TC_OK;
 }
 
 static tc_flight_box whole_box(const tc_viewer *v)
 {
-    const tc_terrain_info *info = tc_field_info(v->field);
-    const tc_level finest = tc_field_level(v->field, info->levels);
-    const tc_chart *c = &v->atlas.chart[0];
-    return (tc_flight_box){.x_max = (double)(finest.width - 1) * finest.spacing_x,
-                           .y_max = (double)(finest.height - 1) * finest.spacing_y,
-                           .z_min = info->z_base + info->z_min,
-                           .z_max = info->z_base + info->z_max,
-                           .radius = v->atlas.radius,
-                           .west = c->x0,
+    const tc_chart *c = &v->map->chart[0];
+    const tc_terrain_info *info = tc_field_info(c->field);
+    const tc_level finest = tc_field_level(c->field, info->levels);
+    return (tc_flight_box){.west = c->x0,
                            .south = c->y0,
                            .east = c->x0 + (double)(finest.width - 1) * c->dx,
-                           .north = c->y0 + (double)(finest.height - 1) * c->dy};
+                           .north = c->y0 + (double)(finest.height - 1) * c->dy,
+                           .z_min = info->z_base + info->z_min,
+                           .z_max = info->z_base + info->z_max,
+                           .radius = v->map->body.radius};
+}
+
+/* Says once that the eye was under the ground; in a window it is kept above it as flying does. */
+static void say_lifted(tc_viewer *v, double below)
+{
+    if (!v->lifted && below > 0 && !interactive(&v->options) && !v->options.quiet)
+        fprintf(stderr, "%s: warning: the eye was %.6g m under the ground: lifted above it\n", v->program->name, below);
+    v->lifted |= below > 0;
 }
 
 void tc_viewer_place(tc_viewer *v, const tc_pose *view)
 {
     tc_pose_to_camera(view, &v->camera);
-    if (v->program->sphere) /* an eye inside the planet sees nothing */
-        v->camera.z = fmax(v->camera.z, true_height(v, view->x, view->y) + LEAST_HEIGHT);
+    if (!tc_map_has_ground(v->map, view->x, view->y))
+        return;
+    double z = 0; /* an eye under the ground sees nothing, or the terrain's underside */
+    if (interactive(&v->options))
+        z = ground_height(v, view->x, view->y);
+    else
+        tc_map_height(v->map, view->x, view->y, &z);
+    say_lifted(v, z - v->camera.z);
+    v->camera.z = fmax(v->camera.z, z + v->least_height);
 }
 
-/* Lifts the eye out of a planet as it is drawn; whether it had to be. */
+/* Lifts the eye out of the terrain as it is drawn; whether it had to be. */
 static bool lift(tc_viewer *v)
 {
     double z;
     const tc_camera *c = &v->camera;
-    if (!v->program->sphere || !v->surface->drawn_height(v->surface, c, &v->scene.frame, c->x, c->y, &z) ||
-        c->z >= z + LEAST_HEIGHT)
+    if (!v->surface->drawn_height(v->surface, c, &v->scene.frame, c->x, c->y, &z) || c->z >= z + v->least_height)
         return false;
-    v->camera.z = z + 2 * LEAST_HEIGHT;
+    say_lifted(v, z - c->z);
+    v->camera.z = z + 2 * v->least_height;
     return true;
 }
 
@@ -148,12 +157,6 @@ static tc_status place_camera(tc_viewer *v, tc_error *error)
     return TC_OK;
 }
 
-/* Whether there is to be a window that a person sees. */
-static bool interactive(const tc_options *options)
-{
-    return !options->output && (!options->path || options->backend == TC_BACKEND_WINDOW);
-}
-
 static tc_status open_window(tc_viewer *v, tc_error *error)
 {
     const void *table;
@@ -165,7 +168,7 @@ static tc_status open_window(tc_viewer *v, tc_error *error)
                                            .width = v->options.width,
                                            .height = v->options.height,
                                            .hidden = !interactive(&v->options),
-                                           .drag = v->program->sphere};
+                                           .drag = v->program->navigation->pulls};
         status = v->window_plugin->open(&options, &v->window, &reason);
     }
     if (status == TC_OK)
@@ -197,7 +200,7 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
 static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
-    v->scene.holes = v->voids == TC_VOIDS_HOLE;
+    v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
     if (v->options.output && !v->scene.budget)
         v->scene.budget = -1;
@@ -207,16 +210,16 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     if (v->options.scene.samples > most && !v->options.quiet)
         fprintf(stderr, "%s: warning: --samples: expected at most %d with this driver, found %d; %d are drawn\n",
                 v->program->name, most, v->options.scene.samples, most);
-    const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(v->field), v->program->sphere);
-    const tc_surface_request request = {.scheme = v->options.scheme,
-                                        .n = v->options.n,
+    const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(tc_map_field(v->map, 0)));
+    const tc_surface_request request = {.n = v->options.n,
                                         .levels = v->options.levels,
                                         .steps = v->options.steps,
                                         .needs = &needs,
                                         .interactive = interactive(&v->options) &&
                                                        tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
                                         .camera = &v->camera};
-    tc_status status = v->program->make_surface(&v->atlas, &request, &v->surface, error);
+    const tc_scheme *scheme = v->options.scheme ? v->options.scheme : &v->program->schemes[0];
+    tc_status status = scheme->create(v->map, &request, &v->surface, error);
     if (status == TC_OK)
         status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
     return status;
@@ -275,14 +278,6 @@ static void explain(const tc_viewer *v, const tc_left_out *left_out)
         printf("left out: %s\n", left_out->lines[i]);
 }
 
-static int64_t sum_charts(const tc_viewer *v, int64_t (*count)(const tc_field *field))
-{
-    int64_t sum = 0;
-    for (int chart = 0; chart < v->atlas.charts; chart++)
-        sum += count(v->atlas.chart[chart].field);
-    return sum;
-}
-
 /* Writes --stats, prints --json and --explain, and a line about a measured flight. */
 static tc_status report(tc_viewer *v, tc_error *error)
 {
@@ -292,7 +287,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
     tc_explain_left_out(v->renderer, &left_out);
     tc_stats_context context = {.renderer = (const char *)v->gl->GetString(GL_RENDERER),
                                 .backend = v->context ? tc_context_backend(v->context) : "window",
-                                .bytes_decoded = sum_charts(v, tc_terrain_bytes_decoded),
+                                .bytes_decoded = tc_map_bytes_decoded(v->map),
                                 .left_out = left_out.lines};
     tc_renderer_memory(v->renderer, &context.memory);
     if (v->options.explain && !v->options.json) /* which says it, too */
@@ -310,7 +305,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
 /* What could not be shown as it should be. */
 static void report_damage(const tc_viewer *v)
 {
-    int64_t tiles = sum_charts(v, tc_terrain_damaged);
+    int64_t tiles = tc_map_damaged(v->map);
     if (tiles > 0 && !v->options.quiet)
         fprintf(stderr, "%s: warning: %s: damaged: %" PRId64 " tiles were shown from the next coarser level\n",
                 v->program->name, v->options.terrain, tiles);
@@ -399,10 +394,9 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
 
     tc_viewer viewer = {.program = program};
     tc_error error = {.text = ""};
-    const tc_options_program about = {program->name, program->summary, program->navigation, program->sphere};
-    tc_status status = tc_options_parse(&about, argc, argv, &viewer.options, &error);
+    tc_status status = tc_options_parse(program, argc, argv, &viewer.options, &error);
     if (status == TC_OK && viewer.options.action == TC_SHOW_HELP) {
-        tc_options_print_help(&about, stdout);
+        tc_options_print_help(program, stdout);
         tc_viewer_print_keys(stdout);
     } else if (status == TC_OK && viewer.options.action == TC_SHOW_VERSION) {
         printf("%s %s\n", program->name, tc_version());
@@ -420,8 +414,7 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
         viewer.window_plugin->close(viewer.window);
     if (viewer.surface)
         viewer.surface->destroy(viewer.surface);
-    tc_terrain_close(&viewer.terrain);
-    tc_planet_close(&viewer.planet);
+    tc_map_destroy(viewer.map);
     tc_flight_path_free(&viewer.path);
     tc_outputs_free(&viewer.outputs);
     tc_stats_destroy(viewer.stats);

@@ -9,11 +9,10 @@
 #include "common/gl/context.h"
 #include "common/view/flight.h"
 #include "common/view/flight_path.h"
+#include "load.h"
 #include "options.h"
-#include "planet.h"
 #include "common/render/renderer.h"
 #include "stats.h"
-#include "terrain.h"
 #include "viewer.h"
 #include "window.h"
 
@@ -21,14 +20,12 @@ typedef struct tc_viewer {
     const tc_viewer_program *program;
     tc_options options;
 
-    tc_terrain terrain; /* or */
-    tc_planet planet;
-    tc_void_policy voids;  /* of either */
-    tc_atlas atlas;        /* of either; not owned */
-    const tc_field *field; /* chart 0's */
+    tc_map *map;
     tc_surface *surface;
     tc_ground ground;
-    double spacing; /* metres; the smaller of the finest level's two */
+    double spacing;      /* metres; the smaller of the finest level's two */
+    double least_height; /* metres that the eye keeps above the ground */
+    bool lifted;         /* it was under it */
 
     tc_context *context; /* offscreen, or NULL and a window: */
     const struct tc_window_plugin *window_plugin;

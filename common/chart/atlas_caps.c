@@ -13,6 +13,7 @@
 
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
+#include "chart.h"
 
 enum { BAND = 64, SLOTS = BAND + 3 }; /* rows filtered together; and held */
 

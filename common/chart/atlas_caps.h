@@ -2,14 +2,9 @@
 #ifndef TC_ATLAS_CAPS_H
 #define TC_ATLAS_CAPS_H
 
-#include "common/map/atlas.h"
+#include "lonlat.h"
 
-/* A grid once around the globe that reaches both poles: sample (i, j) at (x0 + i dx, y0 + j dy) radians, width * dx a
- * full turn, dy > 0, its first and last row at most dy from their pole. At least 4 rows. */
-typedef struct tc_lonlat {
-    int64_t width, height;
-    double x0, y0, dx, dy;
-} tc_lonlat;
+/* The grid of a cap goes round and reaches both poles, is closed, and has at least TC_LEAST_CAP_ROWS rows. */
 
 /* A cap is a square of so many samples a side, an odd number: spacing grid->dy, the pole in the middle, so that x0 = y0
  * = -(side - 1) / 2 * grid->dy. It reaches down to TC_CAP_EDGE or a little further. */

@@ -4,8 +4,8 @@
 #include <math.h>
 
 #include "filter.h"
-#include "common/base/mesh.h"
 #include "common/base/rect.h"
+#include "point.h"
 
 void tc_field_set_levels(tc_field *field, tc_level finest)
 {
@@ -157,54 +157,30 @@ bool tc_is_other_body(const tc_georef *georef)
 
 /* ---- Height at a point ------------------------------------------------------------------------------------------ */
 
-/* The cell of a level that a point lies in, and where in it. */
-typedef struct cell {
-    tc_rect rect; /* 2 x 2 samples, or fewer where there are no more */
-    double tx, ty;
-} cell;
-
-static cell cell_at(const tc_field *field, int level, double x, double y)
+static void to_samples(const tc_field *field, int level, double x, double y, double *u_ret, double *v_ret)
 {
     const tc_level *l = &field->level[level - 1];
-    bool wraps = tc_field_wraps(field, level);
-    double u = x / l->spacing_x;
-    u = wraps ? u - floor(u / (double)l->width) * (double)l->width : fmin(fmax(u, 0), (double)(l->width - 1));
-    double v = fmin(fmax(y / l->spacing_y, 0), (double)(l->height - 1));
-    int64_t i = wraps ? (int64_t)u : tc_clamp64((int64_t)u, 0, tc_max64(l->width - 2, 0));
-    int64_t j = tc_max64(0, tc_min64((int64_t)v, l->height - 2));
-    return (cell){
-        {i, j, wraps ? i + 2 : tc_min64(i + 2, l->width), tc_min64(j + 2, l->height)}, u - (double)i, v - (double)j};
-}
-
-static double height_in(const cell *c, float z[4])
-{
-    if (c->rect.x1 - c->rect.x0 < 2)
-        z[1] = z[0], z[3] = z[2];
-    if (c->rect.y1 - c->rect.y0 < 2)
-        z[2] = z[0], z[3] = z[1];
-    return tc_triangle_height(z[0], z[1], z[2], z[3], c->tx, c->ty);
+    *u_ret = x / l->spacing_x, *v_ret = y / l->spacing_y;
 }
 
 tc_status tc_field_height(const tc_field *field, double x, double y, double *z_ret)
 {
-    int m = field->info.levels;
-    cell c = cell_at(field, m, x, y);
-    float z[4];
-    tc_status status = tc_field_read(field, m, c.rect, z, NULL, 2);
-    if (status == TC_OK)
-        *z_ret = height_in(&c, z);
-    return status;
+    double u, v;
+    to_samples(field, field->info.levels, x, y, &u, &v);
+    return tc_field_mesh_height(field, field->info.levels, u, v, z_ret);
 }
 
 bool tc_field_height_ready(const tc_field *field, double x, double y, double *z_ret, int *level_ret)
 {
     for (int l = field->info.levels; l >= 1; l--) {
-        cell c = cell_at(field, l, x, y);
-        float z[4];
+        double u, v;
+        to_samples(field, l, x, y, &u, &v);
+        tc_cell c = tc_cell_at(field, l, tc_cell_turn(field, l, u), v);
         tc_urgency urgency = l == field->info.levels ? TC_SOON : TC_ONLY_ASK;
-        if (tc_field_read_ready(field, l, c.rect, z, NULL, 2, urgency) != TC_READY)
+        if (tc_field_read_ready(field, l, c.rect, c.z, NULL, 2, urgency) != TC_READY)
             continue;
-        *z_ret = height_in(&c, z);
+        tc_cell_complete(&c);
+        *z_ret = tc_cell_mesh(&c);
         if (level_ret)
             *level_ret = l;
         return true;

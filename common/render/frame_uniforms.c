@@ -53,7 +53,7 @@ static void set_air(tc_frame_uniforms *u, const tc_surface *surface, const tc_pa
     double near = inverse ? surface->near_plane : 1;
     memcpy(u->haze, palette->horizon, sizeof palette->horizon);
     u->haze[3] = (float)(near / distance);
-    if (surface->sphere) /* whose own part knows how far one sees */
+    if (surface->own_haze) /* which knows how far one sees */
         u->haze[3] = (float)near;
     memcpy(u->zenith, palette->zenith, sizeof palette->zenith);
 }

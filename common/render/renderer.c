@@ -45,7 +45,7 @@ static tc_status create(const tc_gl *gl, tc_surface *surface, const tc_scene_opt
     r->surface = surface;
     r->options = *options;
     r->picture = (tc_picture){.target.class = &tc_picture_class, .samples = options->samples};
-    r->needs = tc_scene_needs_of(options, tc_field_info(r->field), surface->sphere);
+    r->needs = tc_scene_needs_of(options, tc_field_info(r->field));
     tc_status status = shared ? tc_scene_objects_share(shared, surface, error)
                               : tc_scene_objects_create(gl, surface, &r->needs, &shared, error);
     if (status == TC_OK) {
@@ -89,7 +89,7 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
     renderer->options.wireframe = options->wireframe;
     renderer->options.frame = options->frame;
     renderer->options.budget = options->budget;
-    renderer->needs = tc_scene_needs_of(&renderer->options, tc_field_info(renderer->field), renderer->surface->sphere);
+    renderer->needs = tc_scene_needs_of(&renderer->options, tc_field_info(renderer->field));
 }
 
 /* ---- Drawing ------------------------------------------------------------------------------------------------- */

@@ -7,7 +7,7 @@
 
 #include "palette.h"
 
-tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info, bool sphere)
+tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info)
 {
     const tc_palette palette = tc_palette_make(info);
     return (tc_scene_needs){.light = !options->unlit,
@@ -18,8 +18,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
                             .holes = options->holes && info->void_count > 0,
                             .level_colours = options->level_colours,
                             .morph = !options->frame.no_morph,
-                            .multisampled = options->samples > 1,
-                            .sphere = sphere};
+                            .multisampled = options->samples > 1};
 }
 
 /* define: that brings a need into the shaders; NULL where it is none of theirs. why: it is left out. */
@@ -36,7 +35,6 @@ static const struct need {
     {offsetof(tc_scene_needs, level_colours), "LEVEL_COLOURS", "level colours: not asked for"},
     {offsetof(tc_scene_needs, multisampled), "MULTISAMPLED", "smooth edges: one sample a pixel"},
     {offsetof(tc_scene_needs, linear), "LINEAR_LIGHT", NULL},
-    {offsetof(tc_scene_needs, sphere), "SPHERE", NULL},
 };
 enum { NEEDS = sizeof table / sizeof *table };
 

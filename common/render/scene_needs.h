@@ -31,10 +31,9 @@ typedef struct tc_scene_needs {
     bool multisampled;  /* of the target, as are the next two */
     bool linear;        /* light is written, not what is shown */
     bool by_w;          /* the distance cannot be told by depth */
-    bool sphere;
 } tc_scene_needs;
 
-tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info, bool sphere);
+tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info);
 
 /* Of the terrain's programs, a line each ("#define LIT\n..."): those that the scene's shaders are assembled by. */
 enum { TC_SCENE_DEFINES = 512 };

@@ -38,6 +38,10 @@ static void list_defines(const tc_surface *surface, const tc_scene_needs *needs,
              : needs->multisampled ? "sample"
                                    : "centroid",
              needs->by_w ? "w" : "z", needs->by_w ? "w / p.w" : "z", closers ? "#define CLOSERS\n" : "", scene);
+    for (const char *const *own = surface->defines; own && *own; own++) {
+        size_t used = strlen(defines);
+        snprintf(defines + used, DEFINES - used, "#define %s\n", *own);
+    }
 }
 
 static const char *sky_defines(const tc_scene_needs *needs)

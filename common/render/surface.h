@@ -6,7 +6,7 @@
 #ifndef TC_SURFACE_H
 #define TC_SURFACE_H
 
-#include "common/map/atlas.h"
+#include "common/map/map.h"
 #include "common/terraclip.h"
 #include "common/content/ground.h"
 
@@ -36,6 +36,9 @@ typedef struct tc_draw {
 typedef struct tc_instance {
     int32_t v[4];
 } tc_instance;
+
+/* Charts of a map that a surface can draw. */
+enum { TC_MAX_CHARTS = 3 };
 
 /* A layer of the vertex textures is a level of a chart: first those of chart 0, coarse to fine, then those of chart 1.
  * Levels and charts that are not in use need not have one. */
@@ -73,19 +76,30 @@ typedef struct tc_frame_options {
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
 } tc_frame_options;
 
+/* What a surface calls what it is made of, where that is told (--explain, left_out of --stats). */
+typedef struct tc_surface_words {
+    const char *levels, *blocks; /* "levels", "blocks" */
+    const char *fine;            /* why a level is not drawn: tc_frame.levels_fine */
+    const char *beyond;          /* likewise levels_beyond; NULL: there are none */
+    const char *outside;         /* why a triangle is not: "outside the view" */
+    bool charts;                 /* there may be several */
+} tc_surface_words;
+
 typedef struct tc_surface tc_surface;
 struct tc_surface {
     const char *name; /* as in figures: "square", "rings", ... */
+    const tc_surface_words *words;
     /* GLSL files, NULL-terminated, that map a vertex and colour a fragment; the functions that they define are named in
      * renderer.vert and renderer.frag. */
     const char *const *vertex_parts, *const *fragment_parts;
     const struct tc_shader_file *texts; /* of parts that are no files, {name, text}, ended by a NULL name; NULL: none */
+    const char *const *defines;         /* for both, NULL-terminated; NULL: none */
     const char *sky;                    /* the sky's fragment shader */
     bool closers;                       /* draws triangle lists, too, where levels meet */
     bool instances;                     /* its vertex stage reads a tc_instance */
-    bool sphere;                        /* the map is a sphere around the eye's frame, not a plane */
-    double near_plane;                  /* metres, for positions relative to the eye */
-    double extent;                      /* metres, of all that there is to see */
+    bool own_haze;     /* its fragment stage knows how far one sees: haze is given the near plane alone */
+    double near_plane; /* metres, for positions relative to the eye */
+    double extent;     /* metres, of all that there is to see */
     tc_geometry geometry;
     int charts;
     tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. The surface's own */

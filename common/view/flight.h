@@ -1,5 +1,5 @@
-/* flight.h - moving the camera: views in words, free flight over ground, the view that shows a whole terrain.
- * No GL, no window, no clock: time and ground come in from outside. Paths through several views: flight_path.h. */
+/* flight.h - views in words, and what all ways of moving (navigation.h) have in common. No GL, no window, no clock:
+ * time and ground come in from outside. Paths through several views: flight_path.h. */
 #ifndef TC_FLIGHT_H
 #define TC_FLIGHT_H
 
@@ -7,9 +7,6 @@
 
 /* No coordinate of a view is farther out, metres: beyond it sample numbers would not fit 64 bits. */
 #define TC_POSE_LIMIT 1e12
-
-/* Moving over a flat map. */
-extern const tc_navigation tc_flat_navigation;
 
 /* Reads a view as its navigation has it, "X,Y,Z,HEADING,PITCH" in metres and degrees or "LON,LAT,ALT,HEADING,PITCH"
  * (|Z| <= TC_POSE_LIMIT, |heading| <= 360, |pitch| <= 90). Strict: nothing before, between or after; no NaN, no
@@ -25,21 +22,14 @@ void tc_pose_format(const tc_navigation *navigation, tc_pose *view, double spaci
 /* Sets the camera's eye and direction, and leaves the rest of it. */
 void tc_pose_to_camera(const tc_pose *view, tc_camera *camera);
 
-/* The view from the south, down to the north, whose frame of fov (horizontal, radians) and width x height holds all of
- * the box as large as can be. From above its highest point. */
-tc_pose tc_pose_whole(const tc_flight_box *box, double fov, int width, int height);
-
 /* A clearance that suits a terrain of this spacing, metres: a standing person's eye, less for models of small things.
  */
 double tc_flight_clearance(double spacing);
 
 extern const double tc_flight_speed;
 
-/* Turns and moves the view. The speed follows the height above ground; the eye stays above ground by the clearance. */
 /* The ground as far as it matters to an eye at (x, y): also the clearance away to all sides, dx and dy in the map's
  * units, since a wall may be beside it. */
 double tc_highest_ground(const tc_ground *ground, double x, double y, double dx, double dy);
-
-void tc_flight_step(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground);
 
 #endif

@@ -1,4 +1,5 @@
-/* navigation.h - how a camera is placed and moved on a kind of map: flat (flight.c), or a globe (spherical/globe.c). */
+/* navigation.h - how a camera is placed and moved on a body: over a plane (navigation_plane.c), over a sphere
+ * (navigation_sphere.c). */
 #ifndef TC_NAVIGATION_H
 #define TC_NAVIGATION_H
 
@@ -33,13 +34,11 @@ typedef struct tc_flight_input {
     double dt;                 /* seconds; more than a tenth counts as a tenth */
 } tc_flight_input;
 
-/* The terrain as a whole, metres; of a globe the radius instead of x_max and y_max, where not all of it is there the
- * part that is. */
+/* The terrain as a whole, in a pose's units: what is there of the body. */
 typedef struct tc_flight_box {
-    double x_max, y_max;             /* the terrain is 0 .. x_max by 0 .. y_max */
-    double z_min, z_max;             /* absolute */
-    double radius;                   /* of a globe; else 0 */
-    double west, south, east, north; /* of a globe's part that has heights, radians */
+    double west, south, east, north;
+    double z_min, z_max; /* metres, absolute */
+    double radius;       /* metres, of a globe; else 0 */
 } tc_flight_box;
 
 typedef struct tc_navigation {
@@ -49,13 +48,17 @@ typedef struct tc_navigation {
     double unit;             /* of the first two numbers on the command line: 1, or radians a degree */
     double x_limit, y_limit; /* there */
     double x_period;         /* x comes round again, in the view's units; 0: never */
+    bool pulls;              /* the mouse can pull the ground: drag_x, drag_y */
     /* Brings a view that was moved or computed within bounds. */
     void (*settle)(tc_pose *view);
-    /* The view whose frame of fov (horizontal, radians) and width x height shows the whole well. */
+    /* The view whose frame of fov (horizontal, radians) and width x height shows the whole well: of a plane from the
+     * south, down to the north, as large as can be. From above its highest point. */
     tc_pose (*whole)(const tc_flight_box *box, double fov, int width, int height);
     /* Turns and moves the view. The speed follows the height above ground; the eye stays above ground by the clearance.
      */
     void (*step)(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground);
 } tc_navigation;
+
+extern const tc_navigation tc_plane_navigation, tc_sphere_navigation;
 
 #endif

@@ -150,7 +150,7 @@ static void draw_mesh(void *context, bool finish)
 static double measure_brute(bench *b, const measured *m, int height)
 {
     const tc_gl *gl = tc_context_gl(b->context);
-    double near_plane = m->round ? 1e-3 * fmin(1, m->planet.atlas.radius * 1e-3) : 1e-4, ms[MOST_FRAMES];
+    double near_plane = m->round ? 1e-3 * fmin(1, m->planet->body.radius * 1e-3) : 1e-4, ms[MOST_FRAMES];
     int frames = b->clock.gpu ? b->frames : b->options.quick ? 1 : 2;
     tc_error_stats e;
     if (tc_error_stats_init(&e))
@@ -159,8 +159,7 @@ static double measure_brute(bench *b, const measured *m, int height)
     for (int p = 0; p < b->places; p++) {
         tc_camera c = measured_camera(m, height, p, b->width, b->height);
         plain_mesh mesh;
-        bool done =
-            m->round ? plain_brute_globe(gl, &m->planet.atlas, &c, &mesh) : plain_brute_flat(gl, m->field, &c, &mesh);
+        bool done = m->round ? plain_brute_globe(gl, m->planet, &c, &mesh) : plain_brute_flat(gl, m->field, &c, &mesh);
         if (!done) {
             tc_error_stats_free(&e);
             return NAN;

@@ -68,7 +68,7 @@ static void forced_frame(tc_surface *surface, const tc_camera *camera, const tc_
     if (forced.what != BEYOND_HORIZON && forced.what != OUTSIDE_VIEW)
         return;
     int count = frame_ret->strip_draws, beyond = 0;
-    if (surface->sphere)
+    if (surface->words->charts)
         beyond = frame_ret->levels_beyond * ((const rings_surface *)surface)->geometry.sectors;
     if (forced.what == BEYOND_HORIZON)
         memcpy(forced.draws, frame_ret->draws, (size_t)tc_min64(count, MOST_DRAWS) * sizeof *forced.draws);
@@ -205,8 +205,7 @@ static void measure_parts(const tc_scene_options *own)
 {
     unsigned needs = bench.l->needs;
     tc_scene_options o = *own;
-    tc_scene_needs more =
-        tc_scene_needs_of(own, tc_field_info(bench.as_is.scene.field), bench.as_is.scene.surface->sphere);
+    tc_scene_needs more = tc_scene_needs_of(own, tc_field_info(bench.as_is.scene.field));
     if (!(needs & LEAN_LIGHT)) {
         o.unlit = false;
         measure_pair("normals and light", &o, NULL, NULL, NULL, NOTHING);
@@ -244,7 +243,7 @@ static void measure_extents(const tc_scene_options *own)
         measure_pair("triangles outside the view", own, NULL, NULL, NULL, OUTSIDE_VIEW);
     if (f->levels_beyond > 0)
         measure_pair("rings beyond the horizon", own, NULL, NULL, NULL, BEYOND_HORIZON);
-    if (!use.surface->sphere && f->levels_fine > 0)
+    if (!use.surface->words->beyond && f->levels_fine > 0)
         measure_pair("levels too fine", own, NULL, NULL, NULL, ALL_LEVELS);
     if (unseen > 0)
         measure_pair("charts out of sight", own, NULL, NULL, NULL, ALL_CHARTS);

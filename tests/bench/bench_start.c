@@ -58,12 +58,12 @@ static void first_frame(const char *path)
     must(tc_field_build(&grid, 0, &field, &error), &error);
     const tc_terrain_info *info = tc_field_info(field);
     const tc_level finest = tc_field_level(field, info->levels);
-    const tc_flight_box box = {.x_max = (double)(finest.width - 1) * finest.spacing_x,
-                               .y_max = (double)(finest.height - 1) * finest.spacing_y,
+    const tc_flight_box box = {.east = (double)(finest.width - 1) * finest.spacing_x,
+                               .north = (double)(finest.height - 1) * finest.spacing_y,
                                .z_min = info->z_base + info->z_min,
                                .z_max = info->z_base + info->z_max};
     tc_camera camera = {.fov = 75 * M_PI / 180, .width = WIDTH, .height = HEIGHT};
-    tc_pose view = tc_pose_whole(&box, camera.fov, WIDTH, HEIGHT);
+    tc_pose view = tc_plane_navigation.whole(&box, camera.fov, WIDTH, HEIGHT);
     tc_pose_to_camera(&view, &camera);
     tc_context *context;
     must(tc_context_create(TC_BACKEND_AUTO, &context, &error), &error);

@@ -87,8 +87,7 @@ static void rings(bench *b)
     measured m = measured_default_planet();
     for (int ch06 = 0; ch06 < (b->options.quick ? 1 : 2); ch06++) {
         const tc_rings_options o = {.scheme = ch06 ? TC_RINGS_CH06 : TC_RINGS_EXACT, .n_phi = 512, .m = 20};
-        scene s =
-            planet_scene(b->context, &m.planet.atlas, &o, &(tc_scene_options){.background_set = true, .budget = -1});
+        scene s = planet_scene(b->context, m.planet, &o, &(tc_scene_options){.background_set = true, .budget = -1});
         for (int k = 0; k < 3; k++) {
             tc_camera c = measured_camera(&m, situation[k], 0, 1280, 960);
             put_view(b, &m, situation[k], &s, &c, s.surface->name, o.n_phi, 1);

@@ -13,9 +13,13 @@ cp last.png first.png
 accepts '' $globe globe.tif $picture
 same first.png last.png 'the same planet, twice'
 accepts '' $globe points.tif $picture
-for view in 0,90,1e6,0,-90 0,-90,1e6,0,-90 180,0,1e6,0,-90 -180,0,5,90,0 360,45,2000,0,-10 17,89.9999999,3,0,10 \
-    10,20,-1e6,0,0 10,20,6e7,0,-90 10,20,1e12,0,-90 0,0,0,0,90; do
+for view in 0,90,1e6,0,-90 0,-90,1e6,0,-90 180,0,1e6,0,-90 360,45,2000,0,-10 10,20,6e7,0,-90 10,20,1e12,0,-90; do
     accepts '' $globe globe.tif $picture "--view=$view"
+done
+# An eye under the ground is lifted above it, and that is said.
+for view in -180,0,5,90,0 17,89.9999999,3,0,10 10,20,-1e6,0,0 0,0,0,0,90; do
+    accepts 'warning: the eye was .* m under the ground' $globe globe.tif $picture "--view=$view"
+    accepts '' $globe globe.tif $picture "--view=$view" -q
 done
 # Longitudes 360 degrees apart are one place.
 accepts '' $globe globe.tif $picture --view 170,10,2e6,30,-60 && cp last.png first.png
@@ -43,7 +47,7 @@ accepts '' $globe band.tif $picture --background 00ff00 --view 10,80,2000,0,-89
 same first.png last.png 'beside a band around the globe'
 accepts '' $globe band.tif $picture
 # An eye that is below what coarse levels show is lifted, on a flight as in a picture.
-accepts '' $globe globe.tif $picture --levels 1 --view 31,17,-3000,0,0 && cp last.png first.png
+accepts 'under the ground' $globe globe.tif $picture --levels 1 --view 31,17,-3000,0,0 && cp last.png first.png
 printf '%s\n' -60,-40,4e6,0,-90 31,17,-3000,0,0 >far.txt
 run $globe globe.tif --levels 1 --path far.txt --frames 2 -o frame-%d.png --size 96x64
 same first.png frame-1.png 'a picture and the frame of a flight'

@@ -215,7 +215,7 @@ static void refused(const char *name, const char *option, const char *value)
     char *argv[] = {(char *)"planar-viewer", (char *)option, (char *)value, (char *)"terrain.tif", NULL};
     tc_options options;
     tc_error error = {.text = ""};
-    const tc_options_program program = {.name = argv[0], .navigation = &tc_flat_navigation};
+    const tc_viewer_program program = {.name = argv[0], .navigation = &tc_plane_navigation};
     extreme_refused(name, tc_options_parse(&program, 4, argv, &options, &error), TC_ERR_USAGE, error.text);
 }
 

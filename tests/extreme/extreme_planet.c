@@ -10,11 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/map/atlas_packed.h"
+#include "common/map/map.h"
 #include "common/base/byte_order.h"
 #include "common/packed/file/container.h"
 #include "common/base/crc32c.h"
-#include "common/app/planet.h"
+#include "common/app/load.h"
 #include "tests/support/globe_holes.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
@@ -117,7 +117,7 @@ static void rows(const char *name, const sight *s, double pixels)
 }
 
 typedef struct planet {
-    tc_atlas atlas;
+    tc_map *atlas;
     globe_scene globe;
     rings_capture capture;
 } planet;
@@ -126,7 +126,7 @@ typedef struct planet {
 static void planet_make(planet *p, globe_function f, double radius)
 {
     p->atlas = globe_atlas(f, WIDTH, radius);
-    p->globe = globe_scene_create(context, &p->atlas, &(tc_rings_options){.n_phi = 256});
+    p->globe = globe_scene_create(context, p->atlas, &(tc_rings_options){.n_phi = 256});
     p->capture = rings_capture_create(&p->globe);
 }
 
@@ -134,7 +134,7 @@ static void planet_drop(planet *p)
 {
     rings_capture_destroy(&p->capture);
     globe_scene_destroy(&p->globe);
-    tc_atlas_free(&p->atlas);
+    tc_map_destroy(p->atlas);
 }
 
 /* ---- Radii, altitudes ------------------------------------------------------------------------------------------- */
@@ -151,7 +151,7 @@ static void radii(void)
         test_random r = {(uint64_t)decade + 1};
         sight s = {0};
         for (int k = decade % 2; k < PLACES; k += 2) {
-            tc_camera c = rings_view_at(&body.atlas, p[k].longitude, p[k].latitude,
+            tc_camera c = rings_view_at(body.atlas, p[k].longitude, p[k].latitude,
                                         rings_altitude((5 * k + decade) % RINGS_ALTITUDES, radius), &r);
             view(&body.capture, &c, &s);
         }
@@ -178,7 +178,7 @@ static void altitudes(void)
         sight s = {0};
         for (int k = 0; k < VIEWS; k++) {
             const place *at = &p[(3 * k + decade + 3) % PLACES];
-            tc_camera c = rings_view_at(&body.atlas, at->longitude, at->latitude, pow(10, decade), &r);
+            tc_camera c = rings_view_at(body.atlas, at->longitude, at->latitude, pow(10, decade), &r);
             view(&body.capture, &c, &s);
         }
         char name[60];
@@ -214,7 +214,7 @@ static void tall(globe_function f, double part, const char *name)
     test_random r = {9};
     sight s = {0};
     for (int k = 0; k < PLACES; k++) {
-        tc_camera c = rings_view_at(&body.atlas, p[k].longitude, p[k].latitude, EARTH * pow(10, 0.5 - k % 5), &r);
+        tc_camera c = rings_view_at(body.atlas, p[k].longitude, p[k].latitude, EARTH * pow(10, 0.5 - k % 5), &r);
         s.not_finite += rings_capture_not_finite(&body.capture, &c);
         look_for_holes(&body.globe, &c, &s);
     }
@@ -244,7 +244,7 @@ static void open_disc(globe_function f, double radius, const char *name, bool as
     test_random r = {5};
     sight s = {0};
     for (int k = 0; k < PLACES; k++) {
-        tc_camera c = rings_view_at(&body.atlas, p[k].longitude, p[k].latitude,
+        tc_camera c = rings_view_at(body.atlas, p[k].longitude, p[k].latitude,
                                     as_cracks ? radius * pow(10, 0.5 - k % 5) : rings_altitude(k, radius), &r);
         c.pitch = -M_PI / 2;
         look_for_holes(&body.globe, &c, &s);
@@ -321,12 +321,12 @@ static void refusals(void)
                   {-1000, 1000, "1000 radii up and down"}};
     char name[100];
     tc_error error = {0};
-    tc_atlas atlas;
+    tc_map *atlas;
     for (size_t k = 0; k < sizeof relief / sizeof *relief; k++) {
         tc_grid g = grid_of(EARTH, relief[k].low, relief[k].high);
         snprintf(name, sizeof name, "relief %s, heights in memory", relief[k].name);
         error = (tc_error){0};
-        tc_status status = tc_atlas_build(&g, EARTH, 1, &atlas, &error);
+        tc_status status = tc_map_build(&g, EARTH, 1, &atlas, &error);
         extreme_refused(name, status, TC_ERR_FORMAT, error.text);
         snprintf(name, sizeof name, "relief %s, packed", relief[k].name);
         error = (tc_error){0};
@@ -338,18 +338,18 @@ static void refusals(void)
         exit(99);
     shrink(path, 1000);
     error = (tc_error){0};
-    extreme_refused("a packed planet whose head has a radius of 1 km", tc_atlas_open(path, NULL, &atlas, &error),
+    extreme_refused("a packed planet whose head has a radius of 1 km", tc_map_open(path, NULL, &atlas, &error),
                     TC_ERR_FORMAT, error.text);
     error = (tc_error){0};
-    tc_planet loaded;
     extreme_refused("the same, as the viewer opens it",
-                    tc_planet_open(path, &(tc_source_options){0}, 0, 1, &loaded, &error), TC_ERR_FORMAT, error.text);
-    static const double none[] = {0, -1, NAN, INFINITY};
-    for (int k = 0; k < 4; k++) {
+                    tc_map_load(path, NULL, &(tc_load_options){.body = &tc_sphere_body}, &atlas, &error), TC_ERR_FORMAT,
+                    error.text);
+    static const double none[] = {-1, NAN, INFINITY};
+    for (int k = 0; k < 3; k++) {
         tc_grid g = grid_of(EARTH, 0, 0.001);
         error = (tc_error){0};
         snprintf(name, sizeof name, "a radius of %g m", none[k]);
-        extreme_refused(name, tc_atlas_build(&g, none[k], 1, &atlas, &error), TC_ERR_USAGE, error.text);
+        extreme_refused(name, tc_map_build(&g, none[k], 1, &atlas, &error), TC_ERR_USAGE, error.text);
     }
 }
 

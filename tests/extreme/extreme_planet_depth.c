@@ -36,14 +36,14 @@ static double level(void *height, const double p[3])
 
 static float *depth_of(double height, const tc_camera *camera, double *near_ret)
 {
-    tc_atlas atlas = planet_atlas(256, RADIUS, level, &height);
-    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.n_phi = 512});
+    tc_map *atlas = planet_atlas(256, RADIUS, level, &height);
+    globe_scene globe = globe_scene_create(context, atlas, &(tc_rings_options){.n_phi = 512});
     scene s = {.surface = globe.surface, .renderer = globe.renderer};
     globe_scene_frame(&globe, camera, true);
     float *depth = planet_depth(&s, camera);
     *near_ret = globe.surface->near_plane;
     globe_scene_destroy(&globe);
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
     return depth;
 }
 

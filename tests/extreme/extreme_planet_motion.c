@@ -9,7 +9,7 @@
 #include <string.h>
 
 #include "common/view/flight.h"
-#include "spherical/globe.h"
+#include "common/view/navigation.h"
 #include "spherical/rings_internal.h"
 #include "tests/support/planet_scene.h"
 #include "tests/support/regions.h"
@@ -24,7 +24,7 @@ typedef struct journey {
     char first[240]; /* that was broken */
 } journey;
 
-static tc_surface *surface_of(const tc_atlas *atlas)
+static tc_surface *surface_of(const tc_map *atlas)
 {
     return planet_rings(atlas, &(tc_rings_options){.n_phi = 128, .m = 8}, &(tc_scene_options){.unlit = true});
 }
@@ -72,7 +72,7 @@ static tc_camera camera_at(double longitude, double latitude, double z)
 
 /* ---- Ways -------------------------------------------------------------------------------------------------------- */
 
-static void antipodes(const tc_atlas *atlas, int64_t budget, const char *name)
+static void antipodes(const tc_map *atlas, int64_t budget, const char *name)
 {
     journey j = {.surface = surface_of(atlas)};
     test_random r = {11};
@@ -89,7 +89,7 @@ static void antipodes(const tc_atlas *atlas, int64_t budget, const char *name)
 }
 
 /* A great circle, `step` metres at a time, from the point where it is farthest north. */
-static void great_circle(const tc_atlas *atlas, double north, double step, double z, int updates, const char *name)
+static void great_circle(const tc_map *atlas, double north, double step, double z, int updates, const char *name)
 {
     journey j = {.surface = surface_of(atlas)};
     int64_t n = tc_clipmap_n(j.surface->clipmap[0]);
@@ -103,7 +103,7 @@ static void great_circle(const tc_atlas *atlas, double north, double step, doubl
     j.surface->destroy(j.surface);
 }
 
-static void over_a_pole(const tc_atlas *atlas)
+static void over_a_pole(const tc_map *atlas)
 {
     journey j = {.surface = surface_of(atlas)};
     int64_t n = tc_clipmap_n(j.surface->clipmap[0]);
@@ -121,7 +121,7 @@ static void over_a_pole(const tc_atlas *atlas)
     j.surface->destroy(j.surface);
 }
 
-static void antimeridian(const tc_atlas *atlas)
+static void antimeridian(const tc_map *atlas)
 {
     journey j = {.surface = surface_of(atlas)};
     int64_t n = tc_clipmap_n(j.surface->clipmap[0]);
@@ -138,7 +138,7 @@ static void antimeridian(const tc_atlas *atlas)
 
 /* What the viewer's column is on chart 0, and what is drawn around the viewer, of a surface that has been around and of
  * one that has not. */
-static void compare(const rings_surface *been, const tc_atlas *atlas, const tc_camera *c, double *columns_ret,
+static void compare(const rings_surface *been, const tc_map *atlas, const tc_camera *c, double *columns_ret,
                     double *metres_ret)
 {
     tc_surface *fresh = surface_of(atlas), *s = (tc_surface *)&been->head;
@@ -155,7 +155,7 @@ static void compare(const rings_surface *been, const tc_atlas *atlas, const tc_c
     fresh->destroy(fresh);
 }
 
-static void thousand_turns(const tc_atlas *atlas, int direction)
+static void thousand_turns(const tc_map *atlas, int direction)
 {
     enum { TURNS = 1000, STEPS = 24, MOST = 18 };
     journey j = {.surface = surface_of(atlas)};
@@ -183,7 +183,7 @@ static void thousand_turns(const tc_atlas *atlas, int direction)
 }
 
 /* One height of a window changed by a metre is found. */
-static void spoiled(const tc_atlas *atlas)
+static void spoiled(const tc_map *atlas)
 {
     journey j = {.surface = surface_of(atlas)};
     tc_camera c = camera_at(3.1, -0.4, 6000);
@@ -215,7 +215,7 @@ static void flown_around(double latitude, double heading, const char *name)
                    .speed = angle * (RADIUS + z) / (0.1 * z)};
     double most = 0;
     for (int k = 0; k < TURNS * STEPS; k++) {
-        tc_globe_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &ground);
+        tc_sphere_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &ground);
         most = fmax(most, isfinite(f.view.x) ? fabs(f.view.x) : INFINITY);
     }
     double across = remainder(f.view.x - 0.5, 2 * M_PI) * cos(latitude), along = f.view.y - latitude;
@@ -227,25 +227,25 @@ static void flown_around(double latitude, double heading, const char *name)
 int main(void)
 {
     extreme_begin("planet_motion");
-    tc_atlas atlas = planet_made(PLANET_CLIFF, WIDTH, RADIUS, 7);
+    tc_map *atlas = planet_made(PLANET_CLIFF, WIDTH, RADIUS, 7);
 
-    antipodes(&atlas, -1, "between antipodes, all at once");
+    antipodes(atlas, -1, "between antipodes, all at once");
 
-    antipodes(&atlas, 2000, "between antipodes, 2,000 samples a frame");
+    antipodes(atlas, 2000, "between antipodes, 2,000 samples a frame");
 
-    great_circle(&atlas, 1.0, 1e5 / 60, 6000, 24000, "100 km/s, 60 frames a second, near the ground");
+    great_circle(atlas, 1.0, 1e5 / 60, 6000, 24000, "100 km/s, 60 frames a second, near the ground");
 
-    great_circle(&atlas, M_PI / 2, 1e5 / 60, 6000, 24000, "100 km/s from pole to pole");
+    great_circle(atlas, M_PI / 2, 1e5 / 60, 6000, 24000, "100 km/s from pole to pole");
 
-    over_a_pole(&atlas);
+    over_a_pole(atlas);
 
-    antimeridian(&atlas);
-    thousand_turns(&atlas, 1);
-    thousand_turns(&atlas, -1);
-    spoiled(&atlas);
+    antimeridian(atlas);
+    thousand_turns(atlas, 1);
+    thousand_turns(atlas, -1);
+    spoiled(atlas);
     flown_around(0, M_PI / 2, "flown 1000 times along the equator");
     flown_around(0.7, 0, "flown 1000 times over both poles");
     flown_around(0.7, 0.8, "flown 1000 times on a slanting circle");
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
     return extreme_end();
 }

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/map/atlas.h"
+#include "common/map/map.h"
 #include "common/chart/atlas_caps.h"
 #include "common/base/rect.h"
 #include "tests/support/terrains.h"
@@ -62,18 +62,18 @@ static tc_grid globe(sphere_function f, int64_t width, int64_t height, rows_kind
     return grid;
 }
 
-static tc_atlas atlas_of(tc_grid grid)
+static tc_map *atlas_of(tc_grid grid)
 {
-    tc_atlas atlas;
+    tc_map *atlas;
     tc_error error = {0};
-    if (tc_atlas_build(&grid, 6371000, 0, &atlas, &error) != TC_OK)
+    if (tc_map_build(&grid, 6371000, 0, &atlas, &error) != TC_OK)
         fail_msg("%s", error.text);
     assert_null(grid.z);
     return atlas;
 }
 
 /* The finest level of a cap; the caller's to free. */
-static float *cap_heights(const tc_atlas *atlas, int chart, int64_t *side_ret)
+static float *cap_heights(const tc_map *atlas, int chart, int64_t *side_ret)
 {
     const tc_field *p = atlas->chart[chart].field;
     int m = tc_field_info(p)->levels;
@@ -88,8 +88,7 @@ static float *cap_heights(const tc_atlas *atlas, int chart, int64_t *side_ret)
 }
 
 /* Largest error of a cap, of all samples and of those within `rows` rows of the pole. */
-static void cap_error(const tc_atlas *atlas, int chart, sphere_function f, double rows, double *all_ret,
-                      double *near_ret)
+static void cap_error(const tc_map *atlas, int chart, sphere_function f, double rows, double *all_ret, double *near_ret)
 {
     const tc_chart *c = &atlas->chart[chart];
     int64_t side;
@@ -98,7 +97,7 @@ static void cap_error(const tc_atlas *atlas, int chart, sphere_function f, doubl
     for (int64_t k = 0; k < side * side; k++) {
         double x = c->x0 + (double)(k % side) * c->dx, y = c->y0 + (double)(k / side) * c->dy, r = hypot(x, y);
         double latitude = pi / 2 - 2 * atan(r / 2), longitude = atan2(y, x);
-        if (c->projection == TC_CAP_SOUTH)
+        if (c->class == &tc_chart_south_cap)
             latitude = -latitude;
         double error = fabs(z[k] - on_sphere(f, longitude, latitude));
         *all_ret = fmax(*all_ret, error);
@@ -116,14 +115,14 @@ static void caps_hold_smooth_functions(void **state)
         for (int s = 0; s < 4; s++)
             for (int f = 0; f < 2; f++) {
                 sphere_function function = f ? slope : polynomial;
-                tc_atlas atlas = atlas_of(globe(function, 720, rows == POINT ? 361 : 360, rows, starts[s]));
-                assert_int_equal(atlas.charts, 3);
+                tc_map *atlas = atlas_of(globe(function, 720, rows == POINT ? 361 : 360, rows, starts[s]));
+                assert_int_equal(atlas->charts, 3);
                 for (int c = 1; c < 3; c++) {
                     double all, near;
-                    cap_error(&atlas, c, function, 6, &all, &near);
+                    cap_error(atlas, c, function, 6, &all, &near);
                     assert_true(all < 0.005 && near < 0.005); /* a row is 8.7 m of a slope */
                 }
-                tc_atlas_free(&atlas);
+                tc_map_destroy(atlas);
             }
 }
 
@@ -131,16 +130,16 @@ static void constants_stay(void **state)
 {
     (void)state;
     for (rows_kind rows = AREA; rows < ROWS; rows++) {
-        tc_atlas atlas = atlas_of(globe(constant, 500, 251, rows, -180));
+        tc_map *atlas = atlas_of(globe(constant, 500, 251, rows, -180));
         for (int c = 1; c < 3; c++) {
             int64_t side;
-            float *z = cap_heights(&atlas, c, &side);
+            float *z = cap_heights(atlas, c, &side);
             for (int64_t k = 0; k < side * side; k++)
                 assert_true(z[k] == (float)8123.456);
-            assert_true(tc_field_info(atlas.chart[c].field)->z_min == (float)8123.456);
+            assert_true(tc_field_info(atlas->chart[c].field)->z_min == (float)8123.456);
             free(z);
         }
-        tc_atlas_free(&atlas);
+        tc_map_destroy(atlas);
     }
 }
 
@@ -149,18 +148,18 @@ static void caps_have_no_direction(void **state)
 {
     (void)state;
     enum { WIDTH = 400, HEIGHT = 201 };
-    tc_atlas atlas = atlas_of(globe(of_latitude, WIDTH, HEIGHT, AREA, 0));
+    tc_map *atlas = atlas_of(globe(of_latitude, WIDTH, HEIGHT, AREA, 0));
     tc_grid noise[2] = {globe(constant, WIDTH, HEIGHT, AREA, 0), globe(constant, WIDTH, HEIGHT, AREA, 0)};
     test_random r = {7};
     for (int64_t j = 0; j < HEIGHT; j++)
         for (int64_t i = 0; i < WIDTH; i++)
             noise[0].z[j * WIDTH + i] = noise[1].z[j * WIDTH + (i + WIDTH / 4) % WIDTH] =
                 (float)test_random_range(&r, -1000, 1000);
-    tc_atlas turned[2] = {atlas_of(noise[0]), atlas_of(noise[1])};
+    tc_map *turned[2] = {atlas_of(noise[0]), atlas_of(noise[1])};
     for (int c = 1; c < 3; c++) {
         int64_t side, half;
-        float *z = cap_heights(&atlas, c, &side), *a = cap_heights(&turned[0], c, &side);
-        float *b = cap_heights(&turned[1], c, &side);
+        float *z = cap_heights(atlas, c, &side), *a = cap_heights(turned[0], c, &side);
+        float *b = cap_heights(turned[1], c, &side);
         half = side / 2;
         for (int64_t y = -half; y <= half; y++)
             for (int64_t x = -half; x <= half; x++) {
@@ -172,7 +171,7 @@ static void caps_have_no_direction(void **state)
             }
         free(z), free(a), free(b);
     }
-    tc_atlas_free(&atlas), tc_atlas_free(&turned[0]), tc_atlas_free(&turned[1]);
+    tc_map_destroy(atlas), tc_map_destroy(turned[0]), tc_map_destroy(turned[1]);
 }
 
 /* Waves of four rows' length in all directions must come out alike at the pole and away from it: neither a blur nor
@@ -201,16 +200,16 @@ static double waves(double x, double y, double z)
 static void terrain_is_as_rough_at_the_pole(void **state)
 {
     (void)state;
-    tc_atlas atlas = atlas_of(globe(waves, 1440, 720, AREA, 0));
+    tc_map *atlas = atlas_of(globe(waves, 1440, 720, AREA, 0));
     for (int c = 1; c < 3; c++) {
         int64_t side, count[2] = {0};
-        float *z = cap_heights(&atlas, c, &side);
+        float *z = cap_heights(atlas, c, &side);
         double sum[2] = {0}, error[2] = {0};
         for (int64_t y = -side / 2; y <= side / 2; y++)
             for (int64_t x = -side / 2; x <= side / 2; x++) {
                 double r = hypot((double)x, (double)y);
                 int where = r < 25 ? 0 : r > 90 && r < 110 ? 1 : -1;
-                double theta = 2 * atan(0.5 * r * atlas.chart[c].dx), latitude = pi / 2 - theta;
+                double theta = 2 * atan(0.5 * r * atlas->chart[c].dx), latitude = pi / 2 - theta;
                 if (where < 0)
                     continue;
                 double v = z[(y + side / 2) * side + x + side / 2];
@@ -229,7 +228,7 @@ static void terrain_is_as_rough_at_the_pole(void **state)
         assert_true(error[0] < 1.2 * error[1] && error[0] < 0.15 * sum[0]);
         free(z);
     }
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
 }
 
 /* In any direction and in blocks of any size, with any number of threads: the same bits. */
@@ -244,7 +243,9 @@ static void order_of_rows_does_not_matter(void **state)
         grid.z[k] += (float)test_random_range(&r, -100, 100);
         grid.voids[k] = test_random_unit(&r) < 0.1;
     }
-    tc_lonlat at = {WIDTH, HEIGHT, 10 * pi / 180, -pi / 2 + 0.5 * pi / HEIGHT, 2 * pi / WIDTH, pi / HEIGHT};
+    tc_lonlat at;
+    assert_true(tc_lonlat_of(&grid.georef, WIDTH, HEIGHT, &at) && at.round && at.poles && at.within);
+    tc_lonlat_close(&at);
     size_t count = (size_t)(tc_caps_side(&at) * tc_caps_side(&at));
     assert_true(tc_caps_reach(&at) > 140 && tc_caps_reach(&at) < 160);
     float *z[2][TC_CAPS];
@@ -285,48 +286,47 @@ static void order_of_rows_does_not_matter(void **state)
 static void charts_are_where_the_grid_is(void **state)
 {
     (void)state;
-    tc_atlas a = atlas_of(globe(polynomial, 360, 180, AREA, 0.5));
-    const tc_chart *c = &a.chart[0];
-    assert_true(c->wraps && tc_field_info(c->field)->wraps_x && c->projection == TC_LONLAT);
+    tc_map *a = atlas_of(globe(polynomial, 360, 180, AREA, 0.5));
+    const tc_chart *c = &a->chart[0];
+    assert_true(c->wraps && tc_field_info(c->field)->wraps_x && c->class == &tc_chart_lonlat);
     assert_true(fabs(c->x0 - (0.5 * pi / 180)) < 1e-12);
     assert_true(fabs(c->y0 - (-89.5 * pi / 180)) < 1e-12);
     assert_true(fabs(c->dx - (pi / 180)) < 1e-15);
     assert_true(fabs(c->dy - (pi / 180)) < 1e-15);
     assert_float_equal(tc_field_level(c->field, tc_field_info(c->field)->levels).spacing_x, 6371000 * pi / 180, 1e-6);
     for (int k = 1; k < 3; k++) {
-        int64_t side = tc_field_level(a.chart[k].field, tc_field_info(a.chart[k].field)->levels).width;
-        assert_true(a.chart[k].projection == (k == 1 ? TC_CAP_NORTH : TC_CAP_SOUTH));
-        assert_true(a.chart[k].x0 + (double)(side / 2) * a.chart[k].dx == 0);
-        assert_true(-a.chart[k].x0 >= 2 * tan(19 * pi / 180) && !a.chart[k].wraps);
+        int64_t side = tc_field_level(a->chart[k].field, tc_field_info(a->chart[k].field)->levels).width;
+        assert_true(a->chart[k].class == (k == 1 ? &tc_chart_north_cap : &tc_chart_south_cap));
+        assert_true(a->chart[k].x0 + (double)(side / 2) * a->chart[k].dx == 0);
+        assert_true(-a->chart[k].x0 >= 2 * tan(19 * pi / 180) && !a->chart[k].wraps);
     }
-    tc_atlas_free(&a);
-    assert_null(a.chart[0].field);
+    tc_map_destroy(a);
 
     /* Around the globe without its poles; and a part of it. */
     tc_grid belt = globe(polynomial, 360, 180, AREA, 0.5);
     belt.height = 140;
     a = atlas_of(belt);
-    assert_true(a.charts == 1 && a.chart[0].wraps && !a.chart[1].field);
-    tc_atlas_free(&a);
+    assert_true(a->charts == 1 && a->chart[0].wraps);
+    tc_map_destroy(a);
     tc_grid part = globe(polynomial, 367, 180, AREA, 0.5);
     part.georef.transform[1] = 0.01;
     a = atlas_of(part);
-    assert_true(a.charts == 1 && !a.chart[0].wraps);
-    assert_false(tc_field_info(a.chart[0].field)->wraps_x);
-    tc_atlas_free(&a);
+    assert_true(a->charts == 1 && !a->chart[0].wraps);
+    assert_false(tc_field_info(a->chart[0].field)->wraps_x);
+    tc_map_destroy(a);
 }
 
 static void nonsense_is_refused(void **state)
 {
     (void)state;
-    tc_atlas a;
+    tc_map *a;
     tc_error error;
     for (int k = 0; k < 6; k++) {
         tc_grid grid = globe(polynomial, k == 0 ? 367 : 360, k == 1 ? 3 : 180, AREA, 0);
         grid.georef.geographic = k != 2;
         grid.georef.transform[2] = k == 3 ? 0.1 : 0;
-        double radius = k == 4 ? 0 : k == 5 ? NAN : 1e6;
-        assert_int_equal(tc_atlas_build(&grid, radius, 1, &a, &error), TC_ERR_USAGE);
+        double radius = k == 4 ? -1 : k == 5 ? NAN : 1e6;
+        assert_int_equal(tc_map_build(&grid, radius, 1, &a, &error), TC_ERR_USAGE);
         assert_non_null(strstr(error.text, "planet: "));
         assert_null(grid.z);
     }
@@ -336,20 +336,20 @@ static void nonsense_is_refused(void **state)
         double radius = k == 0 ? 10000 : k == 1 ? 10020 : k == 2 ? 5e5 : 1e6;
         if (k >= 2)
             grid.voids_flat = true, grid.void_count = 1, grid.void_height = k == 2 ? 5e5 : -999e3f;
-        tc_status status = tc_atlas_build(&grid, radius, 1, &a, &error);
+        tc_status status = tc_map_build(&grid, radius, 1, &a, &error);
         assert_int_equal(status, k == 1 ? TC_OK : TC_ERR_FORMAT);
-        assert_true(status ? strstr(error.text, "small beside the radius") != NULL : a.charts == 3);
+        assert_true(status ? strstr(error.text, "small beside the radius") != NULL : a->charts == 3);
         if (!status)
-            tc_atlas_free(&a);
+            tc_map_destroy(a);
     }
-    assert_int_equal(tc_atlas_width(1, 1), 1);
-    assert_int_equal(tc_atlas_width(250, 250), 250);
-    assert_int_equal(tc_atlas_width(251, 126), 252);
-    assert_int_equal(tc_atlas_width(5760, 2880), 5760);
-    assert_int_equal(tc_atlas_width(21601, 10801), 21632);
-    assert_int_equal(tc_atlas_width(249, 300), 250); /* the height needs more halvings */
-    assert_int_equal(tc_atlas_width(100, 2000), 104);
-    assert_int_equal(tc_atlas_width(100, 2001), 112);
+    assert_int_equal(tc_lonlat_width(1, 1), 1);
+    assert_int_equal(tc_lonlat_width(250, 250), 250);
+    assert_int_equal(tc_lonlat_width(251, 126), 252);
+    assert_int_equal(tc_lonlat_width(5760, 2880), 5760);
+    assert_int_equal(tc_lonlat_width(21601, 10801), 21632);
+    assert_int_equal(tc_lonlat_width(249, 300), 250); /* the height needs more halvings */
+    assert_int_equal(tc_lonlat_width(100, 2000), 104);
+    assert_int_equal(tc_lonlat_width(100, 2001), 112);
 }
 
 int main(void)

@@ -165,8 +165,8 @@ static void a_sphere_is_met_where_it_is(void **state)
 {
     (void)state;
     double z = 1500, radius = 1e6 + z;
-    tc_atlas a = planet_atlas(256, 1e6, level_ground, &z);
-    ray_globe *g = ray_globe_create(&a);
+    tc_map *a = planet_atlas(256, 1e6, level_ground, &z);
+    ray_globe *g = ray_globe_create(a);
     test_random r = {5};
     int hits = 0, misses = 0;
     for (int i = 0; i < 3000; i++) {
@@ -184,7 +184,7 @@ static void a_sphere_is_met_where_it_is(void **state)
         hits += there, misses += !there;
     }
     assert_true(hits > 500 && misses > 500);
-    ray_globe_destroy(g), tc_atlas_free(&a);
+    ray_globe_destroy(g), tc_map_destroy(a);
 }
 
 /* Rough planet, all latitudes. Beyond what steps may miss of a crest nothing is in the way. */
@@ -192,15 +192,15 @@ static void rays_end_at_a_planets_first_ground(void **state)
 {
     (void)state;
     enum { STEPS = 3000 };
-    tc_atlas a = planet_made(PLANET_CLIFF, 256, 1737400, 1);
-    ray_globe *g = ray_globe_create(&a);
+    tc_map *a = planet_made(PLANET_CLIFF, 256, 1737400, 1);
+    ray_globe *g = ray_globe_create(a);
     test_random r = {6};
     int hits = 0;
     double worst = -INFINITY;
     for (int i = 0; i < 600; i++) {
         tc_camera c = {.x = test_random_range(&r, -4, 4), .y = asin(test_random_range(&r, -1, 1)), .width = 640};
         double d[3], got, ground;
-        assert_int_equal(planet_atlas_height(&a, c.x, c.y, &ground), TC_OK);
+        assert_int_equal(planet_atlas_height(a, c.x, c.y, &ground), TC_OK);
         c.z = ground + pow(10, test_random_range(&r, 1, 6));
         unit(&r, d);
         if (!ray_globe_hit(g, &c, d, &got))
@@ -209,8 +209,8 @@ static void rays_end_at_a_planets_first_ground(void **state)
         for (int k = 1; k <= STEPS; k++) {
             double s = got * k / STEPS, p[3];
             const double e[3] = {s * d[0], s * d[1], s * d[2]};
-            tc_view_globe_place(&c, a.radius, e, p);
-            assert_int_equal(planet_atlas_height(&a, p[0], p[1], &ground), TC_OK);
+            tc_view_globe_place(&c, a->body.radius, e, p);
+            assert_int_equal(planet_atlas_height(a, p[0], p[1], &ground), TC_OK);
             if (k == STEPS)
                 assert_float_equal(p[2], ground, 1e-3 + 1e-9 * s);
             else
@@ -219,7 +219,7 @@ static void rays_end_at_a_planets_first_ground(void **state)
     }
     print_message("rays of a planet of cliffs: %d meet it, at most %.4f pixels through a crest\n", hits, worst);
     assert_true(hits > 200 && worst < 0.5);
-    ray_globe_destroy(g), tc_atlas_free(&a);
+    ray_globe_destroy(g), tc_map_destroy(a);
 }
 
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */

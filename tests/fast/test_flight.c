@@ -7,7 +7,7 @@
 
 #include "common/view/camera.h"
 #include "common/view/flight_path.h"
-#include "spherical/globe.h"
+#include "common/view/navigation.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -38,11 +38,11 @@ static void printed_views_come_back_exactly(void **state)
         const tc_pose before = view;
         double spacing = pow(10, 6 * next_random(&seed) - 4);
         char text[TC_POSE_TEXT], again[TC_POSE_TEXT];
-        tc_pose_format(&tc_flat_navigation, &view, spacing, text);
+        tc_pose_format(&tc_plane_navigation, &view, spacing, text);
         tc_pose read;
-        assert_true(tc_pose_parse(&tc_flat_navigation, text, &read));
+        assert_true(tc_pose_parse(&tc_plane_navigation, text, &read));
         assert_memory_equal(&read, &view, sizeof view);
-        tc_pose_format(&tc_flat_navigation, &read, spacing, again);
+        tc_pose_format(&tc_plane_navigation, &read, spacing, again);
         assert_string_equal(text, again);
         assert_memory_equal(&read, &view, sizeof view);
         /* And it is next to what it was. */
@@ -54,7 +54,7 @@ static void printed_views_come_back_exactly(void **state)
     }
     tc_pose view = {-1e-9, 0, 0, -1e-9, -1e-9};
     char text[TC_POSE_TEXT];
-    tc_pose_format(&tc_flat_navigation, &view, 30, text);
+    tc_pose_format(&tc_plane_navigation, &view, 30, text);
     assert_string_equal(text, "0.000,0.000,0.000,0.0000,0.0000");
 }
 
@@ -69,7 +69,7 @@ static double worst_corner(const tc_flight_box *box, const tc_pose *view, const 
     double t[2], worst = -INFINITY;
     tc_camera_tangents(&camera, &t[0], &t[1]);
     for (int i = 0; i < 8; i++) {
-        double d[3] = {(i & 1 ? box->x_max : 0) - view->x, (i & 2 ? box->y_max : 0) - view->y,
+        double d[3] = {(i & 1 ? box->east : 0) - view->x, (i & 2 ? box->north : 0) - view->y,
                        (i & 4 ? box->z_max : box->z_min) - view->z};
         double right = 0, up = 0, forward = 0;
         for (int k = 0; k < 3; k++) {
@@ -89,25 +89,25 @@ static void the_whole_terrain_is_in_frame(void **state)
     (void)state;
     static const int sizes[][2] = {{640, 480}, {1280, 720}, {480, 640}, {1, 16384}, {16384, 1}, {3, 3}};
     static const double fovs[] = {1, 30, 75, 90, 120, 170};
-    static const tc_flight_box boxes[] = {{.x_max = 122880, .y_max = 122880, .z_min = 600, .z_max = 2600},
-                                          {.x_max = 30, .y_max = 30, .z_min = 0, .z_max = 0},
-                                          {.x_max = 1, .y_max = 100000, .z_min = -5, .z_max = 5},
-                                          {.x_max = 100000, .y_max = 1, .z_min = 0, .z_max = 10},
-                                          {.x_max = 1000, .y_max = 1000, .z_min = 0, .z_max = 65535},
-                                          {.x_max = 1, .y_max = 1, .z_min = 0, .z_max = 1e5},
-                                          {.x_max = 4096, .y_max = 4096, .z_min = 0, .z_max = 255},
-                                          {.x_max = 2.1e6, .y_max = 20, .z_min = -10000, .z_max = 9000},
-                                          {.x_max = 0, .y_max = 500, .z_min = 0, .z_max = 0},
-                                          {.x_max = 500, .y_max = 0, .z_min = 0, .z_max = 100},
-                                          {.x_max = 0, .y_max = 0, .z_min = 0, .z_max = 0},
-                                          {.x_max = 1e-3, .y_max = 1e-3, .z_min = 8e3, .z_max = 8e3},
-                                          {.x_max = 1e9, .y_max = 1e9, .z_min = -1e4, .z_max = 1e4},
-                                          {.x_max = 10, .y_max = 10, .z_min = -1, .z_max = -0.5}};
+    static const tc_flight_box boxes[] = {{.east = 122880, .north = 122880, .z_min = 600, .z_max = 2600},
+                                          {.east = 30, .north = 30, .z_min = 0, .z_max = 0},
+                                          {.east = 1, .north = 100000, .z_min = -5, .z_max = 5},
+                                          {.east = 100000, .north = 1, .z_min = 0, .z_max = 10},
+                                          {.east = 1000, .north = 1000, .z_min = 0, .z_max = 65535},
+                                          {.east = 1, .north = 1, .z_min = 0, .z_max = 1e5},
+                                          {.east = 4096, .north = 4096, .z_min = 0, .z_max = 255},
+                                          {.east = 2.1e6, .north = 20, .z_min = -10000, .z_max = 9000},
+                                          {.east = 0, .north = 500, .z_min = 0, .z_max = 0},
+                                          {.east = 500, .north = 0, .z_min = 0, .z_max = 100},
+                                          {.east = 0, .north = 0, .z_min = 0, .z_max = 0},
+                                          {.east = 1e-3, .north = 1e-3, .z_min = 8e3, .z_max = 8e3},
+                                          {.east = 1e9, .north = 1e9, .z_min = -1e4, .z_max = 1e4},
+                                          {.east = 10, .north = 10, .z_min = -1, .z_max = -0.5}};
     for (size_t b = 0; b < sizeof boxes / sizeof *boxes; b++)
         for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
             for (size_t f = 0; f < sizeof fovs / sizeof *fovs; f++) {
                 const tc_camera lens = {.fov = fovs[f] * degree, .width = sizes[s][0], .height = sizes[s][1]};
-                tc_pose view = tc_pose_whole(&boxes[b], lens.fov, lens.width, lens.height);
+                tc_pose view = tc_plane_navigation.whole(&boxes[b], lens.fov, lens.width, lens.height);
                 assert_true(isfinite(view.x) && isfinite(view.y) && isfinite(view.z));
                 assert_true(view.z > boxes[b].z_max);
                 assert_true(view.pitch < 0 && view.pitch >= -90.001 * degree);
@@ -147,7 +147,7 @@ static void never_below_ground(void **state)
                                        .wheel = i % 100 == 0 ? 10 * (next_random(&seed) - 0.5) : 0,
                                        .fast = i % 7 == 0,
                                        .dt = 0.2 * next_random(&seed)};
-        tc_flight_step(&flight, &input, &ground);
+        tc_plane_navigation.step(&flight, &input, &ground);
         assert_true(flight.view.z >= waves(NULL, flight.view.x, flight.view.y) + 2);
         assert_true(fabs(flight.view.pitch) <= 90 * degree);
         assert_true(isfinite(flight.view.x) && fabs(flight.view.x) <= TC_POSE_LIMIT);
@@ -160,7 +160,7 @@ static void bounded_however_long_one_climbs(void **state)
     (void)state;
     tc_flight flight = {.view = {0, 0, 100, 0.5, 0.5}, .speed = 100};
     for (int i = 0; i < 1000; i++)
-        tc_flight_step(&flight, &(tc_flight_input){.forward = 1, .up = 1, .fast = true, .dt = 0.1}, &ground);
+        tc_plane_navigation.step(&flight, &(tc_flight_input){.forward = 1, .up = 1, .fast = true, .dt = 0.1}, &ground);
     assert_true(flight.view.z <= TC_POSE_LIMIT && flight.view.x <= TC_POSE_LIMIT && flight.view.y <= TC_POSE_LIMIT);
 }
 
@@ -177,37 +177,37 @@ static void directions_and_speed(void **state)
     const tc_flight start = {.view = {0, 0, 1500, 90 * degree, 0}, .speed = 1};
     /* East for 0.1 s at a height of 500 m: 50 m. */
     tc_flight f = start;
-    tc_flight_step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
     assert_float_equal(f.view.x, 50, 1e-9);
     assert_float_equal(f.view.y, 0, 1e-9);
     assert_float_equal(f.view.z, 1500, 1e-9);
     /* To the right of east is south. */
     f = start;
-    tc_flight_step(&f, &(tc_flight_input){.right = 1, .dt = 0.1}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.right = 1, .dt = 0.1}, &plain);
     assert_float_equal(f.view.y, -50, 1e-9);
     /* Up is up wherever one looks; two keys together are no faster; a long frame counts as a tenth of a second. */
     f = start;
-    tc_flight_step(&f, &(tc_flight_input){.up = 1, .dt = 9}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.up = 1, .dt = 9}, &plain);
     assert_float_equal(f.view.z, 1550, 1e-9);
     f = start;
-    tc_flight_step(&f, &(tc_flight_input){.forward = 1, .right = 1, .fast = true, .dt = 0.1}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.forward = 1, .right = 1, .fast = true, .dt = 0.1}, &plain);
     assert_float_equal(hypot(f.view.x, f.view.y), 400, 1e-9);
     /* Twice as high, twice as fast; near the ground one still moves. */
     f = start;
     f.view.z = 2000;
-    tc_flight_step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
     assert_float_equal(f.view.x, 100, 1e-9);
     f.view = (tc_pose){0, 0, 1002, 0, -1};
-    tc_flight_step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &plain);
     assert_true(f.view.y > 0.1 && f.view.z >= 1002);
     /* Turning: right is clockwise, and nothing else moves. */
     f = start;
-    tc_flight_step(&f, &(tc_flight_input){.turn = 0.25, .tilt = -9, .dt = 0.1}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.turn = 0.25, .tilt = -9, .dt = 0.1}, &plain);
     assert_float_equal(f.view.heading, 90 * degree + 0.25, 1e-12);
     assert_float_equal(f.view.pitch, -90 * degree, 1e-12);
     assert_true(f.view.x == 0 && f.view.y == 0 && f.view.z == 1500);
     /* The wheel. */
-    tc_flight_step(&f, &(tc_flight_input){.wheel = 1}, &plain);
+    tc_plane_navigation.step(&f, &(tc_flight_input){.wheel = 1}, &plain);
     assert_true(f.speed > 1.1);
     assert_true(tc_flight_clearance(30) == 2 && tc_flight_clearance(0.5) == 0.25);
 }
@@ -218,7 +218,7 @@ static tc_flight_path path_of(const char *text)
 {
     tc_flight_path path;
     tc_error error = {.text = ""};
-    if (tc_flight_path_parse(&tc_flat_navigation, "path", text, &path, &error) != TC_OK)
+    if (tc_flight_path_parse(&tc_plane_navigation, "path", text, &path, &error) != TC_OK)
         fail_msg("%s", error.text);
     return path;
 }
@@ -274,7 +274,7 @@ static tc_flight_path globe_path_of(const char *text)
 {
     tc_flight_path path;
     tc_error error = {.text = ""};
-    if (tc_flight_path_parse(&tc_globe_navigation, "path", text, &path, &error) != TC_OK)
+    if (tc_flight_path_parse(&tc_sphere_navigation, "path", text, &path, &error) != TC_OK)
         fail_msg("%s", error.text);
     return path;
 }
@@ -385,7 +385,7 @@ static void along_a_parallel(void **state)
     tc_flight_path_free(&path);
     /* A globe's lines have bounds. */
     tc_error error;
-    assert_int_equal(tc_flight_path_parse(&tc_globe_navigation, "p", "0,91,1,0,0", &path, &error), TC_ERR_FORMAT);
+    assert_int_equal(tc_flight_path_parse(&tc_sphere_navigation, "p", "0,91,1,0,0", &path, &error), TC_ERR_FORMAT);
     assert_non_null(strstr(error.text, "p: line 1: expected LON,LAT,ALT,HEADING,PITCH in degrees and metres, |LON|"));
 }
 
@@ -416,7 +416,7 @@ static void bad_paths_name_the_line(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         tc_flight_path path = {.count = 77};
         tc_error error = {.text = ""};
-        assert_int_equal(tc_flight_path_parse(&tc_flat_navigation, "p", cases[i].text, &path, &error), TC_ERR_FORMAT);
+        assert_int_equal(tc_flight_path_parse(&tc_plane_navigation, "p", cases[i].text, &path, &error), TC_ERR_FORMAT);
         if (strncmp(error.text, cases[i].error, strlen(cases[i].error)) != 0)
             fail_msg("%zu: '%s'", i, error.text);
         assert_int_equal(path.count, 77);
@@ -426,11 +426,11 @@ static void bad_paths_name_the_line(void **state)
     memset(endless, '1', 100000);
     endless[100000] = '\0';
     tc_flight_path path;
-    assert_int_equal(tc_flight_path_parse(&tc_flat_navigation, "p", endless, &path, NULL), TC_ERR_FORMAT);
+    assert_int_equal(tc_flight_path_parse(&tc_plane_navigation, "p", endless, &path, NULL), TC_ERR_FORMAT);
     free(endless);
-    assert_int_equal(tc_flight_path_load(&tc_flat_navigation, "/nonexistent/path", &path, NULL), TC_ERR_IO);
-    assert_int_equal(tc_flight_path_load(&tc_flat_navigation, "/", &path, NULL), TC_ERR_IO);
-    assert_int_equal(tc_flight_path_load(&tc_flat_navigation, "/dev/zero", &path, NULL), TC_ERR_FORMAT);
+    assert_int_equal(tc_flight_path_load(&tc_plane_navigation, "/nonexistent/path", &path, NULL), TC_ERR_IO);
+    assert_int_equal(tc_flight_path_load(&tc_plane_navigation, "/", &path, NULL), TC_ERR_IO);
+    assert_int_equal(tc_flight_path_load(&tc_plane_navigation, "/dev/zero", &path, NULL), TC_ERR_FORMAT);
 }
 
 static void a_path_file_is_read(void **state)
@@ -444,7 +444,7 @@ static void a_path_file_is_read(void **state)
         fprintf(file, "%d,0,100,0,0 # key %d\n", i, i);
     fclose(file);
     tc_flight_path path;
-    tc_status status = tc_flight_path_load(&tc_flat_navigation, name, &path, NULL);
+    tc_status status = tc_flight_path_load(&tc_plane_navigation, name, &path, NULL);
     unlink(name);
     assert_int_equal(status, TC_OK);
     assert_int_equal(path.count, 5000);

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "common/view/flight.h"
-#include "spherical/globe.h"
+#include "common/view/navigation.h"
 #include "tests/support/planet_scene.h"
 
 #define DEGREE (M_PI / 180)
@@ -32,7 +32,7 @@ static void over_the_pole(void **state)
         tc_flight f = {.view = {.x = 30 * DEGREE, .y = side * 89.9 * DEGREE, .z = 3000}, .speed = 1};
         f.view.heading = side > 0 ? 0 : M_PI;
         for (int i = 0; i < 50; i++)
-            tc_globe_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &ground);
+            tc_sphere_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &ground);
         assert_true(turn(f.view.x - (30 - 180) * DEGREE) < 1e-6);
         assert_true(turn(f.view.heading - (side > 0 ? M_PI : 0)) < 1e-6);
         assert_true(fabs(f.view.y) < 89.5 * DEGREE);
@@ -47,16 +47,16 @@ static void ground_wheel_and_drag(void **state)
     const tc_ground ground = {.height = level_ground, .context = &ground_at, .clearance = 2, .radius = RADIUS};
     tc_flight f = {.view = {.x = 3.1, .y = 0.2, .z = 501, .pitch = -1}, .speed = 1};
     for (int i = 0; i < 100; i++)
-        tc_globe_navigation.step(&f, &(tc_flight_input){.forward = 1, .right = 1, .dt = 0.1}, &ground);
+        tc_sphere_navigation.step(&f, &(tc_flight_input){.forward = 1, .right = 1, .dt = 0.1}, &ground);
     assert_true(f.view.z >= 502 && fabs(f.view.x) <= M_PI);
     f.view.z = 1e5 + 500;
-    tc_globe_navigation.step(&f, &(tc_flight_input){.wheel = 1, .dt = 0.1}, &ground);
+    tc_sphere_navigation.step(&f, &(tc_flight_input){.wheel = 1, .dt = 0.1}, &ground);
     assert_float_equal(f.view.z, 500 + 0.85e5, 1);
     /* The ground follows the mouse: pulled right, what was west comes below. */
     f.view = (tc_pose){.x = 1, .y = 0, .z = 1e5};
-    tc_globe_navigation.step(&f, &(tc_flight_input){.drag_x = 0.1, .dt = 0.1}, &ground);
+    tc_sphere_navigation.step(&f, &(tc_flight_input){.drag_x = 0.1, .dt = 0.1}, &ground);
     assert_true(f.view.x < 1 && fabs(f.view.y) < 1e-9);
-    tc_globe_navigation.step(&f, &(tc_flight_input){.drag_y = 0.1, .dt = 0.1}, &ground);
+    tc_sphere_navigation.step(&f, &(tc_flight_input){.drag_y = 0.1, .dt = 0.1}, &ground);
     assert_true(f.view.y > 0);
 }
 
@@ -74,7 +74,7 @@ static void whole_views(void **state)
                                    .south = boxes[i][1] * DEGREE,
                                    .east = boxes[i][2] * DEGREE,
                                    .north = boxes[i][3] * DEGREE};
-        tc_pose v = tc_globe_navigation.whole(&box, 75 * DEGREE, 1280, 720);
+        tc_pose v = tc_sphere_navigation.whole(&box, 75 * DEGREE, 1280, 720);
         bool around = boxes[i][2] - boxes[i][0] > 359;
         double x = around ? v.x : 0.5 * (box.west + box.east);
         double y = around ? fmin(fmax(v.y, box.south), box.north) : 0.5 * (box.south + box.north);
@@ -94,9 +94,9 @@ static int64_t drawn(tc_surface *s, const tc_camera *camera, const tc_camera *cu
 static void frozen_culling(void **state)
 {
     (void)state;
-    tc_atlas atlas = planet_made(PLANET_DEFAULT, 256, 6371000, 3);
+    tc_map *atlas = planet_made(PLANET_DEFAULT, 256, 6371000, 3);
     tc_scene_options look = {.unlit = true};
-    tc_surface *s = planet_rings(&atlas, &(tc_rings_options){.n_phi = 128}, &look);
+    tc_surface *s = planet_rings(atlas, &(tc_rings_options){.n_phi = 128}, &look);
     tc_camera a = {.x = 1, .y = 0.5, .z = 20000, .pitch = -0.3, .fov = 1, .width = 64, .height = 48};
     tc_camera same = a, back = a, moved = a;
     back.heading = M_PI;
@@ -107,7 +107,7 @@ static void frozen_culling(void **state)
     assert_true(drawn(s, &back, &a) == own);
     assert_true(fabs((double)(drawn(s, &moved, &a) - own)) < 0.5 * (double)own);
     s->destroy(s);
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
 }
 
 int main(void)

@@ -145,20 +145,20 @@ static void the_full_mesh_is_the_planet(void **state)
     (void)state;
     const tc_gl *gl = tc_context_gl(context);
     measured m = {.name = "planet", .round = true};
-    m.planet.atlas = planet_made(PLANET_SMOOTH, 512, 1737400, 1);
+    m.planet = planet_made(PLANET_SMOOTH, 512, 1737400, 1);
     const tc_truth truth = measured_truth(&m);
     scene s = measured_scene(context, &m, 1024, &(tc_rings_options){.m = 40}, &(tc_scene_options){0});
     static const double place[4][2] = {{0.2, 0.4}, {M_PI, -0.1}, {1, 1.57}, {2, -1.5}};
     for (int k = 0; k < 4; k++) {
         tc_camera c = above(place[k][0], place[k][1], 3e6, -M_PI / 2);
         plain_mesh mesh;
-        assert_true(plain_brute_globe(gl, &m.planet.atlas, &c, &mesh));
+        assert_true(plain_brute_globe(gl, m.planet, &c, &mesh));
         plain_draw(gl, &mesh, &c, 1e-3, false);
         float *brute = plain_depth(gl, &mesh);
         scene_draw(&s, &c, true);
         float *rings = planet_depth(&s, &c);
         int missing = differ(brute, rings, c.width * c.height);
-        double p999 = error_of(&c, 1e-3, m.planet.atlas.radius, brute, &truth);
+        double p999 = error_of(&c, 1e-3, m.planet->body.radius, brute, &truth);
         print_message("full mesh of a planet: %d pixels differ, 99.9 %% %.5f px\n", missing, p999);
         assert_true(missing <= 40 && p999 < 0.02); /* its edges are chords, and so are the rings' */
         free(brute), free(rings);

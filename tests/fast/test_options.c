@@ -6,12 +6,36 @@
 #include <cmocka.h>
 
 #include "common/app/options.h"
+#include "common/base/numbers.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MAX_ARGUMENTS = 32 };
+
+/* A program with options and schemes of its own. */
+static bool read_n(void *n, const char *value)
+{
+    int *samples = n;
+    return tc_read_int(value, 15, 2047, samples) && (*samples & (*samples + 1)) == 0;
+}
+
+static const tc_scheme schemes[] = {{.name = "plain"}, {.name = "fancy", .help = "with frills"}};
+static const tc_option own[] = {
+    {.help = "Geometry clipmap"},
+    {0, "n", "N", "2^k - 1 of 15..2047", "samples", read_n, offsetof(tc_options, n)},
+    TC_LEVELS_OPTION,
+    TC_BUDGET_OPTION,
+    TC_SCHEME_OPTION,
+};
+static const tc_viewer_program program = {.name = "viewer",
+                                          .summary = "Shows.",
+                                          .navigation = &tc_plane_navigation,
+                                          .schemes = schemes,
+                                          .scheme_count = 2,
+                                          .options = own,
+                                          .option_count = sizeof own / sizeof *own};
 
 /* Parses a command line given as words with single spaces between. */
 static tc_status parse(const char *line, tc_options *options, tc_error *error)
@@ -23,7 +47,7 @@ static tc_status parse(const char *line, tc_options *options, tc_error *error)
     for (char *rest = words, *word; (word = strsep(&rest, " ")) && argc < MAX_ARGUMENTS;)
         if (*word)
             argv[argc++] = strcmp(word, "''") == 0 ? (char *)"" : word;
-    return tc_options_parse(&(tc_options_program){.navigation = &tc_flat_navigation}, argc, argv, options, error);
+    return tc_options_parse(&program, argc, argv, options, error);
 }
 
 static tc_options good(const char *line)
@@ -108,8 +132,7 @@ static void help_and_version(void **state)
     char text[16384];
     FILE *file = fmemopen(text, sizeof text, "w");
     assert_non_null(file);
-    tc_options_print_help(
-        &(tc_options_program){.name = "viewer", .summary = "Shows.", .navigation = &tc_flat_navigation}, file);
+    tc_options_print_help(&program, file);
     fclose(file);
     assert_non_null(strstr(text, "usage: viewer [OPTION]... TERRAIN"));
     static const char *const names[] = {"--view X,Y,Z,HEADING,PITCH",
@@ -222,7 +245,7 @@ static void nonsense_is_refused(void **state)
         {"t --json=1", "--json: expected no value, found '1'"},
         {"t --imagery x.png", "--imagery: no such option"},
         {"t --synthesis 3", "--synthesis: no such option"},
-        {"t --scheme rings", "--scheme: no such option"},
+        {"t --scheme rings", "--scheme: expected plain or fancy, found 'rings'"},
         {"t --siz 3x3", "--siz: no such option"},
         {"t -z", "-z: no such option"},
         {"t -vv", "-vv: no such option"},

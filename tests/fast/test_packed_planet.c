@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/map/atlas_packed.h"
+#include "common/map/map.h"
 #include "common/base/rect.h"
 #include "common/base/crc32c.h"
 #include "common/packed/file/packed_file.h"
@@ -134,7 +134,7 @@ static void charts_come_back(void **state)
         const tc_pack_options *how = &ways[k / 2];
         tc_pack_result result;
         tc_error error = {TC_OK, ""};
-        tc_atlas file, truth;
+        tc_map *file, *truth;
         bool voids = k % 2;
         if (pack_planet(path, how, voids, &result, &error))
             fail_msg("%s", error.text);
@@ -142,13 +142,13 @@ static void charts_come_back(void **state)
         tc_grid g = planet_grid(voids);
         if (voids)
             packing_fill(g.z, g.voids, WIDTH, HEIGHT, true);
-        assert_int_equal(tc_atlas_build(&g, radius, 0, &truth, NULL), TC_OK);
-        if (tc_atlas_open(path, NULL, &file, &error))
+        assert_int_equal(tc_map_build(&g, radius, 0, &truth, NULL), TC_OK);
+        if (tc_map_open(path, NULL, &file, &error))
             fail_msg("%s", error.text);
-        assert_true(file.charts == 3 && truth.charts == 3 && file.radius == radius);
+        assert_true(file->charts == 3 && truth->charts == 3 && file->body.radius == radius);
         for (int c = 0; c < 3; c++) {
-            const tc_chart *a = &file.chart[c], *b = &truth.chart[c];
-            assert_true(a->projection == b->projection && a->wraps == b->wraps && a->wraps == (c == 0));
+            const tc_chart *a = &file->chart[c], *b = &truth->chart[c];
+            assert_true(a->class == b->class && a->wraps == b->wraps && a->wraps == (c == 0));
             assert_float_equal(a->x0, b->x0, 1e-12), assert_float_equal(a->y0, b->y0, 1e-12);
             assert_float_equal(a->dx, b->dx, 1e-14), assert_float_equal(a->dy, b->dy, 1e-14);
             int m = tc_field_info(b->field)->levels;
@@ -175,7 +175,7 @@ static void charts_come_back(void **state)
         free(packing_bytes(path, &size));
         assert_int_equal(size, result.bytes);
         tc_field_destroy(flat);
-        tc_atlas_free(&file), tc_atlas_free(&truth);
+        tc_map_destroy(file), tc_map_destroy(truth);
     }
 }
 
@@ -219,12 +219,12 @@ static void planets_without_caps(void **state)
         assert_int_equal(tc_packer_finish(packer, &result, NULL), TC_OK);
         tc_packer_destroy(packer);
         tc_grid_free(&g);
-        tc_atlas atlas;
-        assert_int_equal(tc_atlas_open(made_path("a.tclip"), NULL, &atlas, NULL), TC_OK);
-        const tc_packed_info *info = tc_field_packed_info(atlas.chart[0].field);
-        assert_true(atlas.charts == 1 && info->charts == 1 && atlas.chart[0].wraps && info->terrain.radius == radius);
+        tc_map *atlas;
+        assert_int_equal(tc_map_open(made_path("a.tclip"), NULL, &atlas, NULL), TC_OK);
+        const tc_packed_info *info = tc_field_packed_info(atlas->chart[0].field);
+        assert_true(atlas->charts == 1 && info->charts == 1 && atlas->chart[0].wraps && info->terrain.radius == radius);
         assert_int_equal(result.voids, (rows - valid) * WIDTH);
-        tc_atlas_free(&atlas);
+        tc_map_destroy(atlas);
     }
 }
 
@@ -263,13 +263,13 @@ static void close_memory(void *context)
 }
 
 /* Opens the first `size` bytes; whatever comes of it, the source is closed once in the end. */
-static tc_status open_part(const uint8_t *bytes, size_t size, tc_atlas *atlas, tc_error *error)
+static tc_status open_part(const uint8_t *bytes, size_t size, tc_map **atlas, tc_error *error)
 {
     static memory m;
     m = (memory){bytes, 0};
     tc_byte_source source = {&m, (int64_t)size, read_memory, close_memory};
     *error = (tc_error){TC_OK, ""};
-    tc_status status = tc_atlas_open_bytes("memory", &source, NULL, atlas, error);
+    tc_status status = tc_map_open_bytes("memory", &source, NULL, atlas, error);
     assert_int_equal(m.closed, status != TC_OK);
     assert_true((status == TC_OK) == (*error->text == 0));
     return status;
@@ -305,23 +305,23 @@ static void files_cut_short_lose_caps_first(void **state)
         /* A copy, that no byte beyond is read. */
         uint8_t *copy = malloc(part + 1);
         memcpy(copy, bytes, part);
-        tc_atlas atlas;
+        tc_map *atlas;
         tc_error error;
         int64_t head = (int64_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4);
         tc_status status = open_part(copy, part, &atlas, &error);
         assert_true((status == TC_OK) == ((int64_t)part >= head));
         if (!status) {
-            const tc_packed_info *info = tc_field_packed_info(atlas.chart[0].field);
-            assert_int_equal(atlas.charts, (int64_t)part >= south_head ? 3 : 1);
+            const tc_packed_info *info = tc_field_packed_info(atlas->chart[0].field);
+            assert_int_equal(atlas->charts, (int64_t)part >= south_head ? 3 : 1);
             assert_true(info->cut_short == (part < size) && info->charts == 3);
             assert_true((info->levels_missing > 0) == ((int64_t)part < caps));
-            assert_float_equal(atlas.chart[0].dx, ldexp(2 * M_PI / WIDTH, info->levels_missing), 1e-12);
+            assert_float_equal(atlas->chart[0].dx, ldexp(2 * M_PI / WIDTH, info->levels_missing), 1e-12);
             float z;
-            for (int k = 0; k < atlas.charts; k++)
-                assert_int_equal(tc_field_read(atlas.chart[k].field, tc_field_info(atlas.chart[k].field)->levels,
+            for (int k = 0; k < atlas->charts; k++)
+                assert_int_equal(tc_field_read(atlas->chart[k].field, tc_field_info(atlas->chart[k].field)->levels,
                                                (tc_rect){0, 0, 1, 1}, &z, NULL, 1),
                                  TC_OK);
-            tc_atlas_free(&atlas);
+            tc_map_destroy(atlas);
         }
         free(copy);
     }
@@ -342,11 +342,11 @@ static tc_status try_bytes(uint8_t *bytes, size_t size, size_t at, const void *w
     size_t head_size = (size_t)tc_load(head + TC_HEAD_SIZE_AT, 4);
     memset(head + 16, 0, 4);
     tc_store(head + 16, tc_crc32c(0, head, head_size), 4);
-    tc_atlas atlas;
+    tc_map *atlas;
     tc_error error;
     tc_status status = open_part(head, size, &atlas, &error);
     if (!status)
-        tc_atlas_free(&atlas);
+        tc_map_destroy(atlas);
     free(head);
     return status;
 }
@@ -410,7 +410,7 @@ static void heads_that_lie_are_refused(void **state)
     for (int n = 0; n < 2; n++) {
         size_t at = (size_t)tc_container_cap_begin(&c, n);
         bytes[at + 40] ^= 1;
-        tc_atlas atlas;
+        tc_map *atlas;
         tc_error error;
         assert_int_equal(open_part(bytes, size, &atlas, &error), TC_ERR_FORMAT);
         bytes[at + 40] ^= 1;
@@ -424,12 +424,16 @@ static void flat_terrains_are_no_planets(void **state)
     (void)state;
     packing p = {.width = 60, .height = 50, .error = 1};
     tc_pack_result result;
-    tc_atlas atlas;
+    tc_map *atlas;
     tc_error error;
     assert_int_equal(packing_write(&p, made_path("a.tclip"), &result, NULL), TC_OK);
-    assert_int_equal(tc_atlas_open(made_path("a.tclip"), NULL, &atlas, &error), TC_ERR_UNSUPPORTED);
+    assert_int_equal(tc_map_open(made_path("a.tclip"), NULL, &atlas, &error), TC_OK);
+    assert_true(tc_map_radius(atlas) == 0 && tc_map_charts(atlas) == 1 && atlas->chart[0].class == &tc_chart_plane);
+    bool gap;
+    assert_int_equal(tc_map_onto_globe(atlas, "a.tclip", 1e6, &gap, &error), TC_ERR_UNSUPPORTED);
     assert_non_null(strstr(error.text, "flat"));
-    assert_int_equal(tc_atlas_open(made_path("none.tclip"), NULL, &atlas, &error), TC_ERR_IO);
+    tc_map_destroy(atlas);
+    assert_int_equal(tc_map_open(made_path("none.tclip"), NULL, &atlas, &error), TC_ERR_IO);
 }
 
 static void planets_need_a_georeference(void **state)

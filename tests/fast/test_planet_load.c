@@ -2,8 +2,8 @@
 #include "tests/support/test.h"
 
 #include "common/content/ground.h"
-#include "common/app/planet.h"
-#include "common/map/planet_place.h"
+#include "common/app/load.h"
+#include "common/app/planet_place.h"
 #include "tests/support/loading.h"
 
 #include <math.h>
@@ -66,27 +66,29 @@ static void hear(void *context, bool warning, const char *line)
     snprintf(s->text + used, sizeof s->text - used, "%s\n", line);
 }
 
-static tc_planet planet_of(const char *path, double radius, bool whole, sayings *said)
+static tc_map *planet_of(const char *path, double radius, bool whole, sayings *said)
 {
     static sayings unheard;
     said = said ? said : &unheard;
     *said = (sayings){0};
     const tc_source_options options = {.say = hear, .say_context = said};
-    tc_planet planet;
+    tc_map *planet;
+    const tc_load_options load = {.body = &tc_sphere_body, .radius = radius, .whole = whole, .threads = 2};
     tc_error error = {0};
-    if (tc_planet_load(path, &options, radius, whole, 2, &planet, &error) != TC_OK)
+    if (tc_map_load(path, &options, &load, &planet, &error) != TC_OK)
         fail_msg("%s", error.text);
     return planet;
 }
 
 static void planet_refused(const char *path, double radius, bool whole, tc_status status, const char *word)
 {
-    tc_planet planet = {0};
+    tc_map *planet = NULL;
+    const tc_load_options load = {.body = &tc_sphere_body, .radius = radius, .whole = whole, .threads = 1};
     tc_error error = {0};
-    tc_status found = tc_planet_load(path, NULL, radius, whole, 1, &planet, &error);
+    tc_status found = tc_map_load(path, NULL, &load, &planet, &error);
     if (found != status || !strstr(error.text, word) || strchr(error.text, '\n'))
         fail_msg("expected status %d and \"%s\", found %d: %s", (int)status, word, (int)found, error.text);
-    assert_null(planet.atlas.chart[0].field);
+    assert_null(planet);
 }
 
 /* Largest difference between a chart's finest level and the function. */
@@ -98,10 +100,10 @@ static double chart_error(const tc_chart *c)
     for (int64_t j = 0; j < level.height; j++)
         for (int64_t i = 0; i < level.width; i++) {
             double x = c->x0 + (double)i * c->dx, y = c->y0 + (double)j * c->dy, longitude = x, latitude = y;
-            if (c->projection != TC_LONLAT) {
+            if (c->class != &tc_chart_lonlat) {
                 longitude = atan2(y, x);
                 latitude = 90 * degree - 2 * atan(0.5 * hypot(x, y));
-                latitude *= c->projection == TC_CAP_SOUTH ? -1 : 1;
+                latitude *= c->class == &tc_chart_south_cap ? -1 : 1;
             }
             float z;
             assert_int_equal(tc_field_read(c->field, m, (tc_rect){i, j, i + 1, j + 1}, &z, NULL, 1), TC_OK);
@@ -132,19 +134,19 @@ static void globes_of_every_kind(void **state)
         {{257, 129, -180, 90, 360. / 257, true, 4326, 0, 0}, 258, 129},
     };
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
-        tc_planet p = planet_of(make_map("globe.tif", &kinds[k].map), 0, true, NULL);
-        if (p.width != kinds[k].width || p.height != kinds[k].height)
-            fail_msg("kind %zu: found %d x %d", k, (int)p.width, (int)p.height);
-        assert_int_equal(p.atlas.charts, 3);
-        assert_true(p.atlas.chart[0].wraps && p.atlas.radius == (kinds[k].map.epsg ? 6378137 : 6371000));
-        assert_true(fabs(p.georef.transform[1] * (double)p.width - 360) < 1e-9 && p.georef.known &&
-                    p.georef.geographic);
+        tc_map *p = planet_of(make_map("globe.tif", &kinds[k].map), 0, true, NULL);
+        if (p->width != kinds[k].width || p->height != kinds[k].height)
+            fail_msg("kind %zu: found %d x %d", k, (int)p->width, (int)p->height);
+        assert_int_equal(p->charts, 3);
+        assert_true(p->chart[0].wraps && p->body.radius == (kinds[k].map.epsg ? 6378137 : 6371000));
+        assert_true(fabs(p->georef.transform[1] * (double)p->width - 360) < 1e-9 && p->georef.known &&
+                    p->georef.geographic);
         for (int c = 0; c < 3; c++) {
-            double error = chart_error(&p.atlas.chart[c]);
+            double error = chart_error(&p->chart[c]);
             if (error > 0.05)
                 fail_msg("kind %zu, chart %d: off by %g", k, c, error);
         }
-        tc_planet_close(&p);
+        tc_map_destroy(p);
     }
 }
 
@@ -159,15 +161,15 @@ static void globes_higher_than_wide(void **state)
     for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
         const int w = kinds[k].width, h = kinds[k].height;
         const map m = {w, h, -180 + 180. / w, 90 - 90. / h, 360. / w, false, 4326, 0, 180. / h};
-        tc_planet p = planet_of(make_map("tall.tif", &m), 0, true, NULL);
-        assert_true(p.width == kinds[k].resampled && p.height == h && p.atlas.charts == 3);
+        tc_map *p = planet_of(make_map("tall.tif", &m), 0, true, NULL);
+        assert_true(p->width == kinds[k].resampled && p->height == h && p->charts == 3);
         const tc_ground_options options = {.n = 255, .wraps = true};
         tc_clipmap *clipmap;
         tc_error error;
-        if (tc_ground_create(p.atlas.chart[0].field, &options, &clipmap, &error) != TC_OK)
+        if (tc_ground_create(p->chart[0].field, &options, &clipmap, &error) != TC_OK)
             fail_msg("%d x %d: %s", w, h, error.text);
         tc_clipmap_destroy(clipmap);
-        tc_planet_close(&p);
+        tc_map_destroy(p);
     }
 }
 
@@ -195,14 +197,14 @@ static void maps_without_caps(void **state)
 {
     (void)state;
     const map belt = {360, 120, -180, 59.5, 1, true, 4326, 0, 0}, part = {200, 90, 170, 45, 0.1, true, 4326, 0, 0};
-    tc_planet p = planet_of(make_map("belt.tif", &belt), 1e6, true, NULL);
-    assert_true(p.atlas.charts == 1 && p.atlas.chart[0].wraps && p.atlas.radius == 1e6);
-    assert_true(chart_error(&p.atlas.chart[0]) < 1e-3);
-    tc_planet_close(&p);
+    tc_map *p = planet_of(make_map("belt.tif", &belt), 1e6, true, NULL);
+    assert_true(p->charts == 1 && p->chart[0].wraps && p->body.radius == 1e6);
+    assert_true(chart_error(&p->chart[0]) < 1e-3);
+    tc_map_destroy(p);
     p = planet_of(make_map("part.tif", &part), 0, false, NULL);
-    assert_true(p.atlas.charts == 1 && !p.atlas.chart[0].wraps && p.width == 200);
-    assert_true(chart_error(&p.atlas.chart[0]) < 1e-3);
-    tc_planet_close(&p);
+    assert_true(p->charts == 1 && !p->chart[0].wraps && p->width == 200);
+    assert_true(chart_error(&p->chart[0]) < 1e-3);
+    tc_map_destroy(p);
     planet_refused(made_path("part.tif"), 0, true, TC_ERR_USAGE, "found 20");
 }
 
@@ -215,13 +217,13 @@ static void pictures_of_a_globe(void **state)
     const char *path = made_path("picture.png");
     make_png(path, 32, 16, 16, 0, samples);
     sayings said;
-    tc_planet p = planet_of(path, 1737400, true, &said);
+    tc_map *p = planet_of(path, 1737400, true, &said);
     assert_true(said.warnings == 1 && strstr(said.text, "whole globe") && !strstr(said.text, "1 m apart"));
-    assert_int_equal(p.atlas.charts, 3);
-    assert_true(p.georef.transform[0] == -180 && p.georef.transform[3] == 90);
-    assert_true(tc_field_info(p.atlas.chart[0].field)->other_body);
-    assert_true(tc_field_info(p.atlas.chart[1].field)->other_body);
-    tc_planet_close(&p);
+    assert_int_equal(p->charts, 3);
+    assert_true(p->georef.transform[0] == -180 && p->georef.transform[3] == 90);
+    assert_true(tc_field_info(p->chart[0].field)->other_body);
+    assert_true(tc_field_info(p->chart[1].field)->other_body);
+    tc_map_destroy(p);
     make_png(path, 16, 16, 16, 0, samples);
     planet_refused(path, 0, false, TC_ERR_UNSUPPORTED, "16 x 16");
 }
@@ -232,23 +234,23 @@ static void voids_across_the_seam(void **state)
     (void)state;
     const map inside = {360, 180, -179.5, 89.5, 1, false, 4326, 0.5, 0},
               edge = {360, 180, 0.5, 89.5, 1, false, 4326, 0.5, 0};
-    tc_planet p[2] = {planet_of(make_map("inside.tif", &inside), 0, true, NULL),
-                      planet_of(make_map("edge.tif", &edge), 0, true, NULL)};
-    int m = tc_field_info(p[0].atlas.chart[0].field)->levels;
+    tc_map *p[2] = {planet_of(make_map("inside.tif", &inside), 0, true, NULL),
+                    planet_of(make_map("edge.tif", &edge), 0, true, NULL)};
+    int m = tc_field_info(p[0]->chart[0].field)->levels;
     int64_t voids = 0;
     for (int64_t j = 0; j < 180; j++) {
         float a[360], b[360];
         uint8_t va[360], vb[360];
-        assert_int_equal(tc_field_read(p[0].atlas.chart[0].field, m, (tc_rect){180, j, 540, j + 1}, a, va, 360), 0);
-        assert_int_equal(tc_field_read(p[1].atlas.chart[0].field, m, (tc_rect){0, j, 360, j + 1}, b, vb, 360), 0);
+        assert_int_equal(tc_field_read(p[0]->chart[0].field, m, (tc_rect){180, j, 540, j + 1}, a, va, 360), 0);
+        assert_int_equal(tc_field_read(p[1]->chart[0].field, m, (tc_rect){0, j, 360, j + 1}, b, vb, 360), 0);
         assert_memory_equal(va, vb, 360);
         for (int i = 0; i < 360; i++) {
             voids += va[i];
             assert_true(fabsf(a[i] - b[i]) < 0.5f);
         }
     }
-    assert_true(voids > 1000 && voids == tc_field_info(p[1].atlas.chart[0].field)->void_count);
-    tc_planet_close(&p[0]), tc_planet_close(&p[1]);
+    assert_true(voids > 1000 && voids == tc_field_info(p[1]->chart[0].field)->void_count);
+    tc_map_destroy(p[0]), tc_map_destroy(p[1]);
 }
 
 static void what_is_no_planet_is_refused(void **state)
@@ -258,8 +260,8 @@ static void what_is_no_planet_is_refused(void **state)
     const map projected = {36, 18, 500000, 5e6, 30, false, 32632, 0, 0};
     const map nothing = {36, 18, 500000, 5e6, 30, false, 0, 0, 0};
     const char *path = make_map("good.tif", &good);
-    tc_planet p = planet_of(path, 0, true, NULL);
-    tc_planet_close(&p);
+    tc_map *p = planet_of(path, 0, true, NULL);
+    tc_map_destroy(p);
     planet_refused(path, -1, false, TC_ERR_USAGE, "radius");
     planet_refused(path, NAN, false, TC_ERR_USAGE, "radius");
     planet_refused(path, INFINITY, false, TC_ERR_USAGE, "radius");
@@ -269,7 +271,7 @@ static void what_is_no_planet_is_refused(void **state)
     planet_refused(make_map("nothing.tif", &nothing), 0, false, TC_ERR_UNSUPPORTED, "gdalwarp -t_srs");
     planet_refused(made_path("missing.tif"), 0, false, TC_ERR_IO, "missing.tif");
     const tc_source_options options = {.spacing = 30};
-    assert_int_equal(tc_planet_load(path, &options, 0, false, 1, &p, NULL), TC_ERR_USAGE);
+    assert_int_equal(tc_map_load(path, &options, &(tc_load_options){.body = &tc_sphere_body}, &p, NULL), TC_ERR_USAGE);
 }
 
 int main(void)

@@ -19,7 +19,7 @@ enum { WIDTH = 160, HEIGHT = 120, X = 24, Y = 17, WHOLE_WIDTH = 200, WHOLE_HEIGH
 static tc_context *context;
 static const tc_gl *gl;
 static tc_field *flat;
-static tc_atlas planet;
+static tc_map *planet;
 static const tc_scene_options look = {.budget = -1};
 
 static tc_camera flat_view(void)
@@ -47,7 +47,7 @@ static scene flat_scene(void)
 
 static scene planet_scene_here(void)
 {
-    return planet_scene(context, &planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
+    return planet_scene(context, planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
 }
 
 /* ---- A host's framebuffer ---------------------------------------------------------------------------------------- */
@@ -242,7 +242,7 @@ static void a_hosts_target_is_drawn_into(void **state)
     scene f = flat_scene(), g = planet_scene_here();
     for (tc_depth d = 0; d < TC_DEPTHS; d++) {
         assert_drawn(&f, &c, 0, d, GL_DEPTH_COMPONENT32F);
-        assert_drawn(&g, &p, planet.radius, d, GL_DEPTH_COMPONENT32F);
+        assert_drawn(&g, &p, planet->body.radius, d, GL_DEPTH_COMPONENT32F);
     }
     assert_drawn(&f, &c, 0, TC_DEPTH_CONVENTIONAL, GL_DEPTH_COMPONENT24);
     scene_destroy(&f);
@@ -345,8 +345,8 @@ static void a_host_gets_its_state_back(void **state)
         const tc_camera *camera = k ? &p : &c;
         host h = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
         host plain = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
-        const tc_sight sight =
-            sight_of(camera, TC_DEPTH_CONVENTIONAL, k ? planet.radius : 0, k ? 1000 : 1, 4 * scenes[k].surface->extent);
+        const tc_sight sight = sight_of(camera, TC_DEPTH_CONVENTIONAL, k ? planet->body.radius : 0, k ? 1000 : 1,
+                                        4 * scenes[k].surface->extent);
         do
             assert_int_equal(tc_renderer_draw(scenes[k].renderer, &plain.target, &sight, true, &stats, &error), TC_OK);
         while (!stats.resident);
@@ -379,7 +379,7 @@ static tc_surface *another_surface(bool sphere)
     tc_clipmap *clipmap;
     tc_error error;
     if (sphere)
-        return planet_rings(&planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
+        return planet_rings(planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
     const tc_ground_options options = {.n = 63, .normals = true};
     assert_int_equal(tc_ground_create(flat, &options, &clipmap, &error), TC_OK);
     assert_int_equal(tc_square_create(clipmap, &surface, &error), TC_OK);
@@ -627,7 +627,7 @@ int main(void)
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     tc_field_destroy(flat);
-    tc_atlas_free(&planet);
+    tc_map_destroy(planet);
     tc_context_destroy(context);
     return failed;
 }

@@ -51,14 +51,14 @@ static void kept(void **state)
 /* The sum of a default planet's finest heights. */
 static double planet_sum(uint64_t seed)
 {
-    tc_atlas atlas = planet_made(PLANET_DEFAULT, 64, 1e6, seed);
+    tc_map *atlas = planet_made(PLANET_DEFAULT, 64, 1e6, seed);
     double sum = 0;
     for (int i = 0; i < 64; i++) {
         double z;
-        assert_int_equal(planet_atlas_height(&atlas, 0.1 * i - 3, 0.04 * i - 1.3, &z), TC_OK);
+        assert_int_equal(planet_atlas_height(atlas, 0.1 * i - 3, 0.04 * i - 1.3, &z), TC_OK);
         sum += z;
     }
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
     return sum;
 }
 

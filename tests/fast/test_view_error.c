@@ -65,7 +65,7 @@ static void rings_are_as_fine_as_the_frame_calls_for(void **state)
 {
     (void)state;
     measured m = {.name = "planet", .round = true};
-    m.planet.atlas = planet_made(PLANET_DEFAULT, 1024, 1737400, 4);
+    m.planet = planet_made(PLANET_DEFAULT, 1024, 1737400, 4);
     tc_camera frame = measured_camera(&m, 0, 0, 2 * W, 2 * H);
     frame.fov = 0.53; /* pixels as small as those of 640 and 60 degrees */
     int n_phi = tc_rings_n_phi_for(&frame);

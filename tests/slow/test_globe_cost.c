@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/map/atlas_packed.h"
+#include "common/map/map.h"
 #include "planar/square.h"
 #include "spherical/rings_internal.h"
 #include "tests/support/made_files.h"
@@ -18,11 +18,11 @@ enum { COLUMNS = 8192 };
 static const double radius = 100e3; /* samples are 77 m apart, so that 10 km are 130 of them */
 
 static tc_context *context;
-static tc_atlas memory;
+static tc_map *memory;
 static const char *path;
 
 /* Chart 0's finest level in a packed file. */
-static void pack(const tc_atlas *atlas, const char *to)
+static void pack(const tc_map *atlas, const char *to)
 {
     tc_field *p = atlas->chart[0].field;
     int m = tc_field_info(p)->levels;
@@ -69,14 +69,14 @@ static int set_up(void **state)
     context = scene_context();
     memory = planet_atlas(COLUMNS, radius, hills, &relief);
     path = made_path("planet.tclip");
-    pack(&memory, path);
+    pack(memory, path);
     return context ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    tc_atlas_free(&memory);
+    tc_map_destroy(memory);
     tc_context_destroy(context);
     made_folder_remove();
     return 0;
@@ -88,7 +88,7 @@ typedef struct cost {
     int64_t samples, uploaded, decoded;
 } cost;
 
-static int64_t bytes_decoded(const tc_atlas *atlas)
+static int64_t bytes_decoded(const tc_map *atlas)
 {
     int64_t sum = 0;
     for (int k = 0; k < atlas->charts; k++)
@@ -98,7 +98,7 @@ static int64_t bytes_decoded(const tc_atlas *atlas)
 
 /* 10 km in steps of 20 m, 2 m above ground: along the parallel, or along the meridian (and over the pole). Counts what
  * is updated after the first frame, and all that is decoded. */
-static cost walk(const tc_atlas *atlas, double latitude, bool north)
+static cost walk(const tc_map *atlas, double latitude, bool north)
 {
     const tc_scene_options options = {.background_set = true, .budget = -1};
     enum { STEPS = 500 };
@@ -129,12 +129,12 @@ static void walks_near_a_pole_cost_no_more(void **state)
             cost at[3];
             const double latitude[3] = {0, 57.5, 89.9};
             for (int i = 0; i < 3; i++) {
-                tc_atlas packed; /* opened anew: nothing is decoded yet */
+                tc_map *packed; /* opened anew: nothing is decoded yet */
                 if (k)
-                    assert_int_equal(tc_atlas_open(path, NULL, &packed, NULL), TC_OK);
-                at[i] = walk(k ? &packed : &memory, latitude[i], north);
+                    assert_int_equal(tc_map_open(path, NULL, &packed, NULL), TC_OK);
+                at[i] = walk(k ? packed : memory, latitude[i], north);
                 if (k)
-                    tc_atlas_free(&packed);
+                    tc_map_destroy(packed);
                 printf("globe walk: %s, %s from %g: %lld samples updated, %lld bytes uploaded, %lld decoded: %.2f, "
                        "%.2f, %.2f times the equator's\n",
                        k ? "packed" : "in memory", north ? "10 km north" : "10 km east", latitude[i],
@@ -156,12 +156,12 @@ static void walks_near_a_pole_cost_no_more(void **state)
 static void flat_map_and_globe_agree(void **state)
 {
     (void)state;
-    tc_chart *chart = &memory.chart[0];
+    tc_chart *chart = &memory->chart[0];
     int m = tc_field_info(chart->field)->levels;
     tc_level size = tc_field_level(chart->field, m);
     const tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1};
     scene flat = scene_create(context, chart->field, 255, &options);
-    scene round = planet_scene(context, &memory, &(tc_rings_options){0}, &options);
+    scene round = planet_scene(context, memory, &(tc_rings_options){0}, &options);
     test_random r = {3};
     double worst = 0, sum = 0, most = 0, curved = 0, count = 0;
     for (int view = 0; view < 40; view++) {
@@ -170,7 +170,7 @@ static void flat_map_and_globe_agree(void **state)
         tc_camera f = {.x = i0 * size.spacing_x, .y = j0 * size.spacing_y, .fov = 1, .width = 64, .height = 48}, g = f;
         g.x = chart->x0 + i0 * chart->dx, g.y = chart->y0 + j0 * chart->dy;
         double ground;
-        assert_int_equal(planet_atlas_height(&memory, g.x, g.y, &ground), TC_OK);
+        assert_int_equal(planet_atlas_height(memory, g.x, g.y, &ground), TC_OK);
         f.z = g.z = ground + 2;
         scene_draw(&flat, &f, true), scene_draw(&round, &g, true);
         for (int k = 0; k < 300; k++) {

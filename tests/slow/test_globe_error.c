@@ -20,7 +20,7 @@ static const double radius = 1737400;
 static double relief = 4000;
 
 static tc_context *context;
-static tc_atlas planet[PLANETS];
+static tc_map *planet[PLANETS];
 static planet_truth truth[PLANETS] = {{planet_slope, &relief}, {planet_smooth, &relief}};
 
 static int set_up(void **state)
@@ -36,7 +36,7 @@ static int tear_down(void **state)
 {
     (void)state;
     for (int k = 0; k < PLANETS; k++)
-        tc_atlas_free(&planet[k]);
+        tc_map_destroy(planet[k]);
     tc_context_destroy(context);
     return 0;
 }
@@ -114,7 +114,7 @@ static void nothing_marks_a_place(void **state)
     const tc_scene_options options = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
     silhouette s = {0};
     for (int k = 0; k < PLANETS; k++) {
-        scene at = planet_scene(context, &planet[k], &(tc_rings_options){0}, &options);
+        scene at = planet_scene(context, planet[k], &(tc_rings_options){0}, &options);
         for (int a = 0; a < ALTITUDES; a++) {
             tc_error_stats all, finest;
             assert_int_equal(tc_error_stats_init(&all) || tc_error_stats_init(&finest), 0);
@@ -127,8 +127,7 @@ static void nothing_marks_a_place(void **state)
                     tc_camera c = camera_at(k, a, p, look);
                     scene_draw(&at, &c, true);
                     float *depth = planet_depth(&at, &c);
-                    const tc_truth function = {planet_truth_height, &truth[k]},
-                                   data = {planet_atlas_height, &planet[k]};
+                    const tc_truth function = {planet_truth_height, &truth[k]}, data = {planet_atlas_height, planet[k]};
                     double near = at.surface->near_plane;
                     assert_int_equal(tc_view_error_add(&c, near, radius, depth, &function, &one), TC_OK);
                     assert_int_equal(tc_view_error_add(&c, near, radius, depth, &data, &finest), TC_OK);
@@ -170,7 +169,7 @@ static void the_test_finds_errors(void **state)
 {
     (void)state;
     const tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1};
-    scene at = planet_scene(context, &planet[1], &(tc_rings_options){0}, &options);
+    scene at = planet_scene(context, planet[1], &(tc_rings_options){0}, &options);
     tc_camera c = camera_at(1, 1, 1, 2);
     scene_draw(&at, &c, true);
     float *depth = planet_depth(&at, &c);

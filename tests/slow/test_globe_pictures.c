@@ -10,7 +10,7 @@
 
 enum { PLANETS = 2 };
 static tc_context *context;
-static tc_atlas planet[PLANETS];
+static tc_map *planet[PLANETS];
 
 static int set_up(void **state)
 {
@@ -25,7 +25,7 @@ static int tear_down(void **state)
 {
     (void)state;
     for (int k = 0; k < PLANETS; k++)
-        tc_atlas_free(&planet[k]);
+        tc_map_destroy(planet[k]);
     tc_context_destroy(context);
     return 0;
 }
@@ -52,9 +52,9 @@ static void culling_removes_nothing_visible(void **state)
     int64_t drawn = 0, without = 0, views = 0;
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {2 + (uint64_t)k};
-        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
+        scene s = planet_scene(context, planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
         for (int view = 0; view < 50; view++, views++) {
-            tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+            tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &culled, &stats);
             drawn += stats.triangles, without += stats.triangles_unculled;
@@ -80,10 +80,10 @@ static void the_test_finds_what_is_missing(void **state)
     (void)state;
     test_random r = {2};
     tc_scene_options culled = {.budget = -1};
-    scene s = planet_scene(context, &planet[0], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
+    scene s = planet_scene(context, planet[0], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
     int found = 0;
     for (int view = 0; view < 20; view++) {
-        tc_camera c = planet_view(&r, &planet[0], 0.5, 5 * planet[0].radius), other = c;
+        tc_camera c = planet_view(&r, planet[0], 0.5, 5 * planet[0]->body.radius), other = c;
         tc_frame_stats stats;
         other.heading += 0.3, other.fov *= 0.8;
         culled.frame.cull_camera = NULL;
@@ -106,9 +106,9 @@ static void backs_are_not_missed(void **state)
     int64_t different = 0, views = 0, pixels = 0;
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {4 + (uint64_t)k};
-        scene s = planet_scene(context, &planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &front);
+        scene s = planet_scene(context, planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &front);
         for (int view = 0; view < 50; view++, views++) {
-            tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+            tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &front, &stats), *b = picture(&s, &c, &both, &stats);
             different += different_pixels(a, b, &c), pixels += c.width * c.height;
@@ -131,21 +131,21 @@ static void a_picture_depends_on_the_view_alone(void **state)
         const tc_scene_options options[2] = {{.budget = 0}, {.budget = 5000}};
         scene s[2];
         for (int i = 0; i < 2; i++)
-            s[i] = planet_scene(context, &planet[k], &rings, &options[i]);
+            s[i] = planet_scene(context, planet[k], &rings, &options[i]);
         for (int view = 0; view < 30; view++, views++) {
-            tc_camera end = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+            tc_camera end = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             uint8_t *pixels[3];
             tc_frame_stats stats;
             for (int i = 0; i < 2; i++) {
                 for (int64_t leg = test_random_int(&r, 0, 8); leg > 0; leg--) {
-                    tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+                    tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
                     scene_draw(&s[i], &c, test_random_unit(&r) < 0.3);
                 }
                 pixels[i] = picture(&s[i], &end, &options[i], &stats);
             }
             int count = 2;
             if (view % 5 == 0) { /* making one takes long */
-                scene fresh = planet_scene(context, &planet[k], &rings, &options[0]);
+                scene fresh = planet_scene(context, planet[k], &rings, &options[0]);
                 pixels[count++] = picture(&fresh, &end, &options[0], &stats);
                 scene_destroy(&fresh);
             }

@@ -24,7 +24,7 @@ static const struct {
                    {PLANET_DEFAULT, 512, 6371000, "the default planet"}};
 
 static tc_context *context;
-static tc_atlas planet[PLANETS];
+static tc_map *planet[PLANETS];
 
 static int set_up(void **state)
 {
@@ -39,7 +39,7 @@ static int tear_down(void **state)
 {
     (void)state;
     for (int k = 0; k < PLANETS; k++)
-        tc_atlas_free(&planet[k]);
+        tc_map_destroy(planet[k]);
     tc_context_destroy(context);
     return 0;
 }
@@ -104,13 +104,13 @@ static void look(scene *s, const tc_camera *c, bool lagging, fault f, int view, 
 static void run(int k, const tc_rings_options *rings, int views, bool lagging, fault f, uint64_t seed, totals *t)
 {
     tc_scene_options options = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
-    tc_surface *surface = planet_rings(&planet[k], rings, &options);
+    tc_surface *surface = planet_rings(planet[k], rings, &options);
     break_surface((rings_surface *)surface, f);
-    scene s = planet_scene_of(context, &planet[k], surface, &options);
+    scene s = planet_scene_of(context, planet[k], surface, &options);
     int64_t n = tc_clipmap_n(s.clipmap);
     test_random r = {seed};
     for (int v = 0; v < views; v++) {
-        tc_camera c = planet_view(&r, &planet[k], 0.5, 5 * planet[k].radius);
+        tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
         if (lagging) {
             options.budget = test_random_int(&r, n, n * n);
             tc_renderer_set_options(s.renderer, &options);

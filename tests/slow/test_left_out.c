@@ -11,7 +11,7 @@
 #include "common/packed/read/prefetch.h"
 #include "common/app/explain.h"
 #include "common/input/plugin.h"
-#include "common/app/terrain.h"
+#include "common/app/load.h"
 #include "tests/support/lean_scenes.h"
 #include "tests/support/made_files.h"
 
@@ -363,11 +363,11 @@ static void threads_are_started_when_needed(void **state)
 
 static void opens(const char *path)
 {
-    tc_terrain t = {0};
+    tc_map *map;
     tc_error error;
-    if (tc_terrain_open(path, &(tc_source_options){.spacing = 30}, 0, &t, &error) != TC_OK)
+    if (tc_map_load(path, &(tc_source_options){.spacing = 30}, NULL, &map, &error) != TC_OK)
         fail_msg("%s", error.text);
-    tc_terrain_close(&t);
+    tc_map_destroy(map);
 }
 
 static void libraries_are_loaded_when_needed(void **state)

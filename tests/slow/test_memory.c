@@ -180,7 +180,7 @@ static void flying_allocates_nothing(void **state)
 {
     (void)state;
     tc_flight_path path;
-    assert_int_equal(tc_flight_path_parse(&tc_flat_navigation, "test",
+    assert_int_equal(tc_flight_path_parse(&tc_plane_navigation, "test",
                                           "0,0,900,0,0\n20000,9000,1500,200,-20\n5000,30000,900,10,5\n", &path, NULL),
                      TC_OK);
     tc_flight flight = {.view = tc_flight_path_view(&path, 0, 2), .speed = tc_flight_speed};
@@ -188,7 +188,7 @@ static void flying_allocates_nothing(void **state)
     const tc_flight_input input = {.forward = 1, .turn = 0.01, .dt = 0.016, .fast = true};
     long long before = calls;
     for (int i = 0; i < 1000; i++) {
-        tc_flight_step(&flight, &input, &ground);
+        tc_plane_navigation.step(&flight, &input, &ground);
         tc_pose view = tc_flight_path_view(&path, i, 1000);
         tc_camera c;
         tc_pose_to_camera(&view, &c);

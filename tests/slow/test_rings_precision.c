@@ -41,15 +41,15 @@ static rings_error planet(globe_function f, const char *name, double radius, tc_
                           int altitudes)
 {
     enum { SIZE = 1024 };
-    tc_atlas atlas = globe_atlas(f, SIZE, radius);
-    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.scheme = scheme, .m = 20});
+    tc_map *atlas = globe_atlas(f, SIZE, radius);
+    globe_scene globe = globe_scene_create(context, atlas, &(tc_rings_options){.scheme = scheme, .m = 20});
     rings_capture capture = rings_capture_create(&globe);
     rings_error all = {0}, by_altitude[RINGS_ALTITUDES] = {{0}};
     test_random r = {(uint64_t)radius};
     for (int place = 0; place < places; place++)
         for (int a = 0; a < altitudes; a++) {
             int k = (place + a * RINGS_ALTITUDES / altitudes) % RINGS_ALTITUDES;
-            tc_camera c = rings_view_of(&atlas, place, SIZE, rings_altitude(k, radius), &r);
+            tc_camera c = rings_view_of(atlas, place, SIZE, rings_altitude(k, radius), &r);
             rings_error level[RINGS_MAX_LEVELS] = {{0}}, here = {0};
             rings_capture_compare(&capture, &c, 16, level);
             for (int i = 0; i < RINGS_MAX_LEVELS; i++)
@@ -71,7 +71,7 @@ static rings_error planet(globe_function f, const char *name, double radius, tc_
     printf("\n");
     rings_capture_destroy(&capture);
     globe_scene_destroy(&globe);
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
     return all;
 }
 
@@ -119,8 +119,8 @@ static void nothing_jitters(void **state)
     (void)state;
     enum { STEPS = 1000, MOST = 4096 };
     const double radius = 6371000;
-    tc_atlas atlas = globe_atlas(globe_rough, 4096, radius);
-    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.m = 20});
+    tc_map *atlas = globe_atlas(globe_rough, 4096, radius);
+    globe_scene globe = globe_scene_create(context, atlas, &(tc_rings_options){.m = 20});
     rings_capture capture = rings_capture_create(&globe);
     double(*now)[2] = calloc(MOST, sizeof *now), (*before)[2] = calloc(MOST, sizeof *before), worst = 0, jump = 0;
     int64_t seen = 0;
@@ -134,7 +134,7 @@ static void nothing_jitters(void **state)
                        .fov = M_PI / 2,
                        .width = 1280,
                        .height = 960};
-        assert_int_equal(tc_atlas_height(&atlas, c.x, c.y, &c.z), TC_OK);
+        assert_int_equal(tc_map_height(atlas, c.x, c.y, &c.z), TC_OK);
         c.z += 2;
         int count = rings_capture_offsets(&capture, &c, 64, MOST, now);
         for (int i = 0; i < count; i++) {
@@ -155,24 +155,24 @@ static void nothing_jitters(void **state)
     free(now), free(before);
     rings_capture_destroy(&capture);
     globe_scene_destroy(&globe);
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
 }
 
 /* What is captured beside positions changes no bit of them. */
 static void capturing_changes_nothing(void **state)
 {
     (void)state;
-    tc_atlas atlas = globe_atlas(globe_rough, 1024, 6371000);
-    globe_scene globe = globe_scene_create(context, &atlas, &(tc_rings_options){.m = 20});
+    tc_map *atlas = globe_atlas(globe_rough, 1024, 6371000);
+    globe_scene globe = globe_scene_create(context, atlas, &(tc_rings_options){.m = 20});
     rings_capture capture = rings_capture_create(&globe);
     test_random r = {3};
     for (int place = 0; place < RINGS_PLACES; place += 7) {
-        tc_camera c = rings_view_of(&atlas, place, 1024, rings_altitude(place % RINGS_ALTITUDES, 6371000), &r);
+        tc_camera c = rings_view_of(atlas, place, 1024, rings_altitude(place % RINGS_ALTITUDES, 6371000), &r);
         assert_int_equal(rings_capture_additions(&capture, &c), 0);
     }
     rings_capture_destroy(&capture);
     globe_scene_destroy(&globe);
-    tc_atlas_free(&atlas);
+    tc_map_destroy(atlas);
 }
 
 int main(void)

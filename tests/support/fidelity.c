@@ -47,12 +47,12 @@ struct caster {
 caster *caster_create(const measured *m)
 {
     caster *c = must_have(sizeof *c);
-    const tc_field *field = m->round ? m->planet.atlas.chart[0].field : m->field;
+    const tc_field *field = m->round ? tc_map_field(m->planet, 0) : m->field;
     c->m = m;
     c->palette = tc_palette_make(tc_field_info(field));
     c->z_base = tc_field_info(field)->z_base;
     if (m->round)
-        c->globe = ray_globe_create(&m->planet.atlas);
+        c->globe = ray_globe_create(m->planet);
     else
         c->flat = ray_flat_create(m->field);
     return c;

@@ -23,7 +23,7 @@ static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)
 /* Whether the ray surely goes through the mesh. */
 static bool ray_enters(const rings_surface *s, const tc_camera *c, const double d[3])
 {
-    double eye = s->atlas->radius + c->z, low = s->atlas->radius + s->z_lo;
+    double eye = s->map->body.radius + c->z, low = s->map->body.radius + s->z_lo;
     if (d[2] >= 0)
         return false;
     /* Where it is nearest to the middle: the angle from the foot point, and how near. */
@@ -68,7 +68,7 @@ static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
 /* Where the ray is within the sphere of the highest height; false where it never is ahead of the eye. */
 static bool ray_within(const rings_surface *s, const tc_camera *c, const double d[3], double *from_ret, double *to_ret)
 {
-    double eye = s->atlas->radius + c->z, nearest = -eye * d[2], high = s->atlas->radius + s->z_hi;
+    double eye = s->map->body.radius + c->z, nearest = -eye * d[2], high = s->map->body.radius + s->z_hi;
     double half = high * high - eye * eye * (1 - d[2] * d[2]);
     if (half <= 0)
         return false;
@@ -81,7 +81,7 @@ static bool ray_within(const rings_surface *s, const tc_camera *c, const double 
  * fraction of the way is many of a small planet's radii: a thousandth of what the ray has in front of it at most. */
 static bool ray_crosses(const rings_surface *s, const tc_camera *c, const double d[3])
 {
-    double radius = s->atlas->radius, margin = 0.25 / tc_camera_pixel_scale(c), from, to;
+    double radius = s->map->body.radius, margin = 0.25 / tc_camera_pixel_scale(c), from, to;
     if (!ray_within(s, c, d, &from, &to))
         return false;
     bool above = c->z > s->z_hi, below = false;

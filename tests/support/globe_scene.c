@@ -30,7 +30,7 @@ double globe_smooth(double longitude, double latitude)
     return 1e-3 * sin(5 * x + 1) * cos(4 * y - 3 * z) + 1e-4 * sin(17 * y * z);
 }
 
-tc_atlas globe_atlas(globe_function f, int64_t width, double radius)
+tc_map *globe_atlas(globe_function f, int64_t width, double radius)
 {
     const double degree = M_PI / 180;
     int64_t height = width / 2;
@@ -44,13 +44,13 @@ tc_atlas globe_atlas(globe_function f, int64_t width, double radius)
         g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
     }
     g.georef = (tc_georef){.known = true, .geographic = true, .transform = {-180 - 0.5 * d, d, 0, 90, 0, -d}};
-    tc_atlas atlas;
+    tc_map *atlas;
     tc_error error;
-    must(tc_atlas_build(&g, radius, 0, &atlas, &error), &error);
+    must(tc_map_build(&g, radius, 0, &atlas, &error), &error);
     return atlas;
 }
 
-globe_scene globe_scene_create(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *options)
+globe_scene globe_scene_create(const tc_context *context, const tc_map *atlas, const tc_rings_options *options)
 {
     const tc_scene_options look = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
     scene s = planet_scene(context, atlas, options, &look);

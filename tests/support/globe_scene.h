@@ -2,7 +2,7 @@
 #ifndef GLOBE_SCENE_H
 #define GLOBE_SCENE_H
 
-#include "common/map/atlas.h"
+#include "common/map/map.h"
 #include "common/render/renderer.h"
 #include "scene.h"
 #include "spherical/rings.h"
@@ -14,19 +14,19 @@ typedef double (*globe_function)(double longitude, double latitude);
 double globe_rough(double longitude, double latitude);
 double globe_smooth(double longitude, double latitude);
 
-/* A globe of width x width / 2 samples, one of them on longitude 0; width as tc_atlas_width says. Ends the program on
+/* A globe of width x width / 2 samples, one of them on longitude 0; width as tc_lonlat_width says. Ends the program on
  * failure. */
-tc_atlas globe_atlas(globe_function f, int64_t width, double radius);
+tc_map *globe_atlas(globe_function f, int64_t width, double radius);
 
 typedef struct globe_scene {
     const tc_gl *gl;
-    const tc_atlas *atlas; /* not owned */
+    const tc_map *atlas; /* not owned */
     tc_surface *surface;
     tc_renderer *renderer;
 } globe_scene;
 
 /* Unlit over magenta. Ends the program on failure. */
-globe_scene globe_scene_create(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *options);
+globe_scene globe_scene_create(const tc_context *context, const tc_map *atlas, const tc_rings_options *options);
 void globe_scene_destroy(globe_scene *s);
 
 /* A frame with all that it needs; draw: false leaves out the pixels. */

@@ -105,7 +105,7 @@ static tc_field *packed(void)
     return p;
 }
 
-static tc_atlas globe(double radius, bool voids)
+static tc_map *globe(double radius, bool voids)
 {
     tc_grid g = {.width = GLOBE, .height = GLOBE / 2, .spacing_x = 1, .spacing_y = 1, .wraps_x = true};
     double step = 360.0 / GLOBE, relief = 3000;
@@ -123,15 +123,15 @@ static tc_atlas globe(double radius, bool voids)
     }
     if (voids)
         pierce(&g);
-    tc_atlas atlas;
+    tc_map *atlas;
     tc_error error;
-    must(tc_atlas_build(&g, radius, 0, &atlas, &error), &error);
+    must(tc_map_build(&g, radius, 0, &atlas, &error), &error);
     return atlas;
 }
 
 static struct {
     bool made;
-    tc_atlas atlas;
+    tc_map *atlas;
 } grounds[LEAN_GROUNDS];
 
 bool lean_sphere(lean_ground ground)
@@ -139,7 +139,7 @@ bool lean_sphere(lean_ground ground)
     return ground >= LEAN_EARTH;
 }
 
-static tc_atlas make(lean_ground ground)
+static tc_map *make(lean_ground ground)
 {
     if (lean_sphere(ground))
         return globe(ground == LEAN_MOON ? 1737400 : 6371000, ground == LEAN_EARTH_VOIDS);
@@ -154,14 +154,17 @@ static tc_atlas make(lean_ground ground)
             pierce(&g);
         p = build(&g);
     }
-    return (tc_atlas){.charts = 1, .chart = {{.field = p}}};
+    tc_map *map = tc_map_flat(p);
+    if (!map)
+        exit(99);
+    return map;
 }
 
-const tc_atlas *lean_atlas(lean_ground ground)
+const tc_map *lean_atlas(lean_ground ground)
 {
     if (!grounds[ground].made)
         grounds[ground].atlas = make(ground), grounds[ground].made = true;
-    return &grounds[ground].atlas;
+    return grounds[ground].atlas;
 }
 
 void lean_free_all(void)
@@ -169,10 +172,7 @@ void lean_free_all(void)
     for (int i = 0; i < LEAN_GROUNDS; i++) {
         if (!grounds[i].made)
             continue;
-        if (lean_sphere((lean_ground)i))
-            tc_atlas_free(&grounds[i].atlas);
-        else
-            tc_field_destroy(grounds[i].atlas.chart[0].field);
+        tc_map_destroy(grounds[i].atlas);
         grounds[i].made = false;
     }
     made_folder_remove();
@@ -182,7 +182,7 @@ void lean_free_all(void)
 
 tc_camera lean_camera(const lean_scene *s, int width, int height)
 {
-    const tc_atlas *atlas = lean_atlas(s->ground);
+    const tc_map *atlas = lean_atlas(s->ground);
     const tc_field *p = atlas->chart[0].field;
     tc_camera c = {.heading = s->heading * DEGREE,
                    .pitch = s->pitch * DEGREE,
@@ -192,23 +192,22 @@ tc_camera lean_camera(const lean_scene *s, int width, int height)
     double ground = 0;
     if (lean_sphere(s->ground)) {
         c.x = s->x * DEGREE, c.y = s->y * DEGREE;
-        tc_atlas_height(atlas, c.x, c.y, &ground);
     } else {
         const tc_level finest = tc_field_level(p, tc_field_info(p)->levels);
         c.x = s->x * (double)(finest.width - 1) * finest.spacing_x;
         c.y = s->y * (double)(finest.height - 1) * finest.spacing_y;
-        tc_field_height(p, c.x, c.y, &ground);
     }
-    c.z = ground + tc_field_info(p)->z_base + s->above;
+    tc_map_height(atlas, c.x, c.y, &ground);
+    c.z = ground + s->above;
     return c;
 }
 
 scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *options, const tc_scene_needs *needs)
 {
-    const tc_atlas *atlas = lean_atlas(s->ground);
+    const tc_map *atlas = lean_atlas(s->ground);
     const tc_field *field = atlas->chart[0].field;
     bool sphere = lean_sphere(s->ground);
-    const tc_scene_needs own = tc_scene_needs_of(options, tc_field_info(field), sphere);
+    const tc_scene_needs own = tc_scene_needs_of(options, tc_field_info(field));
     needs = needs ? needs : &own;
     tc_surface *surface;
     tc_error error;

@@ -47,7 +47,7 @@ enum { LEAN_SCENES = 13 };
 extern const lean_scene lean_scenes[LEAN_SCENES];
 
 /* A ground, made when first asked for. free_all: of those asked for. */
-const tc_atlas *lean_atlas(lean_ground ground);
+const tc_map *lean_atlas(lean_ground ground);
 void lean_free_all(void);
 bool lean_sphere(lean_ground ground);
 

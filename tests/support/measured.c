@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/map/planet_place.h"
+#include "common/app/planet_place.h"
 
 #define DEGREE (M_PI / 180)
 enum { MOST_FLAT = 1, MOST_ROUND = 1, DEFAULT_PLANET = 2048 };
@@ -41,14 +41,15 @@ static void open_globe(const dataset *d, measured *m)
     char path[4096];
     tc_error error;
     snprintf(path, sizeof path, "%s/%s", getenv("TERRACLIP_DATA"), d->name);
-    must(tc_planet_load(path, &(tc_source_options){.unit = d->unit}, 0, true, 0, &m->planet, &error), &error);
+    const tc_load_options load = {.body = &tc_sphere_body, .whole = true};
+    must(tc_map_load(path, &(tc_source_options){.unit = d->unit}, &load, &m->planet, &error), &error);
     m->round = true;
 }
 
 void measured_close(measured *m)
 {
     if (m->round)
-        tc_planet_close(&m->planet);
+        tc_map_destroy(m->planet);
     else
         tc_field_destroy(m->field);
 }
@@ -56,7 +57,7 @@ void measured_close(measured *m)
 measured measured_default_planet(void)
 {
     measured m = {.name = "default-planet", .round = true};
-    m.planet.atlas = planet_made(PLANET_DEFAULT, DEFAULT_PLANET, 6371000, 4);
+    m.planet = planet_made(PLANET_DEFAULT, DEFAULT_PLANET, 6371000, 4);
     return m;
 }
 
@@ -103,7 +104,7 @@ double measured_height(const measured *m, int height)
 {
     if (m->round) {
         static const double situation[MEASURED_HEIGHTS] = {2, 10e3, 1e6, 1e7};
-        double r = m->planet.atlas.radius;
+        double r = m->planet->body.radius;
         return height && r < 1.5e6 ? situation[height] * r / 6371e3 : situation[height];
     }
     static const double ladder[] = {0.002, 0.02, 0.2, 2, 30, 300, 3e3, 3e4, 3e5, 3e6, 3e7};
@@ -131,12 +132,12 @@ static tc_status flat_height(void *field, double x, double y, double *z_ret)
 
 tc_truth measured_truth(const measured *m)
 {
-    return m->round ? (tc_truth){planet_atlas_height, (void *)&m->planet.atlas} : (tc_truth){flat_height, m->field};
+    return m->round ? (tc_truth){planet_atlas_height, m->planet} : (tc_truth){flat_height, m->field};
 }
 
 double measured_radius(const measured *m)
 {
-    return m->round ? m->planet.atlas.radius : 0;
+    return m->round ? m->planet->body.radius : 0;
 }
 
 tc_camera measured_camera(const measured *m, int height, int place, int width, int height_px)
@@ -172,5 +173,5 @@ scene measured_scene(const tc_context *context, const measured *m, int n, const 
         return scene_create(context, m->field, n, &o);
     tc_rings_options r = *rings;
     r.n_phi = n;
-    return planet_scene(context, &m->planet.atlas, &r, &o);
+    return planet_scene(context, m->planet, &r, &o);
 }

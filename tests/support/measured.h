@@ -3,15 +3,15 @@
 #define MEASURED_H
 
 #include "common/measure/view_error.h"
-#include "common/app/planet.h"
+#include "common/app/load.h"
 #include "datasets.h"
 #include "planet_scene.h"
 
 typedef struct measured {
     char name[64]; /* file name; "default", "default-planet" */
     bool round;
-    tc_field *field;  /* flat */
-    tc_planet planet; /* round */
+    tc_field *field; /* flat */
+    tc_map *planet;  /* round */
 } measured;
 
 /* Calls measure with the default terrain, the default planet and what TERRACLIP_DATA holds: whole globes as planets,

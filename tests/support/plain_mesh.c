@@ -106,7 +106,7 @@ typedef struct lattice {
     int64_t columns, rows;
     void (*positions)(const struct lattice *l, tc_rect rect, float (*out)[3]);
     const tc_field *field;
-    const tc_atlas *atlas;
+    const tc_map *atlas;
     const tc_camera *camera;
 } lattice;
 
@@ -181,19 +181,18 @@ bool plain_brute_flat(const tc_gl *gl, const tc_field *field, const tc_camera *c
 }
 
 /* Heights of chart 0's samples: its own where no cap has a share. */
-static double globe_height(const tc_atlas *a, double own, double longitude, double latitude)
+static double globe_height(const tc_map *a, double own, double longitude, double latitude)
 {
-    double z = own;
-    if (a->charts > 1 && fabs(latitude) >= TC_CAP_BLEND_START * M_PI / 180 &&
-        tc_atlas_height(a, longitude, latitude, &z))
+    double base = tc_field_info(a->chart[0].field)->z_base, z = own + base;
+    if (a->charts > 1 && fabs(latitude) >= TC_CAP_BLEND_START * M_PI / 180 && tc_map_height(a, longitude, latitude, &z))
         exit(99);
-    return z;
+    return z - base;
 }
 
 /* Relative to the eye: east, north, up. Rows 0 and the last are the poles, where the map reaches them. */
 static void globe_positions(const lattice *l, tc_rect r, float (*out)[3])
 {
-    const tc_atlas *a = l->atlas;
+    const tc_map *a = l->atlas;
     const tc_chart *c = &a->chart[0];
     const tc_camera *eye = l->camera;
     int finest = tc_field_info(c->field)->levels;
@@ -210,16 +209,16 @@ static void globe_positions(const lattice *l, tc_rect r, float (*out)[3])
         for (int64_t x = r.x0; x < r.x1; x++) {
             double longitude = c->x0 + (double)x * c->dx, turn = longitude - eye->x;
             double h = globe_height(a, z[x - r.x0], longitude, latitude);
-            double s = sin(latitude), q = cos(latitude), across = q * cos(turn), distance = a->radius + base + h;
+            double s = sin(latitude), q = cos(latitude), across = q * cos(turn), distance = a->body.radius + base + h;
             float *p = out[(y - r.y0) * STRIDE + x - r.x0];
             p[0] = (float)(distance * q * sin(turn));
             p[1] = (float)(distance * (ce * s - se * across));
-            p[2] = (float)(distance * (se * s + ce * across) - (a->radius + eye->z));
+            p[2] = (float)(distance * (se * s + ce * across) - (a->body.radius + eye->z));
         }
     }
 }
 
-bool plain_brute_globe(const tc_gl *gl, const tc_atlas *atlas, const tc_camera *camera, plain_mesh *m)
+bool plain_brute_globe(const tc_gl *gl, const tc_map *atlas, const tc_camera *camera, plain_mesh *m)
 {
     const tc_chart *c = &atlas->chart[0];
     tc_level level = tc_field_level(c->field, tc_field_info(c->field)->levels);

@@ -1,11 +1,11 @@
 /* plain_mesh.h - meshes of ready-made positions, drawn with a position-only shader: what frames are held against.
  *
  * Brute force is the full-resolution mesh: all samples of the finest level. On a planet these are chart 0's, at the
- * heights of tc_atlas_height(), with a vertex on each pole and flat triangles between. */
+ * heights of tc_map_height(), with a vertex on each pole and flat triangles between. */
 #ifndef PLAIN_MESH_H
 #define PLAIN_MESH_H
 
-#include "common/map/atlas.h"
+#include "common/map/map.h"
 #include "common/render/surface.h"
 #include "common/gl/gl.h"
 
@@ -33,6 +33,6 @@ float *plain_depth(const tc_gl *gl, const plain_mesh *m);
 
 /* For this camera. False, saying so on stdout, where there are more. */
 bool plain_brute_flat(const tc_gl *gl, const tc_field *field, const tc_camera *camera, plain_mesh *m);
-bool plain_brute_globe(const tc_gl *gl, const tc_atlas *atlas, const tc_camera *camera, plain_mesh *m);
+bool plain_brute_globe(const tc_gl *gl, const tc_map *atlas, const tc_camera *camera, plain_mesh *m);
 
 #endif

@@ -34,14 +34,14 @@ static tc_grid empty_grid(int64_t width, double radius)
     return g;
 }
 
-static tc_atlas build(tc_grid *g, double radius)
+static tc_map *build(tc_grid *g, double radius)
 {
-    tc_atlas atlas;
+    tc_map *atlas;
     tc_error error;
     g->z_min = INFINITY, g->z_max = -INFINITY;
     for (int64_t i = 0; i < g->width * g->height; i++)
         g->z_min = fminf(g->z_min, g->z[i]), g->z_max = fmaxf(g->z_max, g->z[i]);
-    must(tc_atlas_build(g, radius, 0, &atlas, &error), &error);
+    must(tc_map_build(g, radius, 0, &atlas, &error), &error);
     return atlas;
 }
 
@@ -50,7 +50,7 @@ static void towards(double longitude, double latitude, double p[3])
     p[0] = cos(latitude) * cos(longitude), p[1] = cos(latitude) * sin(longitude), p[2] = sin(latitude);
 }
 
-tc_atlas planet_atlas(int64_t width, double radius, planet_function height, void *context)
+tc_map *planet_atlas(int64_t width, double radius, planet_function height, void *context)
 {
     tc_grid g = empty_grid(width, radius);
     double step = 2 * M_PI / (double)width, p[3];
@@ -78,7 +78,7 @@ static void make_default(void *context, float *z)
     tc_synth_planet_close(planet);
 }
 
-tc_atlas planet_made(planet_kind kind, int64_t width, double radius, uint64_t seed)
+tc_map *planet_made(planet_kind kind, int64_t width, double radius, uint64_t seed)
 {
     double relief = 3000;
     if (kind == PLANET_SMOOTH)
@@ -122,18 +122,15 @@ tc_status planet_truth_height(void *truth, double longitude, double latitude, do
 
 tc_status planet_atlas_height(void *atlas, double longitude, double latitude, double *z_ret)
 {
-    const tc_atlas *a = atlas;
-    tc_status status = tc_atlas_height(a, longitude, latitude, z_ret);
-    *z_ret += tc_field_info(a->chart[0].field)->z_base;
-    return status;
+    return tc_map_height(atlas, longitude, latitude, z_ret);
 }
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-tc_surface *planet_rings(const tc_atlas *atlas, const tc_rings_options *rings, const tc_scene_options *options)
+tc_surface *planet_rings(const tc_map *atlas, const tc_rings_options *rings, const tc_scene_options *options)
 {
     tc_rings_options o = *rings;
-    const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(atlas->chart[0].field), true);
+    const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(atlas->chart[0].field));
     o.normals = needs.light, o.holes = needs.holes;
     tc_surface *surface;
     tc_error error;
@@ -141,7 +138,7 @@ tc_surface *planet_rings(const tc_atlas *atlas, const tc_rings_options *rings, c
     return surface;
 }
 
-scene planet_scene_of(const tc_context *context, const tc_atlas *atlas, tc_surface *surface,
+scene planet_scene_of(const tc_context *context, const tc_map *atlas, tc_surface *surface,
                       const tc_scene_options *options)
 {
     scene s = {.field = atlas->chart[0].field, .clipmap = surface->clipmap[0], .surface = surface};
@@ -150,7 +147,7 @@ scene planet_scene_of(const tc_context *context, const tc_atlas *atlas, tc_surfa
     return s;
 }
 
-scene planet_scene(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *rings,
+scene planet_scene(const tc_context *context, const tc_map *atlas, const tc_rings_options *rings,
                    const tc_scene_options *options)
 {
     return planet_scene_of(context, atlas, planet_rings(atlas, rings, options), options);
@@ -172,7 +169,7 @@ static double sign(test_random *r)
     return test_random_bits(r) & 1 ? 1 : -1;
 }
 
-tc_camera planet_view(test_random *r, const tc_atlas *atlas, double low, double high)
+tc_camera planet_view(test_random *r, const tc_map *atlas, double low, double high)
 {
     tc_camera c = {.width = 160, .height = 120};
     double where = test_random_unit(r), ground;
@@ -189,7 +186,7 @@ tc_camera planet_view(test_random *r, const tc_atlas *atlas, double low, double 
     must(planet_atlas_height((void *)atlas, c.x, c.y, &ground), &(tc_error){.text = "height"});
     double above = low * pow(high / low, test_random_unit(r));
     c.z = ground + above;
-    double dip = acos(fmin(1, atlas->radius / (atlas->radius + fmax(c.z, 0)))), way = test_random_unit(r);
+    double dip = acos(fmin(1, atlas->body.radius / (atlas->body.radius + fmax(c.z, 0)))), way = test_random_unit(r);
     c.heading = test_random_range(r, 0, 2 * M_PI);
     c.pitch = way < 0.5   ? fmax(-dip + test_random_range(r, -0.5, 0.3), -M_PI / 2)
               : way < 0.6 ? -M_PI / 2

@@ -10,14 +10,14 @@
 typedef double (*planet_function)(void *context, const double p[3]);
 
 /* `width` columns, half as many rows, whose samples stand for areas. The program ends where something fails. */
-tc_atlas planet_atlas(int64_t width, double radius, planet_function height, void *context);
+tc_map *planet_atlas(int64_t width, double radius, planet_function height, void *context);
 
 typedef enum planet_kind {
     PLANET_CLIFF,  /* samples and blocks of them at -3000 m or 5000 m at random */
     PLANET_SMOOTH, /* planet_smooth() with 3000 m */
     PLANET_DEFAULT /* what `terraclip synth --kind planet` makes */
 } planet_kind;
-tc_atlas planet_made(planet_kind kind, int64_t width, double radius, uint64_t seed);
+tc_map *planet_made(planet_kind kind, int64_t width, double radius, uint64_t seed);
 
 /* Of a constant gradient in space: *(double *)context metres times a . p, |a| = 1. */
 double planet_slope(void *context, const double p[3]);
@@ -33,17 +33,17 @@ tc_status planet_truth_height(void *truth, double longitude, double latitude, do
 tc_status planet_atlas_height(void *atlas, double longitude, double latitude, double *z_ret);
 
 /* A scene to be used as scene.h says. rings->normals and holes are set by what options need. */
-scene planet_scene(const tc_context *context, const tc_atlas *atlas, const tc_rings_options *rings,
+scene planet_scene(const tc_context *context, const tc_map *atlas, const tc_rings_options *rings,
                    const tc_scene_options *options);
 /* The same with a surface of one's own, which it takes over. */
-scene planet_scene_of(const tc_context *context, const tc_atlas *atlas, tc_surface *surface,
+scene planet_scene_of(const tc_context *context, const tc_map *atlas, tc_surface *surface,
                       const tc_scene_options *options);
-tc_surface *planet_rings(const tc_atlas *atlas, const tc_rings_options *rings, const tc_scene_options *options);
+tc_surface *planet_rings(const tc_map *atlas, const tc_rings_options *rings, const tc_scene_options *options);
 
 float *planet_depth(scene *s, const tc_camera *camera); /* of the drawn frame; caller frees */
 
 /* Views from `low` metres above the ground to `high` above the sphere, log-uniform: all latitudes, many over or by the
  * poles, on the antimeridian and where caps take over; up and down, many towards the horizon. */
-tc_camera planet_view(test_random *r, const tc_atlas *atlas, double low, double high);
+tc_camera planet_view(test_random *r, const tc_map *atlas, double low, double high);
 
 #endif

@@ -2,7 +2,7 @@
 #ifndef RAY_CAST_H
 #define RAY_CAST_H
 
-#include "common/map/atlas.h"
+#include "common/map/map.h"
 #include "common/terraclip.h"
 
 /* The mesh of tc_field_height(): every triangle that a ray passes over is met exactly, large blocks of cells that it
@@ -16,10 +16,10 @@ void ray_flat_destroy(ray_flat *f);
  * edge. */
 bool ray_flat_hit(const ray_flat *f, const tc_camera *camera, const double d[3], double *distance_ret);
 
-/* The surface of tc_atlas_height(), which is bilinear on its charts: steps of at most a fiftieth of the distance and an
+/* The surface of tc_map_height(), which is bilinear on its charts: steps of at most a fiftieth of the distance and an
  * eighth of a sample, and bisection; larger ones where maxima of tiles show that nothing is in the way. */
 typedef struct ray_globe ray_globe;
-ray_globe *ray_globe_create(const tc_atlas *atlas);
+ray_globe *ray_globe_create(const tc_map *atlas);
 void ray_globe_destroy(ray_globe *g);
 bool ray_globe_hit(const ray_globe *g, const tc_camera *camera, const double d[3], double *distance_ret);
 

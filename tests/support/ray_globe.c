@@ -13,7 +13,7 @@ enum { TILE = 8 }; /* samples of chart 0 */
 /* Tiles of longitude and latitude: the highest ground in a tile and in all tiles around it, so that it holds as far as
  * a tile is wide. Where meridians are close together, of all tiles of three rows. */
 struct ray_globe {
-    const tc_atlas *atlas;
+    const tc_map *atlas;
     double z_base, radius; /* that heights are above */
     double z_max;          /* of all of them */
     double x0, y0, side;   /* of the tiles, radians */
@@ -24,7 +24,7 @@ struct ray_globe {
 static const double SHORT = 0.17; /* cosine of the latitude from which on rows are taken as a whole */
 
 /* Highest ground of a cap over a rectangle of longitude and latitude. */
-static float cap_highest(const tc_atlas *a, int chart, double x0, double y0, double x1, double y1)
+static float cap_highest(const tc_map *a, int chart, double x0, double y0, double x1, double y1)
 {
     const tc_chart *c = &a->chart[chart];
     double lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
@@ -75,7 +75,7 @@ static float around(const ray_globe *g, const float *own, int64_t i, int64_t j)
     return most;
 }
 
-ray_globe *ray_globe_create(const tc_atlas *atlas)
+ray_globe *ray_globe_create(const tc_map *atlas)
 {
     const tc_chart *c = &atlas->chart[0];
     tc_level l = tc_field_level(c->field, tc_field_info(c->field)->levels);
@@ -94,7 +94,7 @@ ray_globe *ray_globe_create(const tc_atlas *atlas)
         fputs("ray cast: not enough memory\n", stderr);
         exit(99);
     }
-    g->radius = atlas->radius + g->z_base;
+    g->radius = atlas->body.radius + g->z_base;
     for (int64_t k = 0; k < g->columns * g->rows; k++)
         own[k] = tile_highest(g, k % g->columns, k / g->columns), g->z_max = fmax(g->z_max, own[k]);
     for (int64_t j = 0; j < g->rows; j++) {
@@ -139,9 +139,9 @@ static point at(const ray *r, double s)
 static double above(const ray *r, const point *p)
 {
     double z;
-    if (tc_atlas_height(r->g->atlas, p->place[0], p->place[1], &z))
+    if (tc_map_height(r->g->atlas, p->place[0], p->place[1], &z))
         exit(1);
-    return p->place[2] - z;
+    return p->place[2] - (z - r->g->z_base);
 }
 
 /* Change of the height with s. */

@@ -75,7 +75,7 @@ static double texel_error(const rings_capture *capture, const captured_vertex *v
     const rings_surface *s = (const rings_surface *)capture->globe->surface;
     const tc_layers *layers = &tc_renderer_used(capture->globe->renderer).textures->layers;
     const tc_clipmap *clipmap = s->head.clipmap[chart];
-    const tc_chart *c = &s->atlas->chart[chart];
+    const tc_chart *c = &s->map->chart[chart];
     int first = tc_first_layer(layers, chart), layer = (int)v->map[chart][2];
     if (layer < 0)
         return 0;
@@ -98,7 +98,7 @@ static void add_error(const rings_capture *capture, const tc_camera *camera, con
     double d = 0;
     for (int i = 0; i < 3; i++)
         d = hypot(d, (double)(v->position[i] - o->position[i]));
-    e->over_radius = worse(e->over_radius, d / s->atlas->radius);
+    e->over_radius = worse(e->over_radius, d / s->map->body.radius);
     for (int chart = 0; chart < s->head.charts; chart++)
         if (o->weight[chart] > 1e-6L)
             e->texels = worse(e->texels, texel_error(capture, v, o, chart));
@@ -117,7 +117,7 @@ static void compare(const rings_capture *capture, const rings_view *view, const 
 {
     const rings_surface *s = (const rings_surface *)capture->globe->surface;
     oracle_vertex o = rings_oracle(s, view, camera, theta, phi, w);
-    const tc_chart *c = &s->atlas->chart[0];
+    const tc_chart *c = &s->map->chart[0];
     /* Half a turn from the viewer is on both sides, and each may hold another level: either is right. */
     double turn = o.weight[0] > 0 ? fabs((double)(o.x[0] - view->place[0].x)) * c->dx : 0;
     if (turn > M_PI * (1 - 1e-9)) {
@@ -135,7 +135,7 @@ static void compare(const rings_capture *capture, const rings_view *view, const 
     }
     double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
     height = tc_rings_height(s, view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
-    e->differ += !(fabs((double)(height - o.height)) <= 1e-12 * s->atlas->radius);
+    e->differ += !(fabs((double)(height - o.height)) <= 1e-12 * s->map->body.radius);
     add_error(capture, camera, v, &o, e);
 }
 

@@ -52,24 +52,24 @@ oracle_vertex rings_oracle(const rings_surface *s, const rings_view *view, const
     r.weight[0] = 1 - r.weight[1] - r.weight[2];
     long double shift = fmaxl(s->shift_base + 1 - w, 0);
     for (int chart = 0; chart < s->head.charts; chart++) {
-        const tc_chart *c = &s->atlas->chart[chart];
+        const tc_chart *c = &s->map->chart[chart];
         if (r.weight[chart] <= 0)
             continue;
         long double scale = 2 / (1 + (chart == 1 ? p[2] : -p[2])), x = scale * p[0], y = scale * p[1];
-        if (c->projection == TC_LONLAT)
+        if (c->class == &tc_chart_lonlat)
             x = atan2l(p[1], p[0]), y = atan2l(p[2], hypotl(p[0], p[1]));
         r.x[chart] = (x - c->x0) / c->dx;
         r.y[chart] = (y - c->y0) / c->dy;
-        if (c->projection == TC_LONLAT) { /* the column's number that is nearest to the viewer's */
+        if (c->class == &tc_chart_lonlat) { /* the column's number that is nearest to the viewer's */
             long double period = 2 * pi / c->dx;
             r.x[chart] += period * rintl((view->place[chart].x - r.x[chart]) / period);
         }
         r.height += r.weight[chart] * chart_height(s, chart, r.x[chart], r.y[chart], shift);
     }
-    long double radius = s->atlas->radius + r.height;
+    long double radius = s->map->body.radius + r.height;
     r.position[0] = radius * east;
     r.position[1] = -radius * south;
-    r.position[2] = radius * up - (s->atlas->radius + (long double)camera->z);
+    r.position[2] = radius * up - (s->map->body.radius + (long double)camera->z);
     return r;
 }
 

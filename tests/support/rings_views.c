@@ -51,20 +51,20 @@ double rings_altitude(int k, double radius)
     return least * pow(10 * radius / least, (double)k / (RINGS_ALTITUDES - 1));
 }
 
-tc_camera rings_view_at(const tc_atlas *atlas, double longitude, double latitude, double altitude, test_random *r)
+tc_camera rings_view_at(const tc_map *atlas, double longitude, double latitude, double altitude, test_random *r)
 {
     tc_camera c = {.fov = (test_random_bits(r) & 1 ? 75 : 90) * DEGREE, .width = 1280, .height = 960};
     c.x = longitude, c.y = latitude;
-    if (tc_atlas_height(atlas, c.x, c.y, &c.z))
+    if (tc_map_height(atlas, c.x, c.y, &c.z))
         c.z = 0;
     c.z += altitude;
-    double dip = acos(atlas->radius / (atlas->radius + fmax(0, c.z)));
+    double dip = acos(atlas->body.radius / (atlas->body.radius + fmax(0, c.z)));
     c.heading = test_random_range(r, -M_PI, M_PI);
     c.pitch = fmax(-M_PI / 2, 0.2 - dip - test_random_range(r, 0, 1) * (M_PI / 2 + 0.3 - dip));
     return c;
 }
 
-tc_camera rings_view_of(const tc_atlas *atlas, int place, int64_t width, double altitude, test_random *r)
+tc_camera rings_view_of(const tc_map *atlas, int place, int64_t width, double altitude, test_random *r)
 {
     double longitude, latitude;
     rings_place_of(place, width, &longitude, &latitude);

@@ -2,7 +2,7 @@
 #ifndef RINGS_VIEWS_H
 #define RINGS_VIEWS_H
 
-#include "common/map/atlas.h"
+#include "common/map/map.h"
 #include "terrains.h"
 
 enum { RINGS_PLACES = 100, RINGS_ALTITUDES = 12 };
@@ -15,7 +15,7 @@ void rings_place_of(int i, int64_t width, double *longitude_ret, double *latitud
 double rings_altitude(int k, double radius);
 
 /* A camera there, 1280 x 960, that looks at the planet somehow. */
-tc_camera rings_view_at(const tc_atlas *atlas, double longitude, double latitude, double altitude, test_random *r);
-tc_camera rings_view_of(const tc_atlas *atlas, int place, int64_t width, double altitude, test_random *r);
+tc_camera rings_view_at(const tc_map *atlas, double longitude, double latitude, double altitude, test_random *r);
+tc_camera rings_view_of(const tc_map *atlas, int place, int64_t width, double altitude, test_random *r);
 
 #endif

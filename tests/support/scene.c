@@ -53,7 +53,7 @@ scene scene_create(const tc_context *context, const tc_field *field, int n, cons
 {
     scene s = {.field = field};
     tc_error error;
-    const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(field), false);
+    const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(field));
     tc_ground_options clip = {.n = n, .normals = needs.light, .holes = needs.holes};
     must(tc_ground_create(field, &clip, &s.clipmap, &error), &error);
     must(tc_square_create(s.clipmap, &s.surface, &error), &error);

@@ -42,23 +42,14 @@ int64_t tc_container_cap_begin(const tc_container *c, int n)
     return at;
 }
 
-bool tc_terrain_globe(const tc_pack_terrain *t, tc_globe *globe_ret)
+bool tc_terrain_globe(const tc_pack_terrain *t, tc_lonlat *globe_ret)
 {
-    const double degree = M_PI / 180, *g = t->georef.transform, slack = 1e-3; /* of a row */
-    double w = (double)t->width, h = (double)t->height, north = g[3] + 0.5 * g[5], south = g[3] + (h - 0.5) * g[5];
-    if (!t->georef.known || !t->georef.geographic || g[2] != 0 || g[4] != 0 || !(g[1] > 0 && g[5] < 0))
+    tc_lonlat globe;
+    if (!tc_lonlat_of(&t->georef, t->width, t->height, &globe) || !globe.within)
         return false;
-    if (!(north <= 90 - slack * g[5] && south >= -90 + slack * g[5] && fabs(g[0]) <= 1e4 &&
-          w * g[1] < 360 + 0.5 * g[1]))
-        return false;
-    bool round = w * g[1] >= 360 - 0.5 * g[1],
-         near = north >= 90 + (1 + slack) * g[5] && south <= -90 - (1 + slack) * g[5];
-    *globe_ret = (tc_globe){.x0 = degree * (g[0] + 0.5 * g[1]),
-                            .y0 = degree * south,
-                            .dx = round ? 2 * M_PI / w : degree * g[1],
-                            .dy = -degree * g[5],
-                            .round = round,
-                            .poles = round && near && t->height >= 4};
+    globe.poles &= t->height >= TC_LEAST_CAP_ROWS;
+    tc_lonlat_close(&globe);
+    *globe_ret = globe;
     return true;
 }
 
@@ -257,7 +248,7 @@ static void write_planet(const tc_container *c, tc_byte_writer *w)
 static bool read_planet(tc_container *c, tc_byte_reader *r)
 {
     tc_pack_terrain *t = &c->info.terrain;
-    tc_globe globe;
+    tc_lonlat globe;
     t->radius = tc_get_f64(r);
     bool good = positive(t->radius) && tc_terrain_globe(t, &globe) && globe.round == t->wraps_x &&
                 (globe.poles || c->info.charts == 1);

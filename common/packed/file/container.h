@@ -8,6 +8,7 @@
 #ifndef TC_CONTAINER_H
 #define TC_CONTAINER_H
 
+#include "common/chart/lonlat.h"
 #include "common/codec/lifting/codec.h"
 #include "common/field/field.h"
 #include "common/base/byte_order.h"
@@ -69,14 +70,9 @@ void tc_container_free(tc_container *c);
 /* Where cap n, 0 or 1, of a planet with 3 charts begins: behind level m and the caps before. */
 int64_t tc_container_cap_begin(const tc_container *c, int n);
 
-/* A planet's chart of longitude and latitude, radians: sample (i, j) lies at (x0 + i dx, y0 + j dy). round: it goes
- * once around; poles: it also reaches both to within a row, so that there can be caps. False where the terrain's
- * georeference has no such chart. */
-typedef struct tc_globe {
-    double x0, y0, dx, dy;
-    bool round, poles;
-} tc_globe;
-bool tc_terrain_globe(const tc_pack_terrain *terrain, tc_globe *globe_ret);
+/* Where a planet's grid of longitude and latitude lies; poles: there can be caps. False where the terrain's
+ * georeference has no such grid. */
+bool tc_terrain_globe(const tc_pack_terrain *terrain, tc_lonlat *globe_ret);
 
 /* Pages of a level, and where its directory's entries stand in its bytes. */
 typedef struct tc_pages {

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <unistd.h>
 
-#include "common/map/atlas.h"
+#include "common/chart/body.h"
 #include "common/base/outfile.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
@@ -32,7 +32,7 @@ static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack
         return tc_fail(error, TC_ERR_USAGE, "%s: expected a unit above 0 m, found %g", path, t->unit);
     if (o->mode != TC_PACK_LOSSLESS && !(o->error > 0 && isfinite(o->error)))
         return tc_fail(error, TC_ERR_USAGE, "%s: expected an error above 0 m, found %g", path, o->error);
-    tc_globe globe;
+    tc_lonlat globe;
     if (t->radius != 0 && !(t->radius > 0 && isfinite(t->radius)))
         return tc_fail(error, TC_ERR_USAGE, "%s: expected a radius above 0 m, found %g", path, t->radius);
     if (t->radius > 0 && (!tc_terrain_globe(t, &globe) || globe.round != t->wraps_x))
@@ -207,7 +207,8 @@ static tc_status check_relief(const tc_packer *p, tc_error *error)
     double low = t->z_base + (double)p->z_min, high = t->z_base + (double)p->z_max;
     if (p->result.voids && t->voids == TC_VOIDS_CONSTANT)
         low = fmin(low, t->void_constant), high = fmax(high, t->void_constant);
-    return t->radius > 0 ? tc_atlas_check_relief(p->path, low, high, t->radius, error) : TC_OK;
+    const tc_body body = tc_body_of(t->radius);
+    return body.class->check_relief(&body, p->path, low, high, error);
 }
 
 tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)

@@ -13,18 +13,12 @@
 #include "common/base/status.h"
 #include "pack_internal.h"
 
-static tc_lonlat lonlat_of(const tc_pack_terrain *t, const tc_globe *g)
-{
-    return (tc_lonlat){t->width, t->height, g->x0, g->y0, g->dx, g->dy};
-}
-
 /* Samples of both caps; 0: there are none. */
 static double cap_samples(const tc_pack_terrain *t)
 {
-    tc_globe globe;
-    if (!(t->radius > 0) || !tc_terrain_globe(t, &globe) || !globe.poles)
+    tc_lonlat grid;
+    if (!(t->radius > 0) || !tc_terrain_globe(t, &grid) || !grid.poles)
         return 0;
-    tc_lonlat grid = lonlat_of(t, &globe);
     double side = (double)tc_caps_side(&grid);
     return TC_CAP_CHARTS * side * side;
 }
@@ -192,10 +186,9 @@ static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const cap_memory 
 tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *error)
 {
     const tc_pack_terrain *t = &p->container.info.terrain;
-    tc_globe globe;
-    if (!tc_terrain_globe(t, &globe) || !globe.poles)
+    tc_lonlat grid;
+    if (!tc_terrain_globe(t, &grid) || !grid.poles)
         return TC_OK;
-    tc_lonlat grid = lonlat_of(t, &globe);
     int64_t side = tc_caps_side(&grid);
     cap_memory memory[TC_CAPS] = {{0}};
     tc_status status = TC_OK;

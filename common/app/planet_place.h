@@ -9,7 +9,7 @@ typedef struct tc_planet_place {
     int64_t columns;     /* used: the first ones; columns that come round again are left out */
     int64_t south, rows; /* used: from row `south` on, counted from the south; rows beyond a pole are left out */
     bool around;         /* all 360 degrees of longitude */
-    int64_t width;       /* columns to be resampled to: as tc_atlas_width() says where it goes around, else columns */
+    int64_t width;       /* columns to be resampled to: as tc_lonlat_width() says where it goes around, else columns */
     double transform[6]; /* of width x rows samples: corner-based, rows north to south, degrees, not rotated */
 } tc_planet_place;
 

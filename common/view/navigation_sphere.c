@@ -1,14 +1,13 @@
-/* globe.c - moving over a globe.
+/* navigation_sphere.c - moving over a globe.
  *
  * Ways along the ground are great circles: heading turns on them with the meridians, so that who flies straight on over
  * a pole looks straight on behind it. The ground can be pulled with the mouse and the wheel comes nearer, as with
  * globes on a desk; keys fly as over a flat map, the higher the faster. */
-#include "globe.h"
+#include "flight.h"
 
 #include <math.h>
 
-#include "common/view/camera.h"
-#include "common/view/flight.h"
+#include "camera.h"
 
 #define DEGREE (M_PI / 180)
 
@@ -100,7 +99,7 @@ static tc_pose whole(const tc_flight_box *box, double fov, int width, int height
     return view;
 }
 
-const tc_navigation tc_globe_navigation = {
+const tc_navigation tc_sphere_navigation = {
     .form = "LON,LAT,ALT,HEADING,PITCH",
     .bounds = "LON,LAT,ALT,HEADING,PITCH in degrees and metres, |LON| up to 360, |LAT| and |PITCH| up to 90",
     .help =
@@ -110,6 +109,7 @@ const tc_navigation tc_globe_navigation = {
     .x_limit = 360,
     .y_limit = 90,
     .x_period = 2 * M_PI,
+    .pulls = true,
     .settle = settle,
     .whole = whole,
     .step = step,

@@ -1,4 +1,4 @@
-/* grid_load.c - a whole file as a grid: heights, voids filled, extremes. */
+/* load_grid.c - a whole file as a grid: heights, voids filled, extremes. */
 #include "common/input/source_internal.h"
 
 #include "common/field/fill.h"

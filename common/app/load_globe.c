@@ -1,21 +1,18 @@
-/* planet.c - a planet from any DEM or picture. */
-#include "planet.h"
+/* load_globe.c - a DEM or a picture of heights on a globe. */
+#include "load.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common/base/clock.h"
-#include "common/map/atlas_packed.h"
-#include "common/map/atlas.h"
 #include "common/chart/row_resample.h"
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/field/fill.h"
-#include "common/map/planet_place.h"
 #include "common/input/source_internal.h"
-#include "terrain.h"
+#include "planet_place.h"
 
 /* Places a file before it is read, so that one that cannot be shown is refused at once. Says nothing: tc_grid_load
  * will. */
@@ -160,31 +157,28 @@ static tc_status settle(const char *path, const tc_source_options *options, bool
     return TC_OK;
 }
 
-tc_status tc_planet_load(const char *path, const tc_source_options *options, double radius, bool whole, int threads,
-                         tc_planet *planet_ret, tc_error *error)
+tc_status tc_load_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
+                        tc_map **map_ret, tc_error *error)
 {
-    tc_source_options settled = {0};
-    if (options)
-        settled = *options;
-    if (settled.spacing > 0)
+    if (source->spacing > 0)
         return tc_fail(error, TC_ERR_USAGE, "--spacing: expected none for a planet: its samples lie in degrees");
-    tc_status status = tc_planet_check_radius(radius, error);
+    tc_status status = tc_planet_check_radius(options->radius, error);
     if (status == TC_OK)
-        status = check_place(path, &settled, whole, error);
+        status = check_place(path, source, options->whole, error);
     if (status != TC_OK)
         return status;
 
     double start = tc_clock_ms();
-    tc_planet planet = {.voids = settled.voids};
+    tc_body body = {0};
     tc_grid grid = {0};
-    tc_source_options loading = settled;
+    tc_source_options loading = *source;
     loading.spacing = 1; /* metres on a flat map are not settled, and not talked about */
     status = tc_grid_load(path, &loading, &grid, error);
     if (status == TC_OK)
-        status = settle(path, &settled, whole, threads, &grid, error);
+        status = settle(path, source, options->whole, options->threads, &grid, error);
     if (status == TC_OK) {
-        radius = tc_planet_radius(&grid.georef, radius);
-        status = tc_atlas_check_grid(path, &grid, radius, error);
+        body = tc_body_of(tc_planet_radius(&grid.georef, options->radius));
+        status = tc_map_check_grid(path, &grid, &body, error);
     }
     if (status != TC_OK) {
         tc_grid_free(&grid);
@@ -192,87 +186,35 @@ tc_status tc_planet_load(const char *path, const tc_source_options *options, dou
     }
     double read = tc_clock_ms();
     if (grid.georef.semi_major <= 0)
-        grid.georef.semi_major = radius; /* tells the body */
-    planet.georef = grid.georef;
-    planet.georef.crs_wkt = NULL; /* the pyramid's */
-    planet.width = grid.width;
-    planet.height = grid.height;
-    status = tc_atlas_build(&grid, radius, threads, &planet.atlas, error);
-    planet.read_ms = read - start;
-    planet.build_ms = tc_clock_ms() - read;
-    if (status == TC_OK)
-        *planet_ret = planet;
-    return status;
-}
-
-/* A packed flat terrain in degrees is a part of a globe. */
-static tc_status place_packed(const char *path, const tc_source_options *options, double radius, tc_terrain *terrain,
-                              tc_atlas *atlas_ret, tc_error *error)
-{
-    const tc_terrain_info *info = tc_field_info(terrain->field);
-    const tc_georef *g = &tc_field_packed_info(terrain->field)->terrain.georef;
-    const double degree = M_PI / 180, *t = g->transform;
-    if (!g->known || !g->geographic || t[2] != 0 || t[4] != 0)
-        return tc_fail(
-            error, TC_ERR_UNSUPPORTED,
-            "%s: expected a terrain in longitude and latitude, or one packed with --planet, found a flat one", path);
-    radius = tc_planet_radius(g, radius);
-    tc_status status = tc_atlas_check_relief(path, info->z_base + (double)info->z_min,
-                                             info->z_base + (double)info->z_max, radius, error);
+        grid.georef.semi_major = body.radius; /* tells the body */
+    tc_map *map;
+    status = tc_map_build(&grid, body.radius, options->threads, &map, error);
     if (status != TC_OK)
         return status;
-    /* Its levels do not go round, and it has no caps. */
-    double turn = 360 / t[1];
-    if (tc_atlas_around(terrain->width, turn) || (double)terrain->width > turn)
-        tc_say(options, true,
-               "%s: packed flat: around the globe it has a gap where its sides meet, and at the poles holes; pack it "
-               "with --planet",
-               path);
-    tc_chart chart = {.field = terrain->field, .projection = TC_LONLAT, .dx = t[1] * degree, .dy = -t[5] * degree};
-    chart.x0 = (t[0] + 0.5 * t[1]) * degree;
-    chart.y0 = (t[3] + ((double)terrain->height - 0.5) * t[5]) * degree;
-    tc_level held = tc_field_level(chart.field, tc_field_info(chart.field)->levels);
-    double coarser =
-        ldexp(1, (int)lround(log2((double)terrain->width / (double)held.width))); /* where it was cut short */
-    chart.dx *= coarser, chart.dy *= coarser;
-    *atlas_ret = (tc_atlas){.radius = radius, .charts = 1, .chart = {chart}};
-    terrain->field = NULL;
+    map->voids = source->voids;
+    map->read_ms = read - start;
+    map->build_ms = tc_clock_ms() - read;
+    *map_ret = map;
     return TC_OK;
 }
 
-tc_status tc_planet_open(const char *path, const tc_source_options *options, double radius, int threads,
-                         tc_planet *planet_ret, tc_error *error)
+tc_status tc_load_onto_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
+                             tc_map *map, tc_error *error)
 {
-    if (!tc_is_packed(path))
-        return tc_planet_load(path, options, radius, false, threads, planet_ret, error);
-    double start = tc_clock_ms();
-    tc_terrain terrain;
-    tc_status status = tc_planet_check_radius(radius, error);
-    if (status == TC_OK)
-        status = tc_terrain_open_packed(path, options, &terrain, error);
+    tc_status status = tc_planet_check_radius(options->radius, error);
     if (status != TC_OK)
         return status;
-    if (radius > 0 && tc_field_packed_info(terrain.field)->terrain.radius > 0) {
-        tc_terrain_close(&terrain);
-        return tc_fail(error, TC_ERR_USAGE,
-                       "--radius: expected none for %s, a packed planet: it was settled when packing", path);
-    }
-    const tc_open_options how = {
-        .has_policy = options->has_voids, .voids = options->voids, .void_constant = options->void_constant};
-    tc_planet planet = {
-        .voids = terrain.voids, .georef = terrain.georef, .width = terrain.width, .height = terrain.height};
-    status = tc_atlas_open(path, &how, &planet.atlas, error);
-    if (status == TC_ERR_UNSUPPORTED)
-        status = place_packed(path, options, radius, &terrain, &planet.atlas, error);
-    tc_terrain_close(&terrain);
-    planet.read_ms = tc_clock_ms() - start;
-    if (status == TC_OK)
-        *planet_ret = planet;
+    if (tc_map_radius(map) > 0)
+        return options->radius > 0
+                   ? tc_fail(error, TC_ERR_USAGE,
+                             "--radius: expected none for %s, a packed planet: it was settled when packing", path)
+                   : TC_OK;
+    bool gap;
+    status = tc_map_onto_globe(map, path, tc_planet_radius(&map->georef, options->radius), &gap, error);
+    if (status == TC_OK && gap) /* its levels do not go round, and it has no caps */
+        tc_say(source, true,
+               "%s: packed flat: around the globe it has a gap where its sides meet, and at the poles holes; pack it "
+               "with --planet",
+               path);
     return status;
-}
-
-void tc_planet_close(tc_planet *planet)
-{
-    tc_atlas_free(&planet->atlas);
-    *planet = (tc_planet){0};
 }

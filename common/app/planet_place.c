@@ -5,9 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "atlas.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
+#include "common/chart/lonlat.h"
 #include "common/input/source_internal.h"
 
 static const double earth_radius = 6371000;
@@ -98,13 +98,17 @@ tc_status tc_planet_place_raster(const char *path, const tc_source_options *opti
                        bottom, top);
     if (north + south > 0)
         tc_say(options, true, "%" PRId64 " of its rows lie beyond a pole and are left out", north + south);
-    top -= (double)north * dy, bottom += (double)south * dy;
 
     double turn = 360 / dx;
     int64_t columns = (double)width > turn + 0.5 ? (int64_t)floor(turn + 0.5) : width, rows = height - north - south;
-    bool around = tc_atlas_around(columns, turn);
-    status =
-        check_size(path, columns, rows, around, around && top + 1.001 * dy > 90 && bottom - 1.001 * dy < -90, error);
+    const tc_georef used = {
+        .known = true, .geographic = true, .transform = {t[0], dx, 0, t[3] - (double)north * dy, 0, -dy}};
+    tc_lonlat at;
+    if (!tc_lonlat_of(&used, columns, rows, &at))
+        return tc_fail(error, TC_ERR_FORMAT, "%s: expected columns from west to east and rows from north to south",
+                       path);
+    bool around = at.round;
+    status = check_size(path, columns, rows, around, at.poles, error);
     if (status != TC_OK)
         return status;
     if (whole && !around)
@@ -113,7 +117,7 @@ tc_status tc_planet_place_raster(const char *path, const tc_source_options *opti
     if (columns < width)
         tc_say(options, false, "%" PRId64 " of its columns come round again and are left out", width - columns);
     tc_planet_place place = {.columns = columns, .south = south, .rows = rows, .around = around};
-    place.width = around ? tc_atlas_width(columns, rows) : columns;
+    place.width = around ? tc_lonlat_width(columns, rows) : columns;
     if (place.width > MOST_RESAMPLED * columns)
         return tc_fail(error, TC_ERR_FORMAT,
                        "%s: expected a map that is wider or not so high, found %" PRId64 " x %" PRId64

@@ -1,0 +1,102 @@
+/* load.c - a map from any file: which way it is read. */
+#include "load.h"
+
+#include "common/base/clock.h"
+#include "common/base/status.h"
+#include "common/input/source_internal.h"
+
+#include <stdio.h>
+#include <sys/stat.h>
+
+/* How files come onto each body; the first one's way is that of files that say nothing. */
+static const struct way {
+    const tc_body_class *body;
+    tc_status (*load)(const char *path, const tc_source_options *source, const tc_load_options *options,
+                      tc_map **map_ret, tc_error *error);
+    bool flat; /* packed planets as their grid alone */
+    /* What is to be done with a map from a packed file; NULL: nothing. */
+    tc_status (*settle)(const char *path, const tc_source_options *source, const tc_load_options *options, tc_map *map,
+                        tc_error *error);
+} ways[] = {{&tc_plane_body, tc_load_flat, true, NULL}, {&tc_sphere_body, tc_load_globe, false, tc_load_onto_globe}};
+enum { WAYS = sizeof ways / sizeof *ways };
+
+static const struct way *way_of(const tc_body_class *body)
+{
+    for (int i = 0; i < WAYS; i++)
+        if (ways[i].body == body)
+            return &ways[i];
+    return &ways[0];
+}
+
+/* By its first bytes. */
+static bool is_packed(const char *path)
+{
+    unsigned char signature[8] = {0};
+    struct stat about;
+    FILE *file = stat(path, &about) == 0 && S_ISREG(about.st_mode) ? fopen(path, "rb") : NULL; /* a pipe is not read */
+    bool packed = file && fread(signature, 1, 8, file) == 8 && tc_is_tclip(signature);
+    if (file)
+        fclose(file);
+    return packed;
+}
+
+/* What was settled on packing. */
+static tc_status refuse_settled(const char *path, const tc_source_options *source, tc_error *error)
+{
+    const char *name = source->spacing > 0  ? "spacing"
+                       : source->unit > 0   ? "unit"
+                       : source->has_nodata ? "nodata"
+                                            : NULL;
+    if (name)
+        return tc_fail(error, TC_ERR_USAGE, "--%s: expected none for %s, a packed terrain: it was settled when packing",
+                       name, path);
+    return tc_check_source_options(source, error);
+}
+
+static void tell_missing(const char *path, const tc_source_options *source, const tc_map *map)
+{
+    const tc_packed_info *packed = tc_field_packed_info(map->chart[0].field);
+    if (packed->levels_missing > 0)
+        tc_say(source, true, "%s: cut short: expected %lld bytes, found fewer; missing: the finest %d of its levels",
+               path, (long long)packed->bytes, packed->levels_missing);
+    else if (packed->cut_short)
+        tc_say(source, true, "%s: cut short: expected %lld bytes, found fewer; its polar caps are not whole", path,
+               (long long)packed->bytes);
+}
+
+tc_status tc_map_load_packed(const char *path, const tc_source_options *source, const tc_load_options *options,
+                             tc_map **map_ret, tc_error *error)
+{
+    tc_status status = refuse_settled(path, source, error);
+    if (status != TC_OK)
+        return status;
+    double start = tc_clock_ms();
+    const struct way *way = way_of(options->body);
+    const tc_open_options how = {.has_policy = source->has_voids,
+                                 .voids = source->voids,
+                                 .void_constant = source->void_constant,
+                                 .flat = options->body && way->flat};
+    tc_map *map;
+    status = tc_map_open(path, &how, &map, error);
+    if (status != TC_OK)
+        return status;
+    tell_missing(path, source, map);
+    if (way->settle && (status = way->settle(path, source, options, map, error))) {
+        tc_map_destroy(map);
+        return status;
+    }
+    map->read_ms = tc_clock_ms() - start;
+    *map_ret = map;
+    return TC_OK;
+}
+
+tc_status tc_map_load(const char *path, const tc_source_options *source, const tc_load_options *options,
+                      tc_map **map_ret, tc_error *error)
+{
+    static const tc_source_options no_source = {0};
+    static const tc_load_options no_options = {0};
+    source = source ? source : &no_source;
+    options = options ? options : &no_options;
+    return is_packed(path) ? tc_map_load_packed(path, source, options, map_ret, error)
+                           : way_of(options->body)->load(path, source, options, map_ret, error);
+}

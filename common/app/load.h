@@ -1,0 +1,43 @@
+/* load.h - a map from any file: a packed one, or a DEM or picture that is read into memory as a whole. */
+#ifndef TC_LOAD_H
+#define TC_LOAD_H
+
+#include "common/input/source.h"
+#include "common/map/map.h"
+
+/* Zero is the default. */
+typedef struct tc_load_options {
+    const tc_body_class *body; /* what it is to lie on; NULL: as the file says. Only packed planets say a sphere */
+    double radius;             /* metres, of a sphere; 0: of the file's coordinate system, else the Earth's */
+    bool whole;                /* it must go around a globe */
+    int threads;               /* that build the levels; 0: as many as there are processors */
+} tc_load_options;
+
+/* Opens; *map_ret is destroyed with tc_map_destroy(). A packed file has its scale, its nodata and, as a planet, its
+ * radius from when it was packed: options for them are refused with TC_ERR_USAGE. No library is loaded for one. Other
+ * errors are those of tc_grid_load().
+ *
+ * On a sphere: files that go around the globe may begin at any longitude, repeat their first column at the end and have
+ * rows on the poles or half a row from them; they are resampled along longitude where their width cannot be halved
+ * often enough. Others, packed flat terrains in degrees too, become a part of the globe. A raster without georeference
+ * that is twice as wide as high is taken for the whole globe. source->spacing must be 0 (errors of planet_place.h). */
+tc_status tc_map_load(const char *path, const tc_source_options *source, const tc_load_options *options,
+                      tc_map **map_ret, tc_error *error);
+
+/* The same for packed files only. */
+tc_status tc_map_load_packed(const char *path, const tc_source_options *source, const tc_load_options *options,
+                             tc_map **map_ret, tc_error *error);
+
+/* ---- Of load_flat.c and load_globe.c, for load.c ------------------------------------------------------------------
+ */
+
+tc_status tc_load_flat(const char *path, const tc_source_options *source, const tc_load_options *options,
+                       tc_map **map_ret, tc_error *error);
+tc_status tc_load_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
+                        tc_map **map_ret, tc_error *error);
+
+/* What else a packed file needs to be shown on a sphere. */
+tc_status tc_load_onto_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
+                             tc_map *map, tc_error *error);
+
+#endif

@@ -1,0 +1,157 @@
+/* map.c - what is the same for every map: its parts, and the height at a place. */
+#include "map.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+tc_map *tc_map_create(tc_body body, int charts)
+{
+    tc_map *map = calloc(1, sizeof *map);
+    tc_chart *chart = calloc((size_t)charts, sizeof *chart);
+    if (!map || !chart) {
+        free(map), free(chart);
+        return NULL;
+    }
+    *map = (tc_map){.body = body, .chart = chart};
+    return map;
+}
+
+tc_map *tc_map_flat(tc_field *field)
+{
+    tc_map *map = tc_map_create(tc_body_of(0), 1);
+    if (!map) {
+        tc_field_destroy(field);
+        return NULL;
+    }
+    const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    map->chart[map->charts++] = tc_chart_over(&tc_chart_plane, field, 0, 0, 0, finest.spacing_x, finest.spacing_y);
+    map->width = finest.width, map->height = finest.height;
+    map->spacing_x = finest.spacing_x, map->spacing_y = finest.spacing_y;
+    return map;
+}
+
+void tc_map_destroy(tc_map *map)
+{
+    if (!map)
+        return;
+    for (int k = 0; k < map->charts; k++)
+        tc_field_destroy(map->chart[k].field);
+    free(map->chart);
+    free(map);
+}
+
+int tc_map_charts(const tc_map *map)
+{
+    return map->charts;
+}
+
+const tc_field *tc_map_field(const tc_map *map, int chart)
+{
+    return map->chart[chart].field;
+}
+
+double tc_map_radius(const tc_map *map)
+{
+    return map->body.radius;
+}
+
+tc_status tc_map_check_grid(const char *name, const tc_grid *grid, const tc_body *body, tc_error *error)
+{
+    double low = (double)grid->z_min, high = (double)grid->z_max;
+    if (grid->voids_flat && grid->void_count > 0)
+        low = fmin(low, (double)grid->void_height), high = fmax(high, (double)grid->void_height);
+    return body->class->check_relief(body, name, grid->z_base + low, grid->z_base + high, error);
+}
+
+/* ---- Heights ----------------------------------------------------------------------------------------------------- */
+
+static double share_of(const tc_chart *c, double sine)
+{
+    return c->class->share ? c->class->share(sine) : 0;
+}
+
+static bool larger(const tc_field *field, int level, int64_t most)
+{
+    const tc_level size = tc_field_level(field, level);
+    return size.width > most || size.height > most;
+}
+
+/* What lies under all others has what they leave. */
+void tc_map_shares(const tc_map *map, double sine, double *share_ret)
+{
+    share_ret[0] = 1;
+    for (int k = 1; k < map->charts; k++)
+        share_ret[0] -= share_ret[k] = share_of(&map->chart[k], sine);
+}
+
+/* Of the finest levels, or of those of at most `most` samples a side. */
+static tc_status height(const tc_map *map, int64_t most, double x, double y, double *z_ret)
+{
+    double z_base = tc_field_info(map->chart[0].field)->z_base, sine = sin(y), z = 0, share = 1;
+    for (int k = 1; k < map->charts; k++)
+        share -= share_of(&map->chart[k], sine);
+    for (int k = 0; k < map->charts; k++) {
+        const tc_chart *c = &map->chart[k];
+        int level = tc_field_info(c->field)->levels;
+        double u, v, part = -z_base; /* where there is none, that of the body */
+        bool there = false;
+        if (k > 0)
+            share = share_of(c, sine);
+        if (share <= 0)
+            continue;
+        while (level > 1 && larger(c->field, level, most))
+            level--;
+        c->class->from_place(x, y, &u, &v);
+        tc_status status = c->class->height(c, level, u, v, &there, &part);
+        if (status)
+            return status;
+        z += share * part;
+    }
+    *z_ret = z + z_base;
+    return TC_OK;
+}
+
+tc_status tc_map_height(const tc_map *map, double x, double y, double *z_ret)
+{
+    return height(map, INT64_MAX, x, y, z_ret);
+}
+
+tc_status tc_map_rough_height(const tc_map *map, double x, double y, double *z_ret)
+{
+    return height(map, TC_ROUGH_SIZE, x, y, z_ret);
+}
+
+bool tc_map_has_ground(const tc_map *map, double x, double y)
+{
+    const tc_chart *c = &map->chart[0];
+    int finest = tc_field_info(c->field)->levels;
+    const tc_level size = tc_field_level(c->field, finest);
+    double u, v;
+    c->class->from_place(x, y, &x, &y);
+    tc_chart_samples(c, finest, x, y, &u, &v);
+    return map->body.class->solid ||
+           (u >= 0 && u <= (double)(size.width - 1) && v >= 0 && v <= (double)(size.height - 1));
+}
+
+/* ---- Telling ----------------------------------------------------------------------------------------------------- */
+
+static tc_field_stats tell(const tc_map *map)
+{
+    tc_field_stats all = {0};
+    for (int k = 0; k < map->charts; k++) {
+        const tc_field_stats one = tc_field_tell(map->chart[k].field);
+        all.damaged += one.damaged;
+        all.decoded += one.decoded;
+    }
+    return all;
+}
+
+int64_t tc_map_damaged(const tc_map *map)
+{
+    return tell(map).damaged;
+}
+
+int64_t tc_map_bytes_decoded(const tc_map *map)
+{
+    return tell(map).decoded;
+}

@@ -1,0 +1,47 @@
+/* map.h - a map: heights on a body, as charts. A flat terrain is one chart on a plane; a planet is a grid of longitude
+ * and latitude on a sphere, with polar caps laid over it where it reaches both poles. */
+#ifndef TC_MAP_H
+#define TC_MAP_H
+
+#include "common/chart/chart.h"
+
+struct tc_map {
+    tc_body body;
+    int charts; /* at least 1 */
+    tc_chart *chart;
+    /* Of chart 0's finest level, which may be missing from a file that was cut short. */
+    tc_georef georef; /* without crs_wkt */
+    int64_t width, height;
+    double spacing_x, spacing_y; /* metres; on a globe at the equator */
+    tc_void_policy voids;        /* how they are to be shown */
+    double read_ms, build_ms;    /* that it took, where it was loaded from a file */
+};
+
+/* A map without charts, with room for so many: fields that are put into them become its own. NULL: no memory. */
+tc_map *tc_map_create(tc_body body, int charts);
+
+/* A flat map over one field, which it takes over, also where there is no memory: NULL then. */
+tc_map *tc_map_flat(tc_field *field);
+
+/* TC_ERR_FORMAT for a grid's heights, with that at which its voids are shown, that leave the body no surface. */
+tc_status tc_map_check_grid(const char *name, const tc_grid *grid, const tc_body *body, tc_error *error);
+
+/* Shares of the charts, one each, in the height at a place, by the sine of its latitude. */
+void tc_map_shares(const tc_map *map, double sine, double *share_ret);
+
+/* Height at a place of levels that every kind of field has at hand: nothing is read or decoded. */
+enum { TC_ROUGH_SIZE = 250 };
+tc_status tc_map_rough_height(const tc_map *map, double x, double y, double *z_ret);
+
+/* Whether there is ground at a place: beside a flat terrain there is none. */
+bool tc_map_has_ground(const tc_map *map, double x, double y);
+
+/* Makes a packed flat terrain whose georeference is in degrees a part of a globe of that radius. TC_ERR_UNSUPPORTED
+ * where it is not. *gap_ret: it goes around the globe, where its levels then do not meet. */
+tc_status tc_map_onto_globe(tc_map *map, const char *name, double radius, bool *gap_ret, tc_error *error);
+
+/* Tiles of all charts found damaged so far, and bytes of tiles decoded; 0 for those in memory. */
+int64_t tc_map_damaged(const tc_map *map);
+int64_t tc_map_bytes_decoded(const tc_map *map);
+
+#endif

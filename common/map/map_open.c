@@ -1,0 +1,237 @@
+/* map_open.c - a map from a packed file: charts over byte ranges of the same bytes. */
+#include "map.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/field/field.h"
+#include "common/packed/file/packed_file.h"
+
+enum { CACHE_BYTES = 32 << 20 };
+
+/* ---- Byte ranges of a source ------------------------------------------------------------------------------------ */
+
+/* The source, closed with the last of those who read it. */
+typedef struct shared {
+    tc_byte_source source;
+    _Atomic int readers;
+} shared;
+
+typedef struct range {
+    shared *shared;
+    int64_t begin;
+} range;
+
+static void release(shared *s)
+{
+    if (--s->readers > 0)
+        return;
+    if (s->source.close)
+        s->source.close(s->source.context);
+    free(s);
+}
+
+static tc_status read_range(void *context, int64_t offset, void *bytes, size_t size)
+{
+    const range *r = context;
+    return r->shared->source.read(r->shared->source.context, r->begin + offset, bytes, size);
+}
+
+static void close_range(void *context)
+{
+    range *r = context;
+    release(r->shared);
+    free(r);
+}
+
+/* Opens `size` bytes from `begin` on, both within the source. */
+static tc_status open_range(const char *name, shared *s, int64_t begin, int64_t size, const tc_open_options *options,
+                            tc_field **field_ret, tc_error *error)
+{
+    range *r = malloc(sizeof *r);
+    if (!r)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    *r = (range){s, begin};
+    s->readers++;
+    tc_byte_source source = {r, size, read_range, close_range};
+    return tc_field_open_bytes(name, &source, options, field_ret, error);
+}
+
+/* ---- Charts ----------------------------------------------------------------------------------------------------- */
+
+/* A chart whose finest levels may be missing: its samples are as far apart as those of the level that is left. */
+static tc_chart place(const tc_chart_class *class, tc_field *field, int self, double x0, double y0, double dx,
+                      double dy)
+{
+    int missing = tc_field_packed_info(field)->levels_missing;
+    return tc_chart_over(class, field, self, x0, y0, ldexp(dx, missing), ldexp(dy, missing));
+}
+
+/* Whether a cap's head is all within the file. */
+static tc_status find_head(const char *name, const tc_byte_source *source, const tc_container *c, int n,
+                           bool *whole_ret, tc_error *error)
+{
+    uint8_t bytes[TC_HEAD_FIXED];
+    int64_t begin = tc_container_cap_begin(c, n);
+    *whole_ret = begin <= source->size - (int64_t)sizeof bytes;
+    tc_status status = *whole_ret ? source->read(source->context, begin, bytes, sizeof bytes) : TC_OK;
+    if (status)
+        return tc_fail(error, status, "%s: cannot be read: %s", name, tc_status_text(status));
+    int64_t head = *whole_ret ? (int64_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4) : 0;
+    if (head > c->cap_bytes[n])
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a cap's head of %lld bytes", name, (long long)head);
+    *whole_ret &= source->size - begin >= head;
+    return TC_OK;
+}
+
+/* A cap must be what the planet says it is: a square of its own, of the planet's spacing, around the pole down to where
+ * it is needed. */
+static tc_status check_cap(const char *name, const tc_packed_info *planet, const tc_field *cap, int64_t bytes,
+                           double dy, tc_error *error)
+{
+    const tc_packed_info *info = tc_field_packed_info(cap);
+    const tc_pack_terrain *t = &info->terrain;
+    double half = 0.5 * (double)(t->width - 1) * dy, edge = 2 * tan(0.5 * (90 - TC_CAP_EDGE) * M_PI / 180);
+    if (info->bytes != bytes || info->version != 1 || t->width != t->height || t->width % 2 == 0 ||
+        t->z_base != planet->terrain.z_base || !(half >= edge * (1 - 1e-9) && half <= 2 + 2 * dy))
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a cap that does not fit its planet", name);
+    return TC_OK;
+}
+
+/* Cap n, as chart 1 + n. */
+static tc_status open_cap(const char *name, shared *s, const tc_container *c, int n, const tc_lonlat *globe,
+                          const tc_open_options *options, tc_map *map, tc_error *error)
+{
+    static const tc_chart_class *const class[TC_CAP_CHARTS] = {&tc_chart_north_cap, &tc_chart_south_cap};
+    int64_t begin = tc_container_cap_begin(c, n), bytes = c->cap_bytes[n];
+    tc_field *field;
+    tc_status status = open_range(name, s, begin, tc_min64(bytes, s->source.size - begin), options, &field, error);
+    if (status)
+        return status;
+    if ((status = check_cap(name, &c->info, field, bytes, globe->dy, error))) {
+        tc_field_destroy(field);
+        return status;
+    }
+    double half = 0.5 * (double)(tc_field_packed_info(field)->terrain.width - 1) * globe->dy;
+    map->chart[map->charts++] = place(class[n], field, 1 + n, -half, -half, globe->dy, globe->dy);
+    return TC_OK;
+}
+
+/* The charts of a planet: the first one's field is `field`, which it takes over. */
+static tc_status open_planet(const char *name, shared *s, tc_field *field, const tc_open_options *options, tc_map *map,
+                             tc_error *error)
+{
+    const tc_container *c = tc_field_container(field);
+    const tc_terrain_info *info = tc_field_info(field);
+    tc_lonlat globe;
+    if (!tc_terrain_globe(&c->info.terrain, &globe)) {
+        tc_field_destroy(field);
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a planet that is not in longitude and latitude", name);
+    }
+    map->chart[map->charts++] = place(&tc_chart_lonlat, field, 0, globe.x0, globe.y0, globe.dx, globe.dy);
+    tc_status status = map->body.class->check_relief(&map->body, name, info->z_base + (double)info->z_min,
+                                                     info->z_base + (double)info->z_max, error);
+    bool whole = c->info.charts > 1;
+    for (int n = 0; n < TC_CAP_CHARTS && whole && !status; n++)
+        status = find_head(name, &s->source, c, n, &whole, error);
+    for (int n = 0; n < TC_CAP_CHARTS && whole && !status; n++)
+        status = open_cap(name, s, c, n, &globe, options, map, error);
+    return status;
+}
+
+/* What the head says of the whole. */
+static void describe(const tc_pack_terrain *t, const tc_open_options *options, tc_map *map)
+{
+    map->georef = t->georef;
+    map->georef.crs_wkt = NULL; /* the field's */
+    map->width = t->width, map->height = t->height;
+    map->spacing_x = t->spacing_x, map->spacing_y = t->spacing_y;
+    map->voids = options->has_policy ? options->voids : t->voids;
+}
+
+static tc_status open_charts(const char *name, shared *s, const tc_open_options *options, tc_map **map_ret,
+                             tc_error *error)
+{
+    tc_field *field;
+    tc_status status = open_range(name, s, 0, s->source.size, options, &field, error);
+    if (status)
+        return status;
+    double radius = options->flat ? 0 : tc_field_packed_info(field)->terrain.radius;
+    tc_open_options each = *options;
+    if (radius > 0) { /* a view has one or two charts in it */
+        each.cache_bytes = (options->cache_bytes ? options->cache_bytes : CACHE_BYTES) / 2;
+        tc_field_destroy(field);
+        if ((status = open_range(name, s, 0, s->source.size, &each, &field, error)))
+            return status;
+    }
+    tc_map *map = tc_map_create(tc_body_of(radius), 1 + TC_CAP_CHARTS);
+    if (!map) {
+        tc_field_destroy(field);
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    }
+    const tc_pack_terrain *t = &tc_field_packed_info(field)->terrain;
+    describe(t, options, map);
+    if (radius > 0)
+        status = open_planet(name, s, field, &each, map, error);
+    else
+        map->chart[map->charts++] = place(&tc_chart_plane, field, 0, 0, 0, t->spacing_x, t->spacing_y);
+    if (status == TC_OK)
+        *map_ret = map;
+    else
+        tc_map_destroy(map);
+    return status;
+}
+
+/* ---- Opening ----------------------------------------------------------------------------------------------------- */
+
+tc_status tc_map_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                            tc_map **map_ret, tc_error *error)
+{
+    static const tc_open_options defaults = {0};
+    shared *s = malloc(sizeof *s);
+    if (!s) {
+        if (source->close)
+            source->close(source->context);
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    }
+    *s = (shared){.source = *source, .readers = 1};
+    tc_status status = open_charts(name, s, options ? options : &defaults, map_ret, error);
+    release(s);
+    return status;
+}
+
+tc_status tc_map_open(const char *path, const tc_open_options *options, tc_map **map_ret, tc_error *error)
+{
+    tc_byte_source source;
+    tc_status status = tc_file_source(path, &source, error);
+    return status ? status : tc_map_open_bytes(path, &source, options, map_ret, error);
+}
+
+/* ---- A flat terrain as a part of a globe --------------------------------------------------------------------------
+ */
+
+tc_status tc_map_onto_globe(tc_map *map, const char *name, double radius, bool *gap_ret, tc_error *error)
+{
+    tc_chart *c = &map->chart[0];
+    const tc_terrain_info *info = tc_field_info(c->field);
+    tc_lonlat at;
+    if (!tc_lonlat_of(&map->georef, map->width, map->height, &at))
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected a terrain in longitude and latitude, or one packed with --planet, found a flat "
+                       "one",
+                       name);
+    const tc_body body = tc_body_of(radius);
+    tc_status status = body.class->check_relief(&body, name, info->z_base + (double)info->z_min,
+                                                info->z_base + (double)info->z_max, error);
+    if (status != TC_OK)
+        return status;
+    map->body = body;
+    *c = place(&tc_chart_lonlat, c->field, 0, at.x0, at.y0, at.dx, at.dy);
+    *gap_ret = at.round || (double)map->width > at.turn;
+    return TC_OK;
+}
