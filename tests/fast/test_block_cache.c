@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/packed/read/block_cache.h"
+#include "common/packed/file/block_cache.h"
 #include "common/packed/write/spool.h"
 #include "tests/support/made_files.h"
 #include "tests/support/terrains.h"

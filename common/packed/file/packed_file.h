@@ -3,7 +3,7 @@
 #ifndef TC_PACKED_FILE_H
 #define TC_PACKED_FILE_H
 
-#include "common/packed/read/block_cache.h"
+#include "block_cache.h"
 #include "container.h"
 
 typedef struct tc_packed_file {
