@@ -94,6 +94,18 @@ printf '#include <terraclip.h>\nint main() { return tc_exit_code(TC_OK) + (*tc_v
 run ${CXX:-c++} -Wall -Wextra -Werror $sanitizers $(pkg-config --cflags terraclip) use.cpp -o use++ \
     $(pkg-config --libs terraclip)
 [ $rc = 0 ] && ./use++ || report 'C++' use.cpp
+# The README's example, as C and as C++, prints what the README says.
+awk '/^```c$/ { on = 1; next } /^```$/ { on = 0 } on' "$root/README.md" >readme.c
+cp readme.c readme.cpp
+for compile in "${CC:-cc} -std=c11 readme.c" "${CXX:-c++} -std=c++17 readme.cpp"; do
+    run $compile -Wall -Wextra -Werror $sanitizers $(pkg-config --cflags terraclip) -o readme $(pkg-config --libs terraclip)
+    [ $rc = 0 ] || report 'README' $compile
+    run ./readme
+    while read -r line; do
+        grep -qF "\`$line\`" "$root/README.md" || fail "the README's example prints $line"
+    done <stdout.txt
+    [ "$(wc -l <stdout.txt)" = 2 ] || fail "the README's example prints $(wc -l <stdout.txt) lines"
+done
 # Every function that the header declares is there.
 cases=$((cases + 1))
 library=$stage/usr/lib/libterraclip.a
