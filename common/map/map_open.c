@@ -89,17 +89,27 @@ static tc_status find_head(const char *name, const tc_byte_source *source, const
     return TC_OK;
 }
 
-/* A cap must be what the planet says it is: a square of its own, of the planet's spacing, around the pole down to where
- * it is needed. */
+/* Whether a cap of so many samples a side, of the planet's spacing, reaches from the pole down to where it is needed,
+ * and not beyond the equator. */
+static bool cap_fits(const tc_pack_terrain *cap, double dy)
+{
+    double half = 0.5 * (double)(cap->width - 1) * dy, edge = 2 * tan(0.5 * (90 - TC_CAP_EDGE) * M_PI / 180);
+    return cap->width == cap->height && cap->width % 2 == 1 && half >= edge * (1 - 1e-9) && half <= 2 + 2 * dy;
+}
+
+static tc_status fail_cap(const char *name, tc_error *error)
+{
+    return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a cap that does not fit its planet", name);
+}
+
+/* A cap of version 2 must be what the planet says it is: a square of its own, of the planet's base. */
 static tc_status check_cap(const char *name, const tc_packed_info *planet, const tc_field *cap, int64_t bytes,
                            double dy, tc_error *error)
 {
     const tc_packed_info *info = tc_field_packed_info(cap);
     const tc_pack_terrain *t = &info->terrain;
-    double half = 0.5 * (double)(t->width - 1) * dy, edge = 2 * tan(0.5 * (90 - TC_CAP_EDGE) * M_PI / 180);
-    if (info->bytes != bytes || info->version != 1 || t->width != t->height || t->width % 2 == 0 ||
-        t->z_base != planet->terrain.z_base || !(half >= edge * (1 - 1e-9) && half <= 2 + 2 * dy))
-        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a cap that does not fit its planet", name);
+    if (info->bytes != bytes || info->version != 1 || t->z_base != planet->terrain.z_base || !cap_fits(t, dy))
+        return fail_cap(name, error);
     return TC_OK;
 }
 
@@ -122,6 +132,33 @@ static tc_status open_cap(const char *name, shared *s, const tc_container *c, in
     return TC_OK;
 }
 
+/* Caps of version 3, which share their source with the planet and were checked with it. */
+static tc_status open_caps(const char *name, shared *s, const tc_container *c, const tc_lonlat *globe,
+                           const tc_open_options *options, tc_map *map, tc_error *error)
+{
+    static const tc_chart_class *const class[TC_CAP_CHARTS] = {&tc_chart_north_cap, &tc_chart_south_cap};
+    tc_status status = TC_OK;
+    for (int n = 1; n < c->info.charts && !status; n++) {
+        tc_field *field;
+        range *r = malloc(sizeof *r);
+        if (!r)
+            return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+        *r = (range){s, 0};
+        s->readers++;
+        tc_byte_source source = {r, s->source.size, read_range, close_range};
+        if ((status = tc_packed_open_chart(name, &source, n, options, &field, error)))
+            break;
+        const tc_pack_terrain *t = &tc_field_container(field)->info.terrain;
+        if (!cap_fits(t, globe->dy)) {
+            tc_field_destroy(field);
+            return fail_cap(name, error);
+        }
+        double half = 0.5 * (double)(t->width - 1) * globe->dy;
+        map->chart[map->charts++] = place(class[n - 1], field, n, -half, -half, globe->dy, globe->dy);
+    }
+    return status;
+}
+
 /* The charts of a planet: the first one's field is `field`, which it takes over. */
 static tc_status open_planet(const char *name, shared *s, tc_field *field, const tc_open_options *options, tc_map *map,
                              tc_error *error)
@@ -136,6 +173,8 @@ static tc_status open_planet(const char *name, shared *s, tc_field *field, const
     map->chart[map->charts++] = place(&tc_chart_lonlat, field, 0, globe.x0, globe.y0, globe.dx, globe.dy);
     tc_status status = map->body.class->check_relief(&map->body, name, info->z_base + (double)info->z_min,
                                                      info->z_base + (double)info->z_max, error);
+    if (c->info.version >= TC_ENVELOPE_VERSION)
+        return status ? status : open_caps(name, s, c, &globe, options, map, error);
     bool whole = c->info.charts > 1;
     for (int n = 0; n < TC_CAP_CHARTS && whole && !status; n++)
         status = find_head(name, &s->source, c, n, &whole, error);

@@ -3,6 +3,7 @@
  * the ground, with relief as large as the radius. Vertices as the driver computes them are held against long double
  * (rings_oracle.h), background through the planet is counted (globe_holes.h), and no number may be other than finite.
  */
+#include "tests/support/containers.h"
 #include "tests/support/extreme.h"
 
 #include <math.h>
@@ -295,17 +296,16 @@ static tc_status packed(const char *path, double radius, double low, double high
     return status;
 }
 
-/* Another radius into a packed planet's head, with its checksum. */
+/* Another radius into a packed planet's head, with its checksums. */
 static void shrink(const char *path, double radius)
 {
     size_t size;
     uint8_t *bytes = packing_bytes(path, &size);
-    size_t head = (size_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+    size_t after = envelope_head_at(bytes, 1); /* the radius is the last of its container's head */
     uint64_t bits;
     memcpy(&bits, &radius, 8);
-    tc_store(bytes + head - 24, bits, 8);
-    memset(bytes + 16, 0, 4);
-    tc_store(bytes + 16, tc_crc32c(0, bytes, head), 4);
+    tc_store(bytes + after - 8, bits, 8);
+    envelope_sign(bytes);
     make_bytes(path, bytes, size);
     free(bytes);
 }

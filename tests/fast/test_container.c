@@ -8,6 +8,7 @@
 #include "common/base/rect.h"
 #include "common/packed/file/container.h"
 #include "common/base/crc32c.h"
+#include "tests/support/containers.h"
 #include "tests/support/terrains.h"
 
 /* ---- Checksum ---------------------------------------------------------------------------------------------------- */
@@ -34,81 +35,12 @@ static void checksum_is_crc32c(void **state)
 
 /* ---- Heads ------------------------------------------------------------------------------------------------------- */
 
-/* A container whose levels follow each other; models of some random bytes. */
-static tc_container make_container(test_random *r)
-{
-    tc_container c = {0};
-    tc_pack_terrain *t = &c.info.terrain;
-    c.info.mode = (tc_pack_mode)test_random_int(r, 0, 2), c.info.codec = (tc_pack_codec)test_random_int(r, 0, 1);
-    c.info.error = test_random_unit(r);
-    *t = (tc_pack_terrain){.width = test_random_int(r, 1, 3000), .height = test_random_int(r, 1, 3000)};
-    t->spacing_x = test_random_range(r, 0.1, 90), t->spacing_y = test_random_range(r, 0.1, 90);
-    t->z_base = test_random_range(r, -1e6, 1e6), t->sample_type = (tc_sample_type)test_random_int(r, 0, 7);
-    t->area_registered = test_random_int(r, 0, 1), t->unit = test_random_range(r, 0.01, 3);
-    t->offset = test_random_range(r, -100, 100), t->has_nodata = test_random_int(r, 0, 1);
-    t->nodata = test_random_int(r, 0, 1) ? NAN : -32768, t->voids = (tc_void_policy)test_random_int(r, 0, 2);
-    t->void_constant = test_random_range(r, -9, 9), t->georef.known = test_random_int(r, 0, 1);
-    t->georef.geographic = test_random_int(r, 0, 1), t->georef.semi_major = test_random_range(r, 0, 7e6);
-    for (int i = 0; i < 6; i++)
-        t->georef.transform[i] = test_random_range(r, -1e6, 1e6);
-    t->wraps_x = test_random_int(r, 0, 1);
-    if (test_random_int(r, 0, 1)) { /* a planet, with caps or none */
-        t->height += 3;
-        double dx = 360.0 / (double)t->width, dy = 180.0 / (double)t->height;
-        const double transform[6] = {-180, dx, 0, 90, 0, -dy};
-        memcpy(t->georef.transform, transform, sizeof transform);
-        t->wraps_x = t->georef.known = t->georef.geographic = true;
-        t->radius = 1 + 1e7 * test_random_unit(r);
-        c.info.charts = test_random_int(r, 0, 1) ? 3 : 1;
-        for (int k = 0; k < c.info.charts - 1; k++)
-            c.cap_bytes[k] = test_random_int(r, 20, 1 << 30);
-    }
-    size_t length = (size_t)test_random_int(r, 0, 40000);
-    if (length && (t->georef.crs_wkt = calloc(length + 1, 1)))
-        memset(t->georef.crs_wkt, 'x', length);
-    c.z_unit = exp2((double)test_random_int(r, -12, 5)), c.z_origin = test_random_range(r, -1e5, 1e5);
-    c.z_min = -17.25, c.z_max = 1e4, c.info.mean = 3, c.info.deviation = 4;
-    c.voids = test_random_int(r, 0, t->width * t->height - 1);
-    tc_container_set_levels(&c);
-    const tc_level *base = &c.level[c.base - 1];
-    int32_t most = test_random_int(r, 0, 1) ? TC_LIFTING_LIMIT : 100;
-    for (int64_t i = 0; i < base->width * base->height; i++) {
-        c.base_z[i] = (int32_t)test_random_int(r, -most, most);
-        c.base_void[i] = c.voids > 0 && test_random_int(r, 0, 1);
-    }
-    for (int l = c.base; l < c.levels; l++) {
-        tc_level_record *record = &c.record[l];
-        *record = (tc_level_record){.coder = (tc_coder)test_random_int(r, 0, TC_CODERS - 1)};
-        record->mask = test_random_int(r, 0, 1), record->lowest = (int32_t)test_random_int(r, -9000, 0);
-        record->highest = (int32_t)test_random_int(r, 0, 9000), record->rms = (float)test_random_unit(r);
-        record->max_error = (float)test_random_unit(r), record->residual_variance = (float)test_random_unit(r);
-        record->correction_snap = (int32_t)test_random_int(r, 1, 9);
-        record->correction_step = (int32_t)test_random_int(r, 1, 99);
-        record->model_size = (size_t)test_random_int(r, 0, 3000);
-        record->model = calloc(record->model_size + 1, 1);
-        assert_non_null(record->model);
-        for (size_t i = 0; i < record->model_size; i++)
-            record->model[i] = (uint8_t)test_random_bits(r);
-    }
-    tc_byte_writer w = {0};
-    assert_int_equal(tc_container_write(&c, &w), TC_OK);
-    int64_t at = (int64_t)w.size;
-    for (int l = c.base; l < c.levels; l++) {
-        tc_pages pages = tc_level_pages(&c.level[l]);
-        c.record[l].begin = at;
-        c.record[l].end = at += tc_directory_bytes(&pages) + test_random_int(r, 0, 1000);
-    }
-    c.info.bytes = at + c.cap_bytes[0] + c.cap_bytes[1];
-    free(w.bytes);
-    return c;
-}
-
 static void heads_come_back(void **state)
 {
     (void)state;
     test_random r = {3};
     for (int n = 0; n < 300; n++) {
-        tc_container c = make_container(&r), back;
+        tc_container c = container_make(&r), back;
         tc_byte_writer w = {0};
         size_t needed = 0;
         tc_error error = {TC_OK, ""};
@@ -175,7 +107,7 @@ static void pages_cover_a_level(void **state)
 
 static tc_tile_entry make_entry(test_random *r, tc_page_form form, int32_t range)
 {
-    tc_tile_entry e = {{0}, 0, TC_MASK_VALID, 0, 0, 0};
+    tc_tile_entry e = {.mask_class = TC_MASK_VALID};
     if (test_random_int(r, 0, 3))
         e.size[0] = (uint32_t)test_random_int(r, 1, test_random_int(r, 0, 1) ? 200 : 100000);
     if (form.corrections && test_random_int(r, 0, 1))
@@ -184,6 +116,9 @@ static tc_tile_entry make_entry(test_random *r, tc_page_form form, int32_t range
         e.mask_class = (uint8_t)test_random_int(r, 0, 2);
     if (e.mask_class == TC_MASK_CODED)
         e.size[2] = (uint32_t)test_random_int(r, 0, TC_MASK_BOUND);
+    e.step = form.step ? (uint32_t)test_random_bits(r) >> test_random_int(r, 1, 31) : TC_STEP_UNKNOWN;
+    if (form.step && test_random_int(r, 0, 9) == 0)
+        e.step = UINT32_MAX / 2;
     e.crc = tc_tile_bytes(&e) ? (uint32_t)test_random_bits(r) : 0;
     e.low = (int32_t)test_random_int(r, -range, range), e.high = (int32_t)test_random_int(r, e.low, range);
     return e;
@@ -197,7 +132,7 @@ static void index_pages_come_back(void **state)
     assert_non_null(bytes);
     for (int n = 0; n < 600; n++) {
         static const int32_t ranges[] = {0, 1, 100, 1 << 20, 2 * TC_LIFTING_LIMIT};
-        tc_page_form form = {n & 1, n & 2};
+        tc_page_form form = {n & 1, n & 2, n & 4};
         tc_tile_entry entry[TC_PAGE_TILES], back[TC_PAGE_TILES];
         int count = (int)test_random_int(&r, 1, n % 3 ? 12 : TC_PAGE_TILES);
         int32_t range = ranges[n % 5], lowest = INT32_MAX, highest = INT32_MIN;
@@ -213,12 +148,38 @@ static void index_pages_come_back(void **state)
         for (int i = 0; i < count; i++) {
             assert_memory_equal(back[i].size, entry[i].size, sizeof entry[i].size);
             assert_true(back[i].crc == entry[i].crc && back[i].mask_class == entry[i].mask_class);
+            if (form.step) /* as much or at most a quarter more */
+                assert_true(back[i].step >= entry[i].step && back[i].step <= entry[i].step + entry[i].step / 4);
+            else
+                assert_true(back[i].step == TC_STEP_UNKNOWN);
             assert_true(back[i].low <= entry[i].low && back[i].low > entry[i].low - step && back[i].low >= lowest);
             assert_true(back[i].high >= entry[i].high && back[i].high < entry[i].high + step &&
                         back[i].high <= highest);
         }
         /* Missing bytes are zeros to the decoder: to see that is the checksum's affair. */
         tc_page_read(form, bytes, (size_t)test_random_int(&r, 0, (int64_t)size), back, count);
+    }
+    free(bytes);
+}
+
+/* Classes of largest steps: every step up to a few octaves, and those around powers of two. */
+static void steps_are_told_by_their_class(void **state)
+{
+    (void)state;
+    uint8_t *bytes = malloc(tc_page_bound());
+    assert_non_null(bytes);
+    for (int64_t k = 0; k < 4096 + 32 * 16; k++) {
+        int64_t step = k < 4096 ? k : (INT64_C(1) << (k - 4096) / 16) + (k - 4096) % 16 - 8;
+        if (step < 0 || step >= TC_STEP_UNKNOWN)
+            continue;
+        tc_tile_entry entry = {.mask_class = TC_MASK_VALID, .step = (uint32_t)step}, back;
+        size_t size = tc_page_write((tc_page_form){.step = true}, &entry, 1, bytes);
+        assert_int_equal(tc_page_read((tc_page_form){.step = true}, bytes, size, &back, 1), TC_OK);
+        assert_true(back.step >= step && back.step <= step + step / 4 && (step >= 8 || back.step == step));
+        entry.step = back.step; /* the end of its class is its own */
+        size = tc_page_write((tc_page_form){.step = true}, &entry, 1, bytes);
+        assert_int_equal(tc_page_read((tc_page_form){.step = true}, bytes, size, &back, 1), TC_OK);
+        assert_int_equal(back.step, entry.step);
     }
     free(bytes);
 }
@@ -230,6 +191,7 @@ int main(void)
         cmocka_unit_test(heads_come_back),
         cmocka_unit_test(pages_cover_a_level),
         cmocka_unit_test(index_pages_come_back),
+        cmocka_unit_test(steps_are_told_by_their_class),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

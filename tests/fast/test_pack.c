@@ -148,7 +148,7 @@ static void check_info(const packing *p, const tc_field *file, const tc_pack_res
     CHECK(i->bytes == (int64_t)size && result->bytes == i->bytes, "another size");
     CHECK(i->mode == p->mode && i->codec == p->codec && i->error == (p->mode == TC_PACK_LOSSLESS ? 0 : p->error),
           "another mode");
-    CHECK(i->levels_missing == 0 && i->version == 1 + p->wraps, "levels are missing");
+    CHECK(i->levels_missing == 0 && i->version == 3, "levels are missing");
     CHECK(i->terrain.wraps_x == p->wraps && i->terrain.width == p->width && i->terrain.height == p->height &&
               i->terrain.unit == terrain.unit && i->terrain.offset == terrain.offset &&
               i->terrain.z_base == terrain.z_base && i->terrain.nodata == -9999 && i->terrain.sample_type == p->type &&

@@ -1,5 +1,5 @@
-/* test_packed_planet.c - planets packed: all charts come back as they are made in memory; files cut short lose caps
- * first; heads that contradict themselves are refused. */
+/* test_packed_planet.c - planets packed: all charts come back as they are made in memory; files cut short are
+ * coarser planets, with their caps; heads that contradict themselves are refused. */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -8,8 +8,8 @@
 
 #include "common/map/map.h"
 #include "common/base/rect.h"
-#include "common/base/crc32c.h"
 #include "common/packed/file/packed_file.h"
+#include "tests/support/containers.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -169,7 +169,7 @@ static void charts_come_back(void **state)
         tc_field *flat;
         assert_int_equal(tc_field_open(path, NULL, &flat, NULL), TC_OK);
         const tc_packed_info *info = tc_field_packed_info(flat);
-        assert_true(info->charts == 3 && info->terrain.radius == radius && info->version == 2 && !info->cut_short);
+        assert_true(info->charts == 3 && info->terrain.radius == radius && info->version == 3 && !info->cut_short);
         assert_true(tc_field_info(flat)->wraps_x && info->bytes == result.bytes);
         size_t size;
         free(packing_bytes(path, &size));
@@ -283,139 +283,203 @@ static uint8_t *packed_planet(size_t *size_ret)
     return packing_bytes(made_path("a.tclip"), size_ret);
 }
 
-static tc_container head_of(const uint8_t *bytes, size_t size)
+static tc_envelope *head_of(const uint8_t *bytes, size_t size)
 {
-    tc_container c;
+    tc_envelope *e;
     size_t head;
-    assert_int_equal(tc_container_read("memory", bytes, size, &c, &head, NULL), TC_OK);
-    return c;
+    assert_int_equal(tc_envelope_read("memory", bytes, size, &e, &head, NULL), TC_OK);
+    return e;
 }
 
-static void files_cut_short_lose_caps_first(void **state)
+/* All levels of a chart that are there are those of the whole file. */
+static void check_coarser(const tc_field *part, const tc_field *whole)
+{
+    for (int l = 1; l <= tc_field_info(part)->levels; l++) {
+        tc_level level = tc_field_level(part, l), same = tc_field_level(whole, l);
+        assert_true(level.width == same.width && level.height == same.height && level.spacing_y == same.spacing_y);
+        uint8_t *v, *u;
+        float *z = packing_read(part, l, &v), *y = packing_read(whole, l, &u);
+        size_t count = (size_t)(level.width * level.height);
+        assert_memory_equal(z, y, count * sizeof *z), assert_memory_equal(v, u, count);
+        free(z), free(v), free(y), free(u);
+    }
+    assert_int_equal(tc_field_tell(part).damaged, 0);
+}
+
+/* The first `part` bytes: nothing below the head, above it a planet of all charts, as fine as the last whole rank. */
+static void check_part(const uint8_t *bytes, size_t size, size_t part, const tc_envelope *e, const tc_map *whole,
+                       bool heights)
+{
+    uint8_t *copy = malloc(part + 1); /* that no byte beyond is read */
+    memcpy(copy, bytes, part);
+    tc_map *atlas;
+    tc_error error;
+    tc_status status = open_part(copy, part, &atlas, &error);
+    assert_int_equal(status, part >= tc_load(bytes + TC_HEAD_SIZE_AT, 4) ? TC_OK : TC_ERR_FORMAT);
+    int missing = 0;
+    while (e->rank_end[missing] > (int64_t)part)
+        missing++;
+    if (!status) {
+        assert_int_equal(atlas->charts, 3);
+        for (int n = 0; n < 3; n++) {
+            const tc_chart *c = &atlas->chart[n], *finest = &whole->chart[n];
+            const tc_packed_info *info = tc_field_packed_info(c->field);
+            assert_int_equal(info->levels_missing, missing);
+            assert_int_equal(tc_field_info(c->field)->levels, tc_field_info(finest->field)->levels - missing);
+            assert_true(info->cut_short == (part < size) && info->charts == 3);
+            assert_true(c->x0 == finest->x0 && c->y0 == finest->y0 && c->class == finest->class);
+            assert_true(c->dx == ldexp(finest->dx, missing) && c->dy == ldexp(finest->dy, missing));
+            if (heights)
+                check_coarser(c->field, finest->field);
+        }
+        tc_map_destroy(atlas);
+    }
+    free(copy);
+}
+
+static void files_cut_short_are_coarser_planets(void **state)
 {
     (void)state;
     size_t size;
     uint8_t *bytes = packed_planet(&size);
-    tc_container c = head_of(bytes, size);
-    int64_t caps = tc_container_cap_begin(&c, 0), south = tc_container_cap_begin(&c, 1), south_head;
-    south_head = south + (int64_t)tc_load(bytes + south + TC_HEAD_SIZE_AT, 4);
-    assert_int_equal(south + c.cap_bytes[1], size);
-    assert_int_equal(caps, c.record[c.levels - 1].end);
-    for (size_t part = 0; part <= size; part += part + 97 < size ? 97 : 1) {
-        /* A copy, that no byte beyond is read. */
-        uint8_t *copy = malloc(part + 1);
-        memcpy(copy, bytes, part);
-        tc_map *atlas;
-        tc_error error;
-        int64_t head = (int64_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4);
-        tc_status status = open_part(copy, part, &atlas, &error);
-        assert_true((status == TC_OK) == ((int64_t)part >= head));
-        if (!status) {
-            const tc_packed_info *info = tc_field_packed_info(atlas->chart[0].field);
-            assert_int_equal(atlas->charts, (int64_t)part >= south_head ? 3 : 1);
-            assert_true(info->cut_short == (part < size) && info->charts == 3);
-            assert_true((info->levels_missing > 0) == ((int64_t)part < caps));
-            assert_float_equal(atlas->chart[0].dx, ldexp(2 * M_PI / WIDTH, info->levels_missing), 1e-12);
-            float z;
-            for (int k = 0; k < atlas->charts; k++)
-                assert_int_equal(tc_field_read(atlas->chart[k].field, tc_field_info(atlas->chart[k].field)->levels,
-                                               (tc_rect){0, 0, 1, 1}, &z, NULL, 1),
-                                 TC_OK);
-            tc_map_destroy(atlas);
-        }
-        free(copy);
-    }
-    tc_container_free(&c);
+    tc_envelope *e = head_of(bytes, size);
+    tc_map *whole;
+    tc_error error;
+    assert_int_equal(open_part(bytes, size, &whole, &error), TC_OK);
+    size_t head = (size_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+    assert_true(e->rank_end[0] == (int64_t)size && e->rank_end[TC_MAX_FIELD_LEVELS - 1] == (int64_t)head);
+    /* Caps have fewer levels that are not in the head than the planet, or this would not test what it does. */
+    assert_true(e->chart[1].container.levels - e->chart[1].container.base <
+                e->chart[0].container.levels - e->chart[0].container.base);
+    for (size_t part = 0; part <= size; part += part + 97 < size ? 97 : 1)
+        check_part(bytes, size, part, e, whole, false);
+    check_part(bytes, size, head, e, whole, true);
+    for (int n = 0; n < 3; n++) /* at the end of every level of every chart, of which the last ends a rank */
+        for (int l = e->chart[n].container.base; l < e->chart[n].container.levels; l++)
+            for (int off = -1; off <= 1; off++) {
+                size_t at = (size_t)(e->chart[n].container.record[l].end + off);
+                if (at <= size)
+                    check_part(bytes, size, at, e, whole, off == 0);
+            }
+    tc_map_destroy(whole);
+    tc_envelope_free(e);
+    free(bytes);
+}
+
+/* Heads that a first read does not get whole: a long coordinate system. */
+static void long_heads_are_read_whole(void **state)
+{
+    (void)state;
+    enum { LENGTH = 30000 };
+    tc_grid g = planet_grid(false);
+    tc_pack_terrain terrain = planet_terrain(&g);
+    const tc_pack_options how = {.error = 5};
+    tc_packer *packer = NULL;
+    tc_pack_result result;
+    terrain.georef.crs_wkt = memset(calloc(LENGTH + 1, 1), 'x', LENGTH);
+    assert_int_equal(tc_packer_create(made_path("a.tclip"), &terrain, &how, &packer, NULL), TC_OK);
+    assert_int_equal(tc_packer_put(packer, (tc_rect){0, 0, WIDTH, HEIGHT}, g.z, NULL, WIDTH, NULL), TC_OK);
+    assert_int_equal(tc_packer_finish(packer, &result, NULL), TC_OK);
+    tc_packer_destroy(packer);
+    free(terrain.georef.crs_wkt);
+    tc_grid_free(&g);
+    size_t size;
+    uint8_t *bytes = packing_bytes(made_path("a.tclip"), &size);
+    tc_envelope *e = head_of(bytes, size);
+    size_t head = (size_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+    assert_true(head > LENGTH);
+    tc_map *whole;
+    tc_error error;
+    assert_int_equal(open_part(bytes, size, &whole, &error), TC_OK);
+    assert_int_equal(strlen(tc_field_packed_info(whole->chart[0].field)->terrain.georef.crs_wkt), LENGTH);
+    const size_t parts[] = {16 << 10, (16 << 10) + 1, head - 1, head, (size_t)e->rank_end[2], size};
+    for (int k = 0; k < 6; k++)
+        check_part(bytes, size, parts[k], e, whole, true);
+    tc_map_destroy(whole);
+    tc_envelope_free(e);
     free(bytes);
 }
 
 /* ---- Heads --------------------------------------------------------------------------------------------------------
  */
 
-/* Puts `size` bytes at an offset of the head and gives it its checksum; then back. */
-static tc_status try_bytes(uint8_t *bytes, size_t size, size_t at, const void *what, size_t count)
+/* Puts a number at an offset of the head and gives all heads their checksums; then back. */
+static tc_status try_u64(const uint8_t *bytes, size_t size, size_t at, uint64_t v, int count)
 {
-    uint8_t old[16], *head = malloc(size);
+    uint8_t *head = malloc(size);
     memcpy(head, bytes, size);
-    memcpy(old, head + at, count);
-    memcpy(head + at, what, count);
-    size_t head_size = (size_t)tc_load(head + TC_HEAD_SIZE_AT, 4);
-    memset(head + 16, 0, 4);
-    tc_store(head + 16, tc_crc32c(0, head, head_size), 4);
+    tc_store(head + at, v, count);
+    envelope_sign(head);
     tc_map *atlas;
     tc_error error;
     tc_status status = open_part(head, size, &atlas, &error);
+    assert_true(!strchr(error.text, '\n'));
     if (!status)
         tc_map_destroy(atlas);
     free(head);
     return status;
 }
 
-static tc_status try_u64(uint8_t *bytes, size_t size, size_t at, uint64_t v, size_t count)
-{
-    uint8_t what[8];
-    tc_store(what, v, count);
-    return try_bytes(bytes, size, at, what, count);
-}
-
-static tc_status try_f64(uint8_t *bytes, size_t size, size_t at, double v)
+static tc_status try_f64(const uint8_t *bytes, size_t size, size_t at, double v)
 {
     uint64_t bits;
     memcpy(&bits, &v, 8);
     return try_u64(bytes, size, at, bits, 8);
 }
 
+/* Of the planet within the file; test_envelope.c has the table of charts. */
 static void heads_that_lie_are_refused(void **state)
 {
     (void)state;
     size_t size;
     uint8_t *bytes = packed_planet(&size);
-    tc_container c = head_of(bytes, size);
-    size_t head = (size_t)tc_load(bytes + TC_HEAD_SIZE_AT, 4), planet = head - 24;
-    uint64_t north = (uint64_t)c.cap_bytes[0], south = (uint64_t)c.cap_bytes[1];
-    assert_int_equal(try_u64(bytes, size, planet + 8, north, 8), TC_OK);
+    size_t first = envelope_head_at(bytes, 0), radius_at = envelope_head_at(bytes, 1) - 8;
     static const double radii[] = {0, -1, NAN, INFINITY, -INFINITY};
     for (int k = 0; k < 5; k++)
-        assert_int_equal(try_f64(bytes, size, planet, radii[k]), TC_ERR_FORMAT);
-    assert_int_equal(try_f64(bytes, size, planet, 1e6), TC_OK);
-    assert_int_equal(try_f64(bytes, size, planet, 1), TC_ERR_FORMAT); /* less than its relief */
-    const uint64_t sizes[] = {
-        0, 19, north - 1, north + 1, north + south, INT64_MAX, 1ull << 63, UINT64_MAX, (uint64_t)INT64_MAX - south};
-    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
-        assert_int_equal(try_u64(bytes, size, planet + 8, sizes[k], 8), TC_ERR_FORMAT);
-        assert_int_equal(try_u64(bytes, size, planet + 16, sizes[k] == north + south ? 5 : sizes[k], 8), TC_ERR_FORMAT);
-    }
-    /* One cap longer, the other shorter: the heads are not where they should be. */
-    uint8_t both[16];
-    tc_store(both, north + 8, 8), tc_store(both + 8, south - 8, 8);
-    assert_int_equal(try_bytes(bytes, size, planet + 8, both, 16), TC_ERR_FORMAT);
-    assert_int_equal(try_u64(bytes, size, 8, 1, 4), TC_ERR_FORMAT); /* version */
-    assert_int_equal(try_u64(bytes, size, 8, 3, 4), TC_ERR_UNSUPPORTED);
-    assert_int_equal(try_u64(bytes, size, 28, 2, 1), TC_ERR_UNSUPPORTED); /* atlas */
-    assert_int_equal(try_u64(bytes, size, 28, 0, 1), TC_ERR_UNSUPPORTED);
-    static const int charts[] = {0, 2, 4, 255};
-    for (int k = 0; k < 4; k++)
-        assert_int_equal(try_u64(bytes, size, 29, (uint64_t)charts[k], 1), TC_ERR_UNSUPPORTED);
-    assert_int_equal(try_u64(bytes, size, 29, 1, 1), TC_ERR_FORMAT);
-    assert_int_equal(try_u64(bytes, size, 30, 0, 1), TC_ERR_FORMAT); /* wraps in x */
-    assert_int_equal(try_u64(bytes, size, 30, 2, 1), TC_ERR_FORMAT);
-    assert_int_equal(try_u64(bytes, size, 117, 0, 1), TC_ERR_FORMAT); /* georeference */
-    assert_int_equal(try_u64(bytes, size, 118, 0, 1), TC_ERR_FORMAT);
+        assert_int_equal(try_f64(bytes, size, radius_at, radii[k]), TC_ERR_FORMAT);
+    assert_int_equal(try_f64(bytes, size, radius_at, 1e6), TC_OK);
+    assert_int_equal(try_f64(bytes, size, radius_at, 1), TC_ERR_FORMAT); /* less than its relief */
+    assert_int_equal(try_u64(bytes, size, 8, 1, 4), TC_ERR_UNSUPPORTED); /* version */
+    assert_int_equal(try_u64(bytes, size, 8, 2, 4), TC_ERR_UNSUPPORTED); /* whose atlas would be another one */
+    assert_int_equal(try_u64(bytes, size, 8, 4, 4), TC_ERR_UNSUPPORTED);
+    assert_int_equal(try_u64(bytes, size, first + 28, 2, 1), TC_ERR_UNSUPPORTED); /* atlas */
+    assert_int_equal(try_u64(bytes, size, first + 28, 0, 1), TC_ERR_FORMAT);
+    assert_int_equal(try_u64(bytes, size, first + 30, 0, 1), TC_ERR_FORMAT); /* wraps in x */
+    assert_int_equal(try_u64(bytes, size, first + 30, 2, 1), TC_ERR_FORMAT);
+    assert_int_equal(try_u64(bytes, size, first + 117, 0, 1), TC_ERR_FORMAT); /* georeference */
+    assert_int_equal(try_u64(bytes, size, first + 118, 0, 1), TC_ERR_FORMAT);
     const double t[6] = {1e5, 0.9, 1e-9, 95, 1e-9, -0.9};
     for (size_t k = 0; k < 6; k++) {
-        assert_int_equal(try_f64(bytes, size, 119 + 8 * k, t[k]), TC_ERR_FORMAT);
-        assert_int_equal(try_f64(bytes, size, 119 + 8 * k, NAN), TC_ERR_FORMAT);
+        assert_int_equal(try_f64(bytes, size, first + 119 + 8 * k, t[k]), TC_ERR_FORMAT);
+        assert_int_equal(try_f64(bytes, size, first + 119 + 8 * k, NAN), TC_ERR_FORMAT);
     }
-    /* A cap that is no cap: one that says it is another container. */
-    for (int n = 0; n < 2; n++) {
-        size_t at = (size_t)tc_container_cap_begin(&c, n);
-        bytes[at + 40] ^= 1;
+    free(bytes);
+}
+
+/* A cap that is well made but of another size than the planet needs. */
+static void caps_must_reach_the_planet(void **state)
+{
+    (void)state;
+    size_t size;
+    uint8_t *bytes = packed_planet(&size);
+    static const int64_t sides[] = {3, 63, 451, 1001};
+    for (int k = 0; k < 4; k++) {
+        test_random r = {7};
+        tc_envelope *e = head_of(bytes, size);
+        tc_container *cap = &e->chart[1 + k % 2].container;
+        double z_base = cap->info.terrain.z_base;
+        tc_container_free(cap);
+        *cap = container_make_cap(&r, sides[k], z_base);
+        tc_byte_writer w = envelope_bytes(e, true);
+        uint8_t *all = calloc((size_t)e->bytes, 1);
+        memcpy(all, w.bytes, w.size);
         tc_map *atlas;
         tc_error error;
-        assert_int_equal(open_part(bytes, size, &atlas, &error), TC_ERR_FORMAT);
-        bytes[at + 40] ^= 1;
+        assert_int_equal(open_part(all, (size_t)e->bytes, &atlas, &error), TC_ERR_FORMAT);
+        assert_non_null(strstr(error.text, "does not fit"));
+        free(all), free(w.bytes);
+        tc_envelope_free(e);
     }
-    tc_container_free(&c);
     free(bytes);
 }
 
@@ -466,7 +530,9 @@ int main(void)
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(planets_without_caps),
         cmocka_unit_test(filled_voids_meet_at_the_seam),
-        cmocka_unit_test(files_cut_short_lose_caps_first),
+        cmocka_unit_test(files_cut_short_are_coarser_planets),
+        cmocka_unit_test(long_heads_are_read_whole),
+        cmocka_unit_test(caps_must_reach_the_planet),
         cmocka_unit_test(heads_that_lie_are_refused),
         cmocka_unit_test(flat_terrains_are_no_planets),
         cmocka_unit_test(planets_need_a_georeference),

@@ -4,7 +4,7 @@
 
 #include <stdbool.h>
 
-#include "common/packed/file/container.h"
+#include "common/packed/file/envelope.h"
 
 enum { FUZZ_MASK = TC_CODERS, FUZZ_PAGE, FUZZ_HEAD, FUZZ_KINDS, FUZZ_FIXED = 7 };
 

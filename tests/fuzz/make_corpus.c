@@ -74,9 +74,9 @@ static void split(const char *folder, const char *path, const char *name)
     const tc_container *c = &f.container;
     int m = c->levels;
     const tc_level_record *r = &c->record[m - 1];
-    uint8_t *bytes = malloc((size_t)f.size);
+    uint8_t *bytes = malloc((size_t)f.source.size);
     FILE *file = fopen(path, "rb");
-    if (!bytes || !file || fread(bytes, 1, (size_t)f.size, file) != (size_t)f.size)
+    if (!bytes || !file || fread(bytes, 1, (size_t)f.source.size, file) != (size_t)f.source.size)
         stop(path);
     fclose(file);
     snprintf(part, sizeof part, "head-%s", name);
@@ -85,7 +85,7 @@ static void split(const char *folder, const char *path, const char *name)
     if (tc_packed_file_entry(&f, m, 0, 0, &entry))
         stop("no entry");
     const uint8_t *page = bytes + r->begin + tc_load(bytes + r->begin, 8), *tile = bytes + entry.offset;
-    unsigned form = (r->coder == TC_CODER_CORRECTIONS) | (unsigned)r->mask << 1;
+    unsigned form = (r->coder == TC_CODER_CORRECTIONS) | (unsigned)r->mask << 1 | (unsigned)c->steps << 2;
     snprintf(part, sizeof part, "page-%s", name);
     write_part(folder, part, FUZZ_PAGE, &(tc_level){1, 1, 1, 1}, form, NULL, 0, page, tc_load(bytes + r->begin + 8, 4));
     snprintf(part, sizeof part, "tile-%s", name);

@@ -17,6 +17,7 @@
 
 #include "common/base/rect.h"
 #include "common/base/crc32c.h"
+#include "common/packed/file/envelope.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
@@ -109,12 +110,16 @@ static int set_up(void **state)
         tc_pack_result result;
         tc_error error;
         size_t needed;
+        tc_envelope *e;
         tc_field *p;
         if (packing_write(&kinds[k], made_path("intact"), &result, &error) ||
             !(f->bytes = packing_bytes(made_path("intact"), &f->size)) ||
-            tc_container_read("intact", f->bytes, f->size, &f->c, &needed, &error) ||
+            tc_envelope_read("intact", f->bytes, f->size, &e, &needed, &error) ||
             tc_field_open(made_path("intact"), NULL, &p, &error))
             return puts(error.text), -1;
+        f->c = e->chart[0].container;
+        e->chart[0].container = (tc_container){0};
+        tc_envelope_free(e);
         f->levels = tc_field_info(p)->levels;
         for (int l = 1; l <= f->levels; l++)
             f->z[l - 1] = packing_read(p, l, &f->v[l - 1]);

@@ -300,7 +300,7 @@ bool tc_container_is(const uint8_t *bytes, size_t size)
 }
 
 /* The checksum is that of the head with zeros in its own place. */
-static bool check_head(const uint8_t *bytes, size_t size)
+bool tc_container_check_sum(const uint8_t *bytes, size_t size)
 {
     static const uint8_t zeros[4];
     uint32_t crc = tc_crc32c(0, bytes, CRC_AT);
@@ -372,8 +372,8 @@ static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
     return !r->failed && r->at == r->end;
 }
 
-tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t size, tc_container *c_ret,
-                            size_t *head_size_ret, tc_error *error)
+static tc_status read_container(const char *subject, const uint8_t *bytes, size_t size, bool placed,
+                                tc_container *c_ret, size_t *head_size_ret, tc_error *error)
 {
     *head_size_ret = 0;
     if (!tc_container_is(bytes, size))
@@ -384,19 +384,19 @@ tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t si
     uint64_t version = tc_load(bytes + sizeof magic, 4), head = tc_load(bytes + TC_HEAD_SIZE_AT, 4);
     if (version < 1 || version > TC_CONTAINER_VERSION)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected version 1 to %d of the format, found %" PRIu64, subject,
-                       TC_CONTAINER_VERSION, version);
+                       placed ? TC_CONTAINER_VERSION : TC_NEWEST_VERSION, version);
     if (head < TC_HEAD_FIXED || head > MOST_HEAD)
         return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a head of %" PRIu64 " bytes", subject, head);
     *head_size_ret = (size_t)head;
     if (size < head)
         return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head of %" PRIu64 " bytes, found %zu", subject,
                        head, size);
-    if (!check_head(bytes, (size_t)head))
+    if (!tc_container_check_sum(bytes, (size_t)head))
         return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head's checksum is wrong", subject);
     tc_container c = {0};
     tc_byte_reader reader = {bytes + TC_HEAD_FIXED, bytes + head, false};
     bool unknown_atlas = false, good = read_head(&c, &reader, &unknown_atlas);
-    if (good && version_of(&c) == (int)version && check_layout(&c, (size_t)head)) {
+    if (good && version_of(&c) == (int)version && (placed || check_layout(&c, (size_t)head))) {
         c.info.version = (int)version;
         *c_ret = c;
         return TC_OK;
@@ -405,4 +405,16 @@ tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t si
     if (unknown_atlas)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected the atlas flat or lonlat, found another one", subject);
     return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head contradicts itself", subject);
+}
+
+tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t size, tc_container *c_ret,
+                            size_t *head_size_ret, tc_error *error)
+{
+    return read_container(subject, bytes, size, false, c_ret, head_size_ret, error);
+}
+
+tc_status tc_container_read_placed(const char *subject, const uint8_t *bytes, size_t size, tc_container *c_ret,
+                                   size_t *head_size_ret, tc_error *error)
+{
+    return read_container(subject, bytes, size, true, c_ret, head_size_ret, error);
 }

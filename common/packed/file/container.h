@@ -15,7 +15,8 @@
 #include "index_page.h"
 
 enum {
-    TC_CONTAINER_VERSION = 2, /* the newest; what needs no more is written as version 1 */
+    TC_CONTAINER_VERSION = 2, /* the newest of a container; what needs no more is written as version 1 */
+    TC_NEWEST_VERSION = 3,    /* of a file: an envelope of containers (envelope.h) */
     TC_HEAD_FIXED = 20,       /* bytes that every head begins with; from TC_HEAD_SIZE_AT on, its size */
     TC_HEAD_SIZE_AT = 12,
     TC_BASE_SIZE = 16,
@@ -53,6 +54,7 @@ typedef struct tc_container {
     double z_min, z_max;              /* metres above z_base, of the source without voids */
     int64_t voids;                    /* of the finest level */
     int64_t cap_bytes[TC_CAP_CHARTS]; /* of the caps' containers, which follow level m; planets of 3 charts */
+    bool steps; /* pages tell each tile's largest step to the coarser level (index_page.h); version 3 */
     int levels, base;
     tc_level level[TC_MAX_FIELD_LEVELS];         /* [l - 1] */
     tc_level_record record[TC_MAX_FIELD_LEVELS]; /* [l - 1]; for l > base */
@@ -96,6 +98,13 @@ tc_status tc_container_write(const tc_container *c, tc_byte_writer *writer);
  * are needed (0: no packed file). subject is named in errors. */
 tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t size, tc_container *c_ret,
                             size_t *head_size_ret, tc_error *error);
+
+/* The same of a head that stands in another one, which says where its levels lie (envelope.h): that is not checked. */
+tc_status tc_container_read_placed(const char *subject, const uint8_t *bytes, size_t size, tc_container *c_ret,
+                                   size_t *head_size_ret, tc_error *error);
+
+/* Whether the checksum of a head of so many bytes is right. */
+bool tc_container_check_sum(const uint8_t *bytes, size_t size);
 
 /* Whether a file starts as packed terrains do. */
 bool tc_container_is(const uint8_t *bytes, size_t size);

@@ -19,8 +19,10 @@ typedef struct tc_tile_entry {
     uint32_t size[TC_STREAMS]; /* bytes */
     uint32_t crc;              /* of all of them; 0 where there are none */
     uint8_t mask_class;        /* tc_mask_class */
-    int32_t low, high;         /* heights, in height units; reading gives what is as low and as high or a little more */
-    uint64_t offset;           /* in the file; not stored: tiles follow their page in order */
+    uint32_t step;     /* most that a sample is off the coarser level's mesh on the spot, height units; reading gives as
+                          much     or a little more, or TC_STEP_UNKNOWN */
+    int32_t low, high; /* heights, in height units; reading gives what is as low and as high or a little more */
+    uint64_t offset;   /* in the file; not stored: tiles follow their page in order */
 } tc_tile_entry;
 
 static inline uint32_t tc_tile_bytes(const tc_tile_entry *entry)
@@ -30,8 +32,10 @@ static inline uint32_t tc_tile_bytes(const tc_tile_entry *entry)
 
 /* What is told of every tile of a level. */
 typedef struct tc_page_form {
-    bool corrections, mask;
+    bool corrections, mask, step;
 } tc_page_form;
+
+#define TC_STEP_UNKNOWN UINT32_MAX
 
 /* Writes `count` entries; room for tc_page_bound() bytes. Returns their size. */
 size_t tc_page_bound(void);

@@ -78,25 +78,53 @@ static tc_status read_at(const tc_packed_file *f, int64_t offset, void *bytes, s
     return size ? s->read(s->context, offset, bytes, size) : TC_OK;
 }
 
-static tc_status read_head(tc_packed_file *f, tc_error *error)
+/* The chart's container, out of a file's head of either kind. */
+static tc_status take_head(tc_packed_file *f, int chart, const uint8_t *bytes, size_t size, size_t *needed_ret,
+                           tc_error *error)
 {
-    size_t size = (size_t)tc_min64(FIRST_READ, f->source.size), needed = 0;
+    if (size < TC_HEAD_FIXED || !tc_envelope_is(bytes)) {
+        tc_status status = tc_container_read(f->path, bytes, size, &f->container, needed_ret, error);
+        for (int l = f->container.base; l < f->container.levels && !status; l++)
+            f->rank_end[f->container.levels - 1 - l] = f->container.record[l].end;
+        return status;
+    }
+    tc_envelope *e = NULL;
+    tc_status status = tc_envelope_read(f->path, bytes, size, &e, needed_ret, error);
+    if (status)
+        return status;
+    if (chart < e->charts) {
+        f->container = e->chart[chart].container;
+        e->chart[chart].container = (tc_container){0};
+        memcpy(f->rank_end, e->rank_end, sizeof f->rank_end);
+    } else {
+        status = tc_fail(error, TC_ERR_USAGE, "%s: expected a chart below %d, found %d", f->path, e->charts, chart);
+    }
+    tc_envelope_free(e);
+    return status;
+}
+
+/* The first `size` bytes of the file, and the head out of them. */
+static tc_status try_head(tc_packed_file *f, int chart, size_t size, size_t *needed_ret, tc_error *error)
+{
     uint8_t *bytes = malloc(size + 1);
     tc_status status = bytes ? read_at(f, 0, bytes, size) : TC_ERR_MEMORY;
     if (!status)
-        status = tc_container_read(f->path, bytes, size, &f->container, &needed, error);
+        status = take_head(f, chart, bytes, size, needed_ret, error);
     else
         tc_fail(error, status, "%s: cannot be read: %s", f->path, tc_status_text(status));
-    if (status == TC_ERR_FORMAT && needed > size && (int64_t)needed <= f->source.size) {
-        free(bytes);
-        bytes = malloc(needed);
-        status = bytes ? read_at(f, 0, bytes, needed) : TC_ERR_MEMORY;
-        if (!status)
-            status = tc_container_read(f->path, bytes, needed, &f->container, &needed, error);
-        else
-            tc_fail(error, status, "%s: cannot be read: %s", f->path, tc_status_text(status));
-    }
     free(bytes);
+    return status;
+}
+
+static tc_status read_head(tc_packed_file *f, int chart, tc_error *error)
+{
+    tc_error why = {TC_OK, ""}; /* of the first attempt, which can be for too few bytes alone */
+    size_t size = (size_t)tc_min64(FIRST_READ, f->source.size), needed = 0;
+    tc_status status = try_head(f, chart, size, &needed, &why);
+    if (status == TC_ERR_FORMAT && needed > size && (int64_t)needed <= f->source.size)
+        return try_head(f, chart, needed, &needed, error);
+    if (status && error)
+        *error = why;
     return status;
 }
 
@@ -106,10 +134,12 @@ static void close_source(const tc_byte_source *source)
         source->close(source->context);
 }
 
-tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *source, tc_packed_file *f, tc_error *error)
+tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *source, int chart, tc_packed_file *f,
+                                    tc_error *error)
 {
     *f = (tc_packed_file){.path = strdup(name), .source = *source};
-    tc_status status = f->path ? read_head(f, error) : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    tc_status status =
+        f->path ? read_head(f, chart, error) : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     if (!status && tc_block_cache_init(&f->pages, sizeof(page), PAGE_CACHE)) {
         tc_block_cache_free(&f->pages);
         tc_container_free(&f->container);
@@ -122,7 +152,9 @@ tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *sour
     }
     tc_container *c = &f->container;
     c->info.cut_short = source->size < c->info.bytes;
-    while (c->levels > c->base && c->record[c->levels - 1].end > source->size)
+    /* Also levels that stand in the head, where other charts have some as fine that do not: charts stay as fine as each
+     * other. */
+    while (c->levels > 1 && f->rank_end[c->info.levels_missing] > source->size)
         c->levels--, c->info.levels_missing++;
     return TC_OK;
 }
@@ -131,7 +163,7 @@ tc_status tc_packed_file_open(const char *path, tc_packed_file *f, tc_error *err
 {
     tc_byte_source source;
     tc_status status = tc_file_source(path, &source, error);
-    return status ? status : tc_packed_file_open_bytes(path, &source, f, error);
+    return status ? status : tc_packed_file_open_bytes(path, &source, 0, f, error);
 }
 
 void tc_packed_file_close(tc_packed_file *f)
@@ -180,7 +212,7 @@ static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages
         status = TC_ERR_FORMAT;
     tc_rect tiles = tc_page_tiles(pages, px, py);
     int count = (int)tc_rect_area(tiles);
-    tc_page_form form = {r->coder == TC_CODER_CORRECTIONS, r->mask};
+    tc_page_form form = {r->coder == TC_CODER_CORRECTIONS, r->mask, f->container.steps};
     if (!status)
         status = tc_page_read(form, bytes, size, to->entry, count);
     free(bytes);

@@ -104,14 +104,24 @@ static float to_metres(const tc_container *c, int32_t k)
     return (float)(c->z_origin + c->z_unit * k);
 }
 
-static void piece_bounds(const tc_field *field, int l, tc_rect rect, float *z_min_ret, float *z_max_ret)
+/* As far as heights, which are told as floats, may be off the mesh of the coarser level, of which all are off by up to
+ * half an ulp. */
+static float step_to_metres(const tc_container *c, uint32_t step, const tc_range *heights)
+{
+    double rounding = 2 * ldexp(fmax(fabs((double)heights->lo), fabs((double)heights->hi)), -23);
+    return step == TC_STEP_UNKNOWN ? INFINITY : nextafterf((float)(c->z_unit * step + rounding), INFINITY);
+}
+
+static tc_range piece_range(const tc_field *field, int l, tc_rect rect)
 {
     enum { FINE = 2 * TC_TILE, MOST_TILES = 64 };
     packed_field *p = (packed_field *)field;
     const tc_container *c = &p->file.container;
     int32_t low = INT32_MAX, high = INT32_MIN;
+    uint32_t step = 0;
     if (l <= c->base) {
         int64_t w = field->level[l - 1].width;
+        step = TC_STEP_UNKNOWN;
         for (int64_t y = rect.y0; y < rect.y1; y++)
             for (int64_t x = rect.x0; x < rect.x1; x++) {
                 int32_t k = p->level[l - 1].whole[y * w + x];
@@ -124,32 +134,32 @@ static void piece_bounds(const tc_field *field, int l, tc_rect rect, float *z_mi
         for (int64_t ty = t.y0; ty < t.y1 && known; ty++)
             for (int64_t tx = t.x0; tx < t.x1 && known; tx++) {
                 known = tc_packed_file_entry(&p->file, l, tx, ty, &entry) == TC_OK;
-                if (known)
-                    low = entry.low < low ? entry.low : low, high = entry.high > high ? entry.high : high;
+                if (!known)
+                    break;
+                low = entry.low < low ? entry.low : low, high = entry.high > high ? entry.high : high;
+                step = entry.step > step ? entry.step : step;
             }
         if (!known)
-            low = c->record[l - 1].lowest, high = c->record[l - 1].highest;
+            low = c->record[l - 1].lowest, high = c->record[l - 1].highest, step = TC_STEP_UNKNOWN;
         if (p->damaged > 0) { /* what stands in for damaged tiles lies about within the terrain's range */
             double margin = 0.1 * (c->z_max - c->z_min);
-            *z_min_ret = (float)(c->z_min - margin), *z_max_ret = (float)(c->z_max + margin);
-            return;
+            return (tc_range){(float)(c->z_min - margin), (float)(c->z_max + margin), INFINITY};
         }
     }
-    *z_min_ret = to_metres(c, low), *z_max_ret = to_metres(c, high);
-    if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT) {
-        *z_min_ret = fminf(*z_min_ret, p->void_height);
-        *z_max_ret = fmaxf(*z_max_ret, p->void_height);
-    }
+    tc_range all = {to_metres(c, low), to_metres(c, high), 0};
+    all.step = step_to_metres(c, step, &all);
+    if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT)
+        all = (tc_range){fminf(all.lo, p->void_height), fmaxf(all.hi, p->void_height), INFINITY};
+    return all;
 }
 
 static tc_range packed_range(const tc_field *field, int l, tc_rect rect)
 {
     tc_rect piece[2];
-    tc_range all = {INFINITY, -INFINITY, INFINITY};
+    tc_range all = {INFINITY, -INFINITY, 0};
     for (int n = tc_rect_round(rect, field->level[l - 1].width, piece) - 1; n >= 0; n--) {
-        float lo, hi;
-        piece_bounds(field, l, piece[n], &lo, &hi);
-        all.lo = fminf(all.lo, lo), all.hi = fmaxf(all.hi, hi);
+        tc_range one = piece_range(field, l, piece[n]);
+        all = (tc_range){fminf(all.lo, one.lo), fmaxf(all.hi, one.hi), fmaxf(all.step, one.step)};
     }
     return all;
 }
@@ -335,8 +345,8 @@ tc_status tc_field_open(const char *path, const tc_open_options *options, tc_fie
     return make_field(p, tc_packed_file_open(path, &p->file, error), options, field_ret, error);
 }
 
-tc_status tc_field_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
-                              tc_field **field_ret, tc_error *error)
+tc_status tc_packed_open_chart(const char *name, const tc_byte_source *source, int chart,
+                               const tc_open_options *options, tc_field **field_ret, tc_error *error)
 {
     packed_field *p = calloc(1, sizeof *p);
     if (!p) {
@@ -344,7 +354,13 @@ tc_status tc_field_open_bytes(const char *name, const tc_byte_source *source, co
             source->close(source->context);
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     }
-    return make_field(p, tc_packed_file_open_bytes(name, source, &p->file, error), options, field_ret, error);
+    return make_field(p, tc_packed_file_open_bytes(name, source, chart, &p->file, error), options, field_ret, error);
+}
+
+tc_status tc_field_open_bytes(const char *name, const tc_byte_source *source, const tc_open_options *options,
+                              tc_field **field_ret, tc_error *error)
+{
+    return tc_packed_open_chart(name, source, 0, options, field_ret, error);
 }
 
 /* ---- What the file's head tells beside --------------------------------------------------------------------------- */
@@ -358,7 +374,12 @@ const tc_packed_info *tc_field_packed_info(const tc_field *field)
 int64_t tc_packed_chart_bytes(const tc_field *field)
 {
     const tc_container *c = tc_field_container(field);
-    return c ? tc_container_cap_begin(c, 0) : 0;
+    int64_t bytes = 0;
+    if (c && c->info.version < TC_ENVELOPE_VERSION)
+        return tc_container_cap_begin(c, 0);
+    for (int l = c ? c->base : 0; c && l < c->levels; l++)
+        bytes += c->record[l].end - c->record[l].begin;
+    return bytes;
 }
 
 tc_packed_level tc_field_packed_level(const tc_field *field, int level)

@@ -8,7 +8,7 @@ static tc_status make_mask(packed_field *p, int l, int64_t tx, int64_t ty, uint8
 {
     const tc_lifting_level lifting = tc_container_lifting(&p->file.container, l), *level = &lifting;
     tc_rect rect = tc_mask_tile_rect(level, tx, ty, 0), need = tc_mask_tile_needs(level, rect);
-    tc_tile_entry entry = {{0}, 0, 0, 0, 0, 0};
+    tc_tile_entry entry = {0};
     mark m = tc_scratch_here(s);
     tc_mask_plane coarse = {tc_scratch_take(s, (size_t)tc_rect_area(need)), need.x1 - need.x0, need};
     tc_mask_plane fine = {v, MASK_SIDE, rect};

@@ -5,6 +5,7 @@
 #include "common/base/outfile.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
+#include "common/packed/file/envelope.h"
 #include "pack_internal.h"
 
 static tc_status write_all(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error)
@@ -21,76 +22,89 @@ static tc_status write_all(int file, const void *bytes, size_t size, int64_t at,
     return TC_OK;
 }
 
-/* The head, and with it where the levels come to lie in the container. beyond: bytes that follow the levels. */
-static tc_status make_head(tc_packer *p, int64_t beyond, tc_byte_writer *head, tc_error *error)
+/* Charts of a file: the terrain's own packer first. */
+typedef struct charts {
+    const tc_packer *packer[1 + TC_CAP_CHARTS];
+    tc_envelope envelope;                                    /* borrows the packers' containers */
+    int64_t body_at[1 + TC_CAP_CHARTS][TC_MAX_FIELD_LEVELS]; /* where levels begin in the packers' bodies; [l - 1] */
+} charts;
+
+static void add_chart(charts *all, const tc_packer *p)
 {
-    tc_container *c = &p->container;
-    tc_status status = tc_container_write(c, head); /* for its size */
-    int64_t at = (int64_t)head->size;
+    int n = all->envelope.charts++;
+    const tc_container *c = &p->container;
+    all->packer[n] = p;
+    all->envelope.chart[n].container = *c;
     for (int l = c->base; l < c->levels; l++)
-        c->record[l].begin += at, c->record[l].end += at;
-    c->info.bytes = p->result.bytes = at + p->body_size + beyond;
+        all->body_at[n][l] = c->record[l].begin;
+}
+
+/* The head, and with it where the levels come to lie. */
+static tc_status make_head(charts *all, const char *path, tc_byte_writer *head, tc_error *error)
+{
+    tc_envelope_place(&all->envelope);
+    tc_status status = tc_envelope_write(&all->envelope, head); /* for its size */
+    tc_envelope_lay_out(&all->envelope, head->size);
     head->size = 0;
     if (!status)
-        status = tc_container_write(c, head);
+        status = tc_envelope_write(&all->envelope, head);
     if (status)
-        return tc_fail(error, status, "%s: not enough memory", p->path);
+        return tc_fail(error, status, "%s: not enough memory", path);
     /* What a reader would refuse shall not replace an old file. */
-    tc_container check = {0};
+    tc_envelope *check = NULL;
     size_t size;
-    status = tc_container_read(p->path, head->bytes, head->size, &check, &size, error);
+    status = tc_envelope_read(path, head->bytes, head->size, &check, &size, error);
     if (status == TC_ERR_FORMAT)
-        tc_fail(error, status = TC_ERR_UNSUPPORTED, "%s: the terrain's numbers are beyond what the format holds",
-                p->path);
-    tc_container_free(&check);
+        tc_fail(error, status = TC_ERR_UNSUPPORTED, "%s: the terrain's numbers are beyond what the format holds", path);
+    tc_envelope_free(check);
     return status;
 }
 
-/* Head and body, from `begin` on. */
-static tc_status write_container(const tc_packer *p, const tc_byte_writer *head, int file, int64_t begin,
-                                 tc_error *error)
+/* A level from its packer's body to its place in the file. */
+static tc_status copy_level(const charts *all, int n, int l, int file, char *block, size_t room, tc_error *error)
 {
-    enum { BLOCK = 1 << 20 };
-    tc_status status = write_all(file, head->bytes, head->size, begin, p->path, error);
-    char *block = malloc(BLOCK);
-    if (!status && !block)
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    for (int64_t done = 0; done < p->body_size && !status;) {
-        ssize_t n = pread(p->body, block, (size_t)tc_min64(BLOCK, p->body_size - done), done);
-        if (n < 0 && errno == EINTR)
+    const tc_packer *p = all->packer[n];
+    const tc_level_record *r = &all->envelope.chart[n].container.record[l - 1];
+    tc_status status = TC_OK;
+    for (int64_t done = 0, size = r->end - r->begin; done < size && !status;) {
+        ssize_t got =
+            pread(p->body, block, (size_t)tc_min64((int64_t)room, size - done), all->body_at[n][l - 1] + done);
+        if (got < 0 && errno == EINTR)
             continue;
-        if (n <= 0)
-            status = tc_fail(error, TC_ERR_IO, "%s: its temporary file cannot be read", p->path);
-        else
-            status = write_all(file, block, (size_t)n, begin + (int64_t)head->size + done, p->path, error);
-        done += n;
+        if (got <= 0)
+            return tc_fail(error, TC_ERR_IO, "%s: its temporary file cannot be read", p->path);
+        status = write_all(file, block, (size_t)got, r->begin + done, p->path, error);
+        done += got;
     }
-    free(block);
     return status;
 }
 
-/* All containers into one file. */
+/* All charts into one file. */
 static tc_status assemble(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], int file, tc_error *error)
 {
-    tc_byte_writer head = {0}, cap_head[TC_CAP_CHARTS] = {{0}, {0}};
-    tc_container *c = &p->container;
-    int64_t beyond = 0;
+    enum { BLOCK = 1 << 20 };
+    charts *all = calloc(1, sizeof *all);
+    char *block = malloc(BLOCK);
+    tc_byte_writer head = {0};
     tc_status status = TC_OK;
-    c->info.charts = 1;
-    for (int n = 0; n < TC_CAP_CHARTS && cap[0] && !status; n++) {
-        status = make_head(cap[n], 0, &cap_head[n], error);
-        c->info.charts++;
-        beyond += c->cap_bytes[n] = cap[n]->container.info.bytes;
+    if (!all || !block)
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    if (!status) {
+        add_chart(all, p);
+        for (int n = 0; n < TC_CAP_CHARTS && cap[0]; n++)
+            add_chart(all, cap[n]);
+        status = make_head(all, p->path, &head, error);
     }
     if (!status)
-        status = make_head(p, beyond, &head, error);
+        status = write_all(file, head.bytes, head.size, 0, p->path, error);
+    for (int n = 0; !status && n < all->envelope.charts; n++) {
+        const tc_container *c = &all->envelope.chart[n].container;
+        for (int l = c->base + 1; l <= c->levels && !status; l++)
+            status = copy_level(all, n, l, file, block, BLOCK, error);
+    }
     if (!status)
-        status = write_container(p, &head, file, 0, error);
-    for (int n = 0; n < TC_CAP_CHARTS && cap[0] && !status; n++)
-        status = write_container(cap[n], &cap_head[n], file, tc_container_cap_begin(c, n), error);
-    free(head.bytes);
-    for (int n = 0; n < TC_CAP_CHARTS; n++)
-        free(cap_head[n].bytes);
+        p->result.bytes = all->envelope.bytes;
+    free(head.bytes), free(block), free(all);
     return status;
 }
 

@@ -36,7 +36,8 @@ static bool reserve(level_state *s)
     s->truth.z = malloc((size_t)plane_room((g + 1) * FINE + 4 * MARGIN + 2 * BEFORE, w, h) * n);
     s->fine.z = malloc((size_t)plane_room((g + 2) * FINE, w, h) * n);
     s->coarse.z = malloc((size_t)plane_room(g * TC_TILE + 2 * BEFORE, cw, s->ch) * n);
-    bool good = s->truth.z && s->fine.z && s->coarse.z;
+    s->below.z = malloc((size_t)(plane_room((g + 1) * TC_TILE, s->cw, s->ch) + 2 * s->cw) * n);
+    bool good = s->truth.z && s->fine.z && s->coarse.z && s->below.z;
     for (int b = 0; b < TC_BANDS; b++) {
         s->band[b].z = malloc((size_t)plane_room((g + 1) * TC_TILE + BEFORE, cw, s->ch) * n);
         good &= s->band[b].z != NULL;
@@ -54,7 +55,7 @@ static bool reserve(level_state *s)
 
 static void release(level_state *s)
 {
-    free(s->truth.z), free(s->fine.z), free(s->coarse.z);
+    free(s->truth.z), free(s->fine.z), free(s->coarse.z), free(s->below.z);
     for (int b = 0; b < TC_BANDS; b++)
         free(s->band[b].z);
     for (int64_t i = 0; s->tile && i < (s->rows_at_once + 1) * s->pages.tiles_x; i++)
@@ -204,7 +205,7 @@ static tc_status write_body(level_state *s, const void *bytes, size_t size, int6
 /* Writes the pages and tiles of the row of pages that has been gathered. */
 static tc_status flush_pages(level_state *s, int64_t py, tc_error *error)
 {
-    tc_page_form form = {s->record->coder == TC_CODER_CORRECTIONS, s->record->mask};
+    tc_page_form form = {s->record->coder == TC_CODER_CORRECTIONS, s->record->mask, true};
     for (int64_t px = 0; px < s->pages.pages_x; px++) {
         tc_rect t = tc_page_tiles(&s->pages, px, py);
         tc_tile_entry entry[TC_PAGE_TILES];
@@ -258,6 +259,10 @@ static tc_status finish_rows(level_state *s, tc_error *error)
             close_mask_ring(&s->voids, w);
     }
     if (status)
+        return status;
+    s->below.rect = (tc_rect){0, tc_max64(0, tc_min64(y0 / 2, s->ch - 2)), s->cw, tc_min64(y1 / 2 + 1, s->ch)};
+    s->below.stride = s->cw;
+    if ((status = tc_spool_read(s->coding->coarse, s->below.rect, s->below.z, s->cw, error)))
         return status;
     tc_parallel_for(s->p->options.threads, (s->finish_to - s->finished) * across, tc_pack_finish_tile, s);
     if (s->status)

@@ -39,6 +39,7 @@ typedef struct level_state {
     int64_t ready, ready_before; /* fine rows reconstructed */
     coded_tile *tile;            /* of rows `finished` .. t1 - 1 */
     float *source;               /* finest level: heights as given, of the rows being finished */
+    tc_plane below;              /* the coarser level as it is reconstructed, under the same rows */
     tc_mask_plane voids;         /* of the same rows and some around them; v NULL where the level has none */
     int64_t finish_to;
     /* Pages. */

@@ -265,6 +265,33 @@ static void errors_of_level(const tc_container *c, const int32_t *z, const int32
         error[i] = fabs((double)z[i] - truth[i]) * unit;
 }
 
+/* Twice the height of the coarser level's sample (x, y). Beyond its last ones heights go on in a straight line, or from
+ * the other side. */
+static int64_t below_at(const level_state *s, int64_t x, int64_t y)
+{
+    if (x >= s->cw && s->level.wrap_x)
+        x -= s->cw;
+    if (x >= s->cw)
+        return s->cw < 2 ? below_at(s, s->cw - 1, y) : 2 * below_at(s, s->cw - 1, y) - below_at(s, s->cw - 2, y);
+    if (y >= s->ch)
+        return s->ch < 2 ? below_at(s, x, 0) : 2 * below_at(s, x, s->ch - 1) - below_at(s, x, s->ch - 2);
+    return 2 * (int64_t)*tc_plane_at(&s->below, x, y);
+}
+
+/* The most that a sample of the tile is off the coarser level's mesh on the spot (mesh.h), rounded up. */
+static uint32_t largest_step(const level_state *s, tc_rect r)
+{
+    int64_t most = 0;
+    for (int64_t y = r.y0; y < r.y1; y++) {
+        const int32_t *z = tc_plane_at(&s->fine, r.x0, y);
+        for (int64_t x = r.x0; x < r.x1; x++) {
+            int64_t a = below_at(s, (x + 1) / 2, y / 2), b = below_at(s, x / 2, (y + 1) / 2);
+            most = tc_max64(most, llabs(4 * (int64_t)z[x - r.x0] - a - b));
+        }
+    }
+    return (uint32_t)tc_min64((most + 3) / 4, UINT32_MAX - 1);
+}
+
 /* Errors and bounds of a tile whose heights are all there. */
 void tc_pack_finish_tile(void *context, int64_t n)
 {
@@ -301,6 +328,7 @@ void tc_pack_finish_tile(void *context, int64_t n)
         add_errors(&sum, error, count);
     }
     tile->entry.low = low, tile->entry.high = high;
+    tile->entry.step = largest_step(s, r);
     tile->samples = samples;
     for (int k = 0; k < LANES; k++) {
         tile->square_error += sum.square[k];

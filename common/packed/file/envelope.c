@@ -1,0 +1,319 @@
+/* envelope.c - the head of a file of version 3, to and from bytes. docs/format.md is the specification. */
+#include "envelope.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+#include "common/base/crc32c.h"
+#include "common/base/rect.h"
+#include "common/base/status.h"
+
+static const uint8_t magic[8] = {0x89, 'T', 'C', 'L', 'I', 'P', '\r', '\n'};
+enum { CRC_AT = 16, MOST_HEAD = 1 << 24, MOST_SECTIONS = 256 };
+
+bool tc_envelope_is(const uint8_t *bytes)
+{
+    return memcmp(bytes, magic, sizeof magic) == 0 && tc_load(bytes + sizeof magic, 4) == TC_ENVELOPE_VERSION;
+}
+
+void tc_envelope_free(tc_envelope *e)
+{
+    for (int c = 0; e && c < TC_MOST_CHARTS; c++)
+        tc_container_free(&e->chart[c].container);
+    free(e);
+}
+
+/* ---- Charts ----------------------------------------------------------------------------------------------------- */
+
+void tc_envelope_place(tc_envelope *e)
+{
+    static const tc_chart_kind caps[] = {TC_CHART_NORTH_CAP, TC_CHART_SOUTH_CAP};
+    const tc_pack_terrain *t = &e->chart[0].container.info.terrain;
+    tc_lonlat globe = {.dx = t->spacing_x, .dy = t->spacing_y};
+    bool planet = t->radius > 0 && tc_terrain_globe(t, &globe);
+    for (int n = 0; n < e->charts; n++) {
+        tc_envelope_chart *c = &e->chart[n];
+        for (int side = 0; side < TC_CHART_SIDES; side++)
+            c->side[side] = (tc_chart_seam){.chart = -1};
+        if (n == 0) {
+            c->kind = planet ? TC_CHART_LONLAT : TC_CHART_PLANE;
+            c->x0 = globe.x0, c->y0 = globe.y0, c->dx = globe.dx, c->dy = globe.dy;
+            for (int side = 0; side < 2 && t->wraps_x; side++) /* west, east */
+                c->side[side] = (tc_chart_seam){0, {1, 0, 0, 1}, side == 0 ? t->width : -t->width, 0};
+        } else {
+            c->kind = caps[(n - 1) % 2];
+            c->x0 = c->y0 = -0.5 * (double)(c->container.info.terrain.width - 1) * globe.dy;
+            c->dx = c->dy = globe.dy;
+        }
+    }
+}
+
+/* The record of a chart's level of a rank; NULL where that is not coded, or there is none. */
+static tc_level_record *record_of(tc_envelope *e, int chart, int rank)
+{
+    tc_container *c = &e->chart[chart].container;
+    int l = c->levels - rank;
+    return l > c->base ? &c->record[l - 1] : NULL;
+}
+
+void tc_envelope_lay_out(tc_envelope *e, size_t head_size)
+{
+    int64_t at = (int64_t)head_size;
+    for (int rank = TC_MAX_FIELD_LEVELS - 1; rank >= 0; rank--) {
+        for (int n = 0; n < e->charts; n++) {
+            tc_level_record *r = record_of(e, n, rank);
+            if (!r)
+                continue;
+            int64_t size = r->end - r->begin;
+            r->begin = at, r->end = at += size;
+        }
+        e->rank_end[rank] = at;
+    }
+    e->bytes = at;
+    for (int n = 0; n < e->charts; n++)
+        e->chart[n].container.info.bytes = at;
+}
+
+/* Where a chart's first level begins, 0 where none is coded, and the bytes of all of them. */
+static void extent_of(const tc_container *c, int64_t *first_ret, int64_t *bytes_ret)
+{
+    uint64_t bytes = 0;
+    for (int l = c->base; l < c->levels; l++)
+        bytes += (uint64_t)c->record[l].end - (uint64_t)c->record[l].begin;
+    *first_ret = c->levels > c->base ? c->record[c->base].begin : 0, *bytes_ret = (int64_t)bytes;
+}
+
+/* ---- Bytes ------------------------------------------------------------------------------------------------------ */
+
+static void write_chart(const tc_envelope_chart *c, size_t head, tc_byte_writer *w)
+{
+    int64_t first, bytes;
+    extent_of(&c->container, &first, &bytes);
+    tc_put(w, c->kind, 1);
+    tc_put_f64(w, c->x0), tc_put_f64(w, c->y0), tc_put_f64(w, c->dx), tc_put_f64(w, c->dy);
+    tc_put(w, (uint64_t)c->container.info.terrain.width, 8), tc_put(w, (uint64_t)c->container.info.terrain.height, 8);
+    tc_put(w, (uint64_t)c->container.levels, 1);
+    tc_put(w, (uint64_t)first, 8), tc_put(w, (uint64_t)bytes, 8);
+    for (int side = 0; side < TC_CHART_SIDES; side++) {
+        const tc_chart_seam *s = &c->side[side];
+        tc_put(w, (uint8_t)s->chart, 1);
+        for (int k = 0; k < 4; k++)
+            tc_put(w, (uint8_t)s->m[k], 1);
+        tc_put(w, (uint64_t)s->dx, 8), tc_put(w, (uint64_t)s->dy, 8);
+    }
+    tc_put(w, head, 4);
+}
+
+tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
+{
+    tc_byte_writer heads = {0};
+    size_t size[TC_MOST_CHARTS], start = w->size;
+    tc_status status = TC_OK;
+    for (int n = 0; n < e->charts && !status; n++) {
+        tc_container alone = e->chart[n].container; /* as it stands in the file, where it knows of no other */
+        alone.info.charts = 1;
+        size_t before = heads.size;
+        status = tc_container_write(&alone, &heads);
+        size[n] = heads.size - before;
+    }
+    tc_put_bytes(w, magic, sizeof magic);
+    tc_put(w, TC_ENVELOPE_VERSION, 4);
+    tc_put(w, 0, 4), tc_put(w, 0, 4); /* size and checksum of the head, below */
+    tc_put(w, (uint64_t)e->bytes, 8);
+    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, 0, 2); /* no sections */
+    for (int n = 0; n < e->charts && !status; n++)
+        write_chart(&e->chart[n], size[n], w);
+    tc_put_bytes(w, heads.bytes, heads.size);
+    free(heads.bytes);
+    if (status || w->failed || heads.failed)
+        return TC_ERR_MEMORY;
+    uint8_t *head = w->bytes + start;
+    tc_store(head + TC_HEAD_SIZE_AT, w->size - start, 4);
+    tc_store(head + CRC_AT, tc_crc32c(0, head, w->size - start), 4);
+    return TC_OK;
+}
+
+/* What the table says of a chart, beside its container. */
+typedef struct table_row {
+    int64_t width, height, first, bytes;
+    int levels;
+    size_t head;
+} table_row;
+
+static bool read_chart(tc_envelope_chart *c, table_row *row, int charts, tc_byte_reader *r)
+{
+    bool bad = false;
+    unsigned kind = (unsigned)tc_get(r, 1);
+    bad |= kind >= TC_CHART_KINDS;
+    c->kind = bad ? TC_CHART_PLANE : (tc_chart_kind)kind;
+    c->x0 = tc_get_f64(r), c->y0 = tc_get_f64(r), c->dx = tc_get_f64(r), c->dy = tc_get_f64(r);
+    row->width = (int64_t)tc_get(r, 8), row->height = (int64_t)tc_get(r, 8), row->levels = (int)tc_get(r, 1);
+    row->first = (int64_t)tc_get(r, 8), row->bytes = (int64_t)tc_get(r, 8);
+    for (int side = 0; side < TC_CHART_SIDES; side++) {
+        tc_chart_seam *s = &c->side[side];
+        s->chart = (int8_t)(uint8_t)tc_get(r, 1);
+        for (int k = 0; k < 4; k++) {
+            s->m[k] = (int8_t)(uint8_t)tc_get(r, 1);
+            bad |= s->m[k] < -1 || s->m[k] > 1;
+        }
+        s->dx = (int64_t)tc_get(r, 8), s->dy = (int64_t)tc_get(r, 8);
+        bad |= s->chart < -1 || s->chart >= charts;
+        bad |= s->chart >= 0 && abs(s->m[0] * s->m[3] - s->m[1] * s->m[2]) != 1; /* a turn or a mirroring */
+    }
+    row->head = (size_t)tc_get(r, 4);
+    return !bad && !r->failed;
+}
+
+static bool same_seams(const tc_envelope_chart *a, const tc_envelope_chart *b)
+{
+    for (int side = 0; side < TC_CHART_SIDES; side++) {
+        const tc_chart_seam *s = &a->side[side], *t = &b->side[side];
+        if (s->chart != t->chart || s->dx != t->dx || s->dy != t->dy || memcmp(s->m, t->m, sizeof s->m) != 0)
+            return false;
+    }
+    return true;
+}
+
+/* Whether all levels together fit into the file behind its head, so that sums of their sizes are safe. */
+static bool check_sizes(const tc_envelope *e, size_t head_size)
+{
+    int64_t left = e->bytes - (int64_t)head_size;
+    for (int n = 0; n < e->charts; n++) {
+        const tc_container *c = &e->chart[n].container;
+        for (int l = c->base; l < c->levels; l++) {
+            const tc_level_record *r = &c->record[l];
+            tc_pages pages = tc_level_pages(&c->level[l]);
+            if (r->begin < 0 || r->end < r->begin || r->end - r->begin > left ||
+                r->end - r->begin < tc_directory_bytes(&pages))
+                return false;
+            left -= r->end - r->begin;
+        }
+    }
+    return true;
+}
+
+/* Whether a chart and its row of the table are as they must be: `own` is what follows from the containers. */
+static bool check_chart(const tc_envelope *e, int n, const tc_envelope_chart *own, const table_row *row)
+{
+    const tc_envelope_chart *chart = &e->chart[n];
+    const tc_container *c = &chart->container;
+    int64_t first, bytes;
+    extent_of(c, &first, &bytes);
+    for (int l = c->base; l < c->levels; l++)
+        if (own->container.record[l].begin != c->record[l].begin || own->container.record[l].end != c->record[l].end)
+            return false;
+    return own->kind == chart->kind && own->x0 == chart->x0 && own->y0 == chart->y0 && own->dx == chart->dx &&
+           own->dy == chart->dy && same_seams(own, chart) && row->width == c->info.terrain.width &&
+           row->height == c->info.terrain.height && row->levels == c->levels && row->first == first &&
+           row->bytes == bytes && c->info.bytes == e->bytes;
+}
+
+/* Whether the table says what follows from the containers, and all levels lie where they must; rank_end then is set.
+ * TC_ERR_FORMAT, TC_ERR_MEMORY. */
+static tc_status check(tc_envelope *e, const table_row *row, size_t head_size)
+{
+    if (!check_sizes(e, head_size))
+        return TC_ERR_FORMAT;
+    tc_envelope *own = malloc(sizeof *own);
+    if (!own)
+        return TC_ERR_MEMORY;
+    *own = *e; /* borrows the containers' memory */
+    tc_envelope_place(own);
+    tc_envelope_lay_out(own, head_size);
+    bool good = own->bytes == e->bytes;
+    for (int n = 0; good && n < e->charts; n++)
+        good = check_chart(e, n, &own->chart[n], &row[n]);
+    memcpy(e->rank_end, own->rank_end, sizeof e->rank_end);
+    free(own);
+    return good ? TC_OK : TC_ERR_FORMAT;
+}
+
+/* Charts that this version knows: a plane; longitude and latitude, with two caps or none, which fit it. */
+static bool known_charts(const tc_envelope *e)
+{
+    const tc_pack_terrain *t = &e->chart[0].container.info.terrain;
+    tc_lonlat globe;
+    if (e->charts == 1)
+        return true;
+    if (e->charts != 1 + TC_CAP_CHARTS || !(t->radius > 0) || !tc_terrain_globe(t, &globe) || !globe.poles)
+        return false;
+    for (int n = 1; n < e->charts; n++) {
+        const tc_pack_terrain *cap = &e->chart[n].container.info.terrain;
+        if (cap->radius != 0 || cap->wraps_x || cap->width != cap->height || cap->width % 2 == 0 ||
+            cap->z_base != t->z_base)
+            return false;
+    }
+    return true;
+}
+
+static tc_status fail_damaged(const char *subject, tc_error *error)
+{
+    return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head contradicts itself", subject);
+}
+
+static tc_status read_head(const char *subject, const uint8_t *bytes, size_t head_size, tc_envelope *e, tc_error *error)
+{
+    tc_byte_reader r = {bytes + TC_HEAD_FIXED, bytes + head_size, false};
+    table_row row[TC_MOST_CHARTS];
+    e->bytes = (int64_t)tc_get(&r, 8);
+    int charts = (int)tc_get(&r, 1), sections = (int)tc_get(&r, 2);
+    if (r.failed || charts < 1 || sections > MOST_SECTIONS || e->bytes < (int64_t)head_size)
+        return fail_damaged(subject, error);
+    if (charts > TC_MOST_CHARTS)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d charts, found %d", subject, TC_MOST_CHARTS,
+                       charts);
+    for (int n = 0; n < charts; n++)
+        if (!read_chart(&e->chart[n], &row[n], charts, &r))
+            return fail_damaged(subject, error);
+    for (int s = 0; s < sections; s++) { /* what this version does not know */
+        tc_get(&r, 4);
+        tc_get_bytes(&r, (size_t)tc_get(&r, 4));
+    }
+    for (int n = 0; n < charts; n++) {
+        const uint8_t *head = tc_get_bytes(&r, row[n].head);
+        size_t needed;
+        if (!head)
+            return fail_damaged(subject, error);
+        tc_container *c = &e->chart[n].container;
+        tc_status status = tc_container_read_placed(subject, head, row[n].head, c, &needed, error);
+        if (status)
+            return status;
+        e->charts++;
+        if (needed != row[n].head || c->info.charts != 1)
+            return fail_damaged(subject, error);
+        c->info.charts = charts, c->info.version = TC_ENVELOPE_VERSION;
+        c->steps = true;
+    }
+    if (r.failed || r.at != r.end || !known_charts(e))
+        return fail_damaged(subject, error);
+    tc_status status = check(e, row, head_size);
+    return status == TC_ERR_MEMORY ? tc_fail(error, status, "%s: not enough memory", subject)
+           : status                ? fail_damaged(subject, error)
+                                   : TC_OK;
+}
+
+tc_status tc_envelope_read(const char *subject, const uint8_t *bytes, size_t size, tc_envelope **envelope_ret,
+                           size_t *head_size_ret, tc_error *error)
+{
+    *head_size_ret = 0;
+    if (size < TC_HEAD_FIXED)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head, found %zu bytes", subject, size);
+    uint64_t head = tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+    if (head < TC_HEAD_FIXED || head > MOST_HEAD)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a head of %" PRIu64 " bytes", subject, head);
+    *head_size_ret = (size_t)head;
+    if (size < head)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head of %" PRIu64 " bytes, found %zu", subject,
+                       head, size);
+    if (!tc_container_check_sum(bytes, (size_t)head))
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head's checksum is wrong", subject);
+    tc_envelope *e = calloc(1, sizeof *e);
+    if (!e)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", subject);
+    tc_status status = read_head(subject, bytes, (size_t)head, e, error);
+    if (status == TC_OK)
+        *envelope_ret = e;
+    else
+        tc_envelope_free(e);
+    return status;
+}

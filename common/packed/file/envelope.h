@@ -1,0 +1,69 @@
+/* envelope.h - what a packed file of version 3 begins with: its charts, where they lie, and the heads of their
+ * containers. docs/format.md says it byte by byte.
+ *
+ *     envelope head | charts' heads | rank r | rank r - 1 | ... | rank 0
+ *     rank k: the levels of all charts that are k above their finest, in the order of the charts
+ *
+ * So a prefix that ends with a rank is a coarser map, with all of its charts. */
+#ifndef TC_ENVELOPE_H
+#define TC_ENVELOPE_H
+
+#include "container.h"
+
+enum {
+    TC_ENVELOPE_VERSION = TC_NEWEST_VERSION,
+    TC_MOST_CHARTS = 8,
+    TC_CHART_SIDES = 4 /* west, east, south, north */
+};
+
+/* How a chart lies on its body: as chart.h in common/chart has them. */
+typedef enum tc_chart_kind {
+    TC_CHART_PLANE,
+    TC_CHART_LONLAT,
+    TC_CHART_NORTH_CAP,
+    TC_CHART_SOUTH_CAP,
+    TC_CHART_KINDS
+} tc_chart_kind;
+
+/* What is beyond a side: sample (i, j) is sample m (i, j) + (dx, dy) of the chart; chart < 0: nothing. */
+typedef struct tc_chart_seam {
+    int chart;
+    int8_t m[4];
+    int64_t dx, dy;
+} tc_chart_seam;
+
+typedef struct tc_envelope_chart {
+    tc_chart_kind kind;
+    double x0, y0, dx, dy; /* of the finest level's first sample and between samples, in the chart's coordinates */
+    tc_chart_seam side[TC_CHART_SIDES];
+    tc_container container; /* offsets are those of the file */
+} tc_envelope_chart;
+
+typedef struct tc_envelope {
+    int64_t bytes; /* of the whole file */
+    int charts;
+    tc_envelope_chart chart[TC_MOST_CHARTS];
+    int64_t
+        rank_end[TC_MAX_FIELD_LEVELS]; /* where the last level of a rank ends; of ranks beyond all, the head's end */
+} tc_envelope;
+
+/* Whether bytes begin a file of version 3; at least TC_HEAD_FIXED of them. */
+bool tc_envelope_is(const uint8_t *bytes);
+
+/* Kind, place and seams of the charts, from the containers' terrains: the first one is the terrain's own, a planet's
+ * others are its caps. */
+void tc_envelope_place(tc_envelope *envelope);
+
+/* Lays all levels out rank by rank behind the head, by their sizes, end - begin: sets begin, end, rank_end and bytes.
+ */
+void tc_envelope_lay_out(tc_envelope *envelope, size_t head_size);
+
+/* The head as bytes. Its size does not depend on where things lie. */
+tc_status tc_envelope_write(const tc_envelope *envelope, tc_byte_writer *writer);
+
+/* Reads a head; as tc_container_read(). *envelope_ret is freed with tc_envelope_free(). */
+tc_status tc_envelope_read(const char *subject, const uint8_t *bytes, size_t size, tc_envelope **envelope_ret,
+                           size_t *head_size_ret, tc_error *error);
+void tc_envelope_free(tc_envelope *envelope);
+
+#endif
