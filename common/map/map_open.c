@@ -49,9 +49,9 @@ static void close_range(void *context)
     free(r);
 }
 
-/* Opens `size` bytes from `begin` on, both within the source. */
-static tc_status open_range(const char *name, shared *s, int64_t begin, int64_t size, const tc_open_options *options,
-                            tc_field **field_ret, tc_error *error)
+/* Opens a chart of the file that `size` bytes from `begin` on are, both within the source. */
+static tc_status open_range(const char *name, shared *s, int64_t begin, int64_t size, int chart,
+                            const tc_open_options *options, tc_field **field_ret, tc_error *error)
 {
     range *r = malloc(sizeof *r);
     if (!r)
@@ -59,7 +59,7 @@ static tc_status open_range(const char *name, shared *s, int64_t begin, int64_t 
     *r = (range){s, begin};
     s->readers++;
     tc_byte_source source = {r, size, read_range, close_range};
-    return tc_field_open_bytes(name, &source, options, field_ret, error);
+    return tc_packed_open_chart(name, &source, chart, options, field_ret, error);
 }
 
 /* ---- Charts ----------------------------------------------------------------------------------------------------- */
@@ -97,66 +97,29 @@ static bool cap_fits(const tc_pack_terrain *cap, double dy)
     return cap->width == cap->height && cap->width % 2 == 1 && half >= edge * (1 - 1e-9) && half <= 2 + 2 * dy;
 }
 
-static tc_status fail_cap(const char *name, tc_error *error)
-{
-    return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a cap that does not fit its planet", name);
-}
-
-/* A cap of version 2 must be what the planet says it is: a square of its own, of the planet's base. */
-static tc_status check_cap(const char *name, const tc_packed_info *planet, const tc_field *cap, int64_t bytes,
-                           double dy, tc_error *error)
-{
-    const tc_packed_info *info = tc_field_packed_info(cap);
-    const tc_pack_terrain *t = &info->terrain;
-    if (info->bytes != bytes || info->version != 1 || t->z_base != planet->terrain.z_base || !cap_fits(t, dy))
-        return fail_cap(name, error);
-    return TC_OK;
-}
-
-/* Cap n, as chart 1 + n. */
+/* Cap n, as chart 1 + n. It must be what the planet says it is: of version 2 a file of its own within the planet's,
+ * whose bytes it names; of version 3 it was checked with the rest of the head. */
 static tc_status open_cap(const char *name, shared *s, const tc_container *c, int n, const tc_lonlat *globe,
                           const tc_open_options *options, tc_map *map, tc_error *error)
 {
     static const tc_chart_class *const class[TC_CAP_CHARTS] = {&tc_chart_north_cap, &tc_chart_south_cap};
-    int64_t begin = tc_container_cap_begin(c, n), bytes = c->cap_bytes[n];
+    bool within = c->info.version >= TC_ENVELOPE_VERSION;
+    int64_t begin = within ? 0 : tc_container_cap_begin(c, n), bytes = within ? s->source.size : c->cap_bytes[n];
     tc_field *field;
-    tc_status status = open_range(name, s, begin, tc_min64(bytes, s->source.size - begin), options, &field, error);
+    tc_status status =
+        open_range(name, s, begin, tc_min64(bytes, s->source.size - begin), within ? 1 + n : 0, options, &field, error);
     if (status)
         return status;
-    if ((status = check_cap(name, &c->info, field, bytes, globe->dy, error))) {
+    const tc_packed_info *info = tc_field_packed_info(field);
+    const tc_pack_terrain *t = &info->terrain;
+    bool its_own = within || (info->bytes == bytes && info->version == 1 && t->z_base == c->info.terrain.z_base);
+    if (!its_own || !cap_fits(t, globe->dy)) {
         tc_field_destroy(field);
-        return status;
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a cap that does not fit its planet", name);
     }
-    double half = 0.5 * (double)(tc_field_packed_info(field)->terrain.width - 1) * globe->dy;
+    double half = 0.5 * (double)(t->width - 1) * globe->dy;
     map->chart[map->charts++] = place(class[n], field, 1 + n, -half, -half, globe->dy, globe->dy);
     return TC_OK;
-}
-
-/* Caps of version 3, which share their source with the planet and were checked with it. */
-static tc_status open_caps(const char *name, shared *s, const tc_container *c, const tc_lonlat *globe,
-                           const tc_open_options *options, tc_map *map, tc_error *error)
-{
-    static const tc_chart_class *const class[TC_CAP_CHARTS] = {&tc_chart_north_cap, &tc_chart_south_cap};
-    tc_status status = TC_OK;
-    for (int n = 1; n < c->info.charts && !status; n++) {
-        tc_field *field;
-        range *r = malloc(sizeof *r);
-        if (!r)
-            return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
-        *r = (range){s, 0};
-        s->readers++;
-        tc_byte_source source = {r, s->source.size, read_range, close_range};
-        if ((status = tc_packed_open_chart(name, &source, n, options, &field, error)))
-            break;
-        const tc_pack_terrain *t = &tc_field_container(field)->info.terrain;
-        if (!cap_fits(t, globe->dy)) {
-            tc_field_destroy(field);
-            return fail_cap(name, error);
-        }
-        double half = 0.5 * (double)(t->width - 1) * globe->dy;
-        map->chart[map->charts++] = place(class[n - 1], field, n, -half, -half, globe->dy, globe->dy);
-    }
-    return status;
 }
 
 /* The charts of a planet: the first one's field is `field`, which it takes over. */
@@ -173,10 +136,8 @@ static tc_status open_planet(const char *name, shared *s, tc_field *field, const
     map->chart[map->charts++] = place(&tc_chart_lonlat, field, 0, globe.x0, globe.y0, globe.dx, globe.dy);
     tc_status status = map->body.class->check_relief(&map->body, name, info->z_base + (double)info->z_min,
                                                      info->z_base + (double)info->z_max, error);
-    if (c->info.version >= TC_ENVELOPE_VERSION)
-        return status ? status : open_caps(name, s, c, &globe, options, map, error);
     bool whole = c->info.charts > 1;
-    for (int n = 0; n < TC_CAP_CHARTS && whole && !status; n++)
+    for (int n = 0; n < TC_CAP_CHARTS && whole && !status && c->info.version < TC_ENVELOPE_VERSION; n++)
         status = find_head(name, &s->source, c, n, &whole, error);
     for (int n = 0; n < TC_CAP_CHARTS && whole && !status; n++)
         status = open_cap(name, s, c, n, &globe, options, map, error);
@@ -197,7 +158,7 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
                              tc_error *error)
 {
     tc_field *field;
-    tc_status status = open_range(name, s, 0, s->source.size, options, &field, error);
+    tc_status status = open_range(name, s, 0, s->source.size, 0, options, &field, error);
     if (status)
         return status;
     double radius = options->flat ? 0 : tc_field_packed_info(field)->terrain.radius;
@@ -205,7 +166,7 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     if (radius > 0) { /* a view has one or two charts in it */
         each.cache_bytes = (options->cache_bytes ? options->cache_bytes : CACHE_BYTES) / 2;
         tc_field_destroy(field);
-        if ((status = open_range(name, s, 0, s->source.size, &each, &field, error)))
+        if ((status = open_range(name, s, 0, s->source.size, 0, &each, &field, error)))
             return status;
     }
     tc_map *map = tc_map_create(tc_body_of(radius), 1 + TC_CAP_CHARTS);
