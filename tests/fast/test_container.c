@@ -47,8 +47,7 @@ static void heads_come_back(void **state)
         assert_int_equal(tc_container_write(&c, &w), TC_OK);
         if (tc_container_read("test", w.bytes, w.size, &back, &needed, &error))
             fail_msg("%s", error.text);
-        assert_true(needed == w.size && tc_container_is(w.bytes, w.size) &&
-                    back.info.version == 1 + c.info.terrain.wraps_x);
+        assert_true(needed == w.size && tc_head_is(w.bytes, w.size) && back.info.version == 1 + c.info.terrain.wraps_x);
         assert_true(back.info.terrain.radius == c.info.terrain.radius && back.wraps_from == c.wraps_from);
         for (int k = 0; k < TC_CAP_CHARTS; k++)
             assert_int_equal(tc_container_cap_begin(&back, k), tc_container_cap_begin(&c, k));
@@ -72,7 +71,7 @@ static void heads_come_back(void **state)
         assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_ERR_UNSUPPORTED);
         w.bytes[8] = version, w.bytes[(size_t)n % 8] ^= 1;
         assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_ERR_FORMAT);
-        assert_true(!tc_container_is(w.bytes, w.size) && strstr(error.text, "something else"));
+        assert_true(!tc_head_is(w.bytes, w.size) && strstr(error.text, "something else"));
         free(w.bytes), free(again.bytes);
         tc_container_free(&c);
     }

@@ -8,10 +8,8 @@
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/codec/entropy/binary_coder.h"
-#include "common/base/crc32c.h"
 
-static const uint8_t magic[8] = {0x89, 'T', 'C', 'L', 'I', 'P', '\r', '\n'};
-enum { CRC_AT = 16, MOST_HEAD = 1 << 24, MOST_MODEL = UINT16_MAX };
+enum { MOST_MODEL = UINT16_MAX };
 
 void tc_container_set_levels(tc_container *c)
 {
@@ -269,9 +267,7 @@ static int version_of(const tc_container *c)
 tc_status tc_container_write(const tc_container *c, tc_byte_writer *w)
 {
     size_t start = w->size;
-    tc_put_bytes(w, magic, sizeof magic);
-    tc_put(w, (uint64_t)version_of(c), 4);
-    tc_put(w, 0, 4), tc_put(w, 0, 4); /* size and checksum of the head, below */
+    tc_head_begin(w, version_of(c));
     tc_put(w, (uint64_t)c->info.bytes, 8);
     tc_put(w, c->info.terrain.radius > 0, 1), tc_put(w, c->info.charts > 1 ? (uint64_t)c->info.charts : 1, 1);
     tc_put(w, c->info.terrain.wraps_x, 1);
@@ -285,28 +281,7 @@ tc_status tc_container_write(const tc_container *c, tc_byte_writer *w)
         write_record(&c->record[l], w);
     if (c->info.terrain.radius > 0)
         write_planet(c, w);
-    if (w->failed)
-        return TC_ERR_MEMORY;
-    uint8_t *head = w->bytes + start;
-    size_t size = w->size - start;
-    tc_store(head + TC_HEAD_SIZE_AT, size, 4);
-    tc_store(head + CRC_AT, tc_crc32c(0, head, size), 4);
-    return TC_OK;
-}
-
-bool tc_container_is(const uint8_t *bytes, size_t size)
-{
-    return size >= sizeof magic && memcmp(bytes, magic, sizeof magic) == 0;
-}
-
-/* The checksum is that of the head with zeros in its own place. */
-bool tc_container_check_sum(const uint8_t *bytes, size_t size)
-{
-    static const uint8_t zeros[4];
-    uint32_t crc = tc_crc32c(0, bytes, CRC_AT);
-    crc = tc_crc32c(crc, zeros, sizeof zeros);
-    crc = tc_crc32c(crc, bytes + TC_HEAD_FIXED, size - TC_HEAD_FIXED);
-    return crc == tc_load(bytes + CRC_AT, 4);
+    return tc_head_seal(w, start);
 }
 
 /* Where the parts lie must make sense before anything trusts it. */
@@ -376,27 +351,23 @@ static tc_status read_container(const char *subject, const uint8_t *bytes, size_
                                 tc_container *c_ret, size_t *head_size_ret, tc_error *error)
 {
     *head_size_ret = 0;
-    if (!tc_container_is(bytes, size))
+    if (!tc_head_is(bytes, size))
         return tc_fail(error, TC_ERR_FORMAT, "%s: expected a packed terrain, found %s", subject,
                        size == 0 ? "an empty file" : "something else");
     if (size < TC_HEAD_FIXED)
         return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head, found %zu bytes", subject, size);
-    uint64_t version = tc_load(bytes + sizeof magic, 4), head = tc_load(bytes + TC_HEAD_SIZE_AT, 4);
+    uint64_t version = tc_head_version(bytes);
     if (version < 1 || version > TC_CONTAINER_VERSION)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected version 1 to %d of the format, found %" PRIu64, subject,
                        placed ? TC_CONTAINER_VERSION : TC_NEWEST_VERSION, version);
-    if (head < TC_HEAD_FIXED || head > MOST_HEAD)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a head of %" PRIu64 " bytes", subject, head);
-    *head_size_ret = (size_t)head;
-    if (size < head)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head of %" PRIu64 " bytes, found %zu", subject,
-                       head, size);
-    if (!tc_container_check_sum(bytes, (size_t)head))
-        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head's checksum is wrong", subject);
+    tc_status status = tc_head_check(subject, bytes, size, head_size_ret, error);
+    if (status)
+        return status;
+    size_t head = *head_size_ret;
     tc_container c = {0};
     tc_byte_reader reader = {bytes + TC_HEAD_FIXED, bytes + head, false};
     bool unknown_atlas = false, good = read_head(&c, &reader, &unknown_atlas);
-    if (good && version_of(&c) == (int)version && (placed || check_layout(&c, (size_t)head))) {
+    if (good && version_of(&c) == (int)version && (placed || check_layout(&c, head))) {
         c.info.version = (int)version;
         *c_ret = c;
         return TC_OK;

@@ -12,13 +12,12 @@
 #include "common/codec/lifting/codec.h"
 #include "common/field/field.h"
 #include "common/base/byte_order.h"
+#include "head.h"
 #include "index_page.h"
 
 enum {
     TC_CONTAINER_VERSION = 2, /* the newest of a container; what needs no more is written as version 1 */
     TC_NEWEST_VERSION = 3,    /* of a file: an envelope of containers (envelope.h) */
-    TC_HEAD_FIXED = 20,       /* bytes that every head begins with; from TC_HEAD_SIZE_AT on, its size */
-    TC_HEAD_SIZE_AT = 12,
     TC_BASE_SIZE = 16,
     TC_DIRECTORY_ENTRY = 16,  /* bytes */
     TC_DIRECTORY_CHUNK = 255, /* entries that share a checksum */
@@ -102,11 +101,5 @@ tc_status tc_container_read(const char *subject, const uint8_t *bytes, size_t si
 /* The same of a head that stands in another one, which says where its levels lie (envelope.h): that is not checked. */
 tc_status tc_container_read_placed(const char *subject, const uint8_t *bytes, size_t size, tc_container *c_ret,
                                    size_t *head_size_ret, tc_error *error);
-
-/* Whether the checksum of a head of so many bytes is right. */
-bool tc_container_check_sum(const uint8_t *bytes, size_t size);
-
-/* Whether a file starts as packed terrains do. */
-bool tc_container_is(const uint8_t *bytes, size_t size);
 
 #endif

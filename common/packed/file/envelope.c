@@ -4,16 +4,14 @@
 #include <inttypes.h>
 #include <math.h>
 
-#include "common/base/crc32c.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
 
-static const uint8_t magic[8] = {0x89, 'T', 'C', 'L', 'I', 'P', '\r', '\n'};
-enum { CRC_AT = 16, MOST_HEAD = 1 << 24, MOST_SECTIONS = 256 };
+enum { MOST_SECTIONS = 256 };
 
 bool tc_envelope_is(const uint8_t *bytes)
 {
-    return memcmp(bytes, magic, sizeof magic) == 0 && tc_load(bytes + sizeof magic, 4) == TC_ENVELOPE_VERSION;
+    return tc_head_is(bytes, TC_HEAD_FIXED) && tc_head_version(bytes) == TC_ENVELOPE_VERSION;
 }
 
 void tc_envelope_free(tc_envelope *e)
@@ -116,21 +114,14 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
         status = tc_container_write(&alone, &heads);
         size[n] = heads.size - before;
     }
-    tc_put_bytes(w, magic, sizeof magic);
-    tc_put(w, TC_ENVELOPE_VERSION, 4);
-    tc_put(w, 0, 4), tc_put(w, 0, 4); /* size and checksum of the head, below */
+    tc_head_begin(w, TC_ENVELOPE_VERSION);
     tc_put(w, (uint64_t)e->bytes, 8);
     tc_put(w, (uint64_t)e->charts, 1), tc_put(w, 0, 2); /* no sections */
     for (int n = 0; n < e->charts && !status; n++)
         write_chart(&e->chart[n], size[n], w);
     tc_put_bytes(w, heads.bytes, heads.size);
     free(heads.bytes);
-    if (status || w->failed || heads.failed)
-        return TC_ERR_MEMORY;
-    uint8_t *head = w->bytes + start;
-    tc_store(head + TC_HEAD_SIZE_AT, w->size - start, 4);
-    tc_store(head + CRC_AT, tc_crc32c(0, head, w->size - start), 4);
-    return TC_OK;
+    return status || heads.failed ? TC_ERR_MEMORY : tc_head_seal(w, start);
 }
 
 /* What the table says of a chart, beside its container. */
@@ -298,19 +289,13 @@ tc_status tc_envelope_read(const char *subject, const uint8_t *bytes, size_t siz
     *head_size_ret = 0;
     if (size < TC_HEAD_FIXED)
         return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head, found %zu bytes", subject, size);
-    uint64_t head = tc_load(bytes + TC_HEAD_SIZE_AT, 4);
-    if (head < TC_HEAD_FIXED || head > MOST_HEAD)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: a head of %" PRIu64 " bytes", subject, head);
-    *head_size_ret = (size_t)head;
-    if (size < head)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: expected a head of %" PRIu64 " bytes, found %zu", subject,
-                       head, size);
-    if (!tc_container_check_sum(bytes, (size_t)head))
-        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head's checksum is wrong", subject);
+    tc_status status = tc_head_check(subject, bytes, size, head_size_ret, error);
+    if (status)
+        return status;
     tc_envelope *e = calloc(1, sizeof *e);
     if (!e)
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", subject);
-    tc_status status = read_head(subject, bytes, (size_t)head, e, error);
+    status = read_head(subject, bytes, *head_size_ret, e, error);
     if (status == TC_OK)
         *envelope_ret = e;
     else
