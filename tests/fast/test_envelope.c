@@ -67,7 +67,7 @@ static void check_same(const tc_envelope *a, const tc_envelope *b)
         const tc_envelope_chart *x = &a->chart[n], *y = &b->chart[n];
         const tc_container *c = &x->container, *d = &y->container;
         assert_true(x->kind == y->kind && x->x0 == y->x0 && x->y0 == y->y0 && x->dx == y->dx && x->dy == y->dy);
-        for (int side = 0; side < TC_CHART_SIDES; side++)
+        for (int side = 0; side < TC_SIDES; side++)
             assert_true(x->side[side].chart == y->side[side].chart && x->side[side].dx == y->side[side].dx);
         assert_true(c->levels == d->levels && c->base == d->base && c->wraps_from == d->wraps_from &&
                     c->voids == d->voids && c->z_unit == d->z_unit);

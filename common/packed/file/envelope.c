@@ -31,13 +31,13 @@ void tc_envelope_place(tc_envelope *e)
     bool planet = t->radius > 0 && tc_terrain_globe(t, &globe);
     for (int n = 0; n < e->charts; n++) {
         tc_envelope_chart *c = &e->chart[n];
-        for (int side = 0; side < TC_CHART_SIDES; side++)
-            c->side[side] = (tc_chart_seam){.chart = -1};
+        for (int side = 0; side < TC_SIDES; side++)
+            c->side[side] = (tc_seam){.chart = -1};
         if (n == 0) {
             c->kind = planet ? TC_CHART_LONLAT : TC_CHART_PLANE;
             c->x0 = globe.x0, c->y0 = globe.y0, c->dx = globe.dx, c->dy = globe.dy;
             for (int side = 0; side < 2 && t->wraps_x; side++) /* west, east */
-                c->side[side] = (tc_chart_seam){0, {1, 0, 0, 1}, side == 0 ? t->width : -t->width, 0};
+                c->side[side] = (tc_seam){0, {1, 0, 0, 1}, side == 0 ? t->width : -t->width, 0};
         } else {
             c->kind = caps[(n - 1) % 2];
             c->x0 = c->y0 = -0.5 * (double)(c->container.info.terrain.width - 1) * globe.dy;
@@ -92,8 +92,8 @@ static void write_chart(const tc_envelope_chart *c, size_t head, tc_byte_writer 
     tc_put(w, (uint64_t)c->container.info.terrain.width, 8), tc_put(w, (uint64_t)c->container.info.terrain.height, 8);
     tc_put(w, (uint64_t)c->container.levels, 1);
     tc_put(w, (uint64_t)first, 8), tc_put(w, (uint64_t)bytes, 8);
-    for (int side = 0; side < TC_CHART_SIDES; side++) {
-        const tc_chart_seam *s = &c->side[side];
+    for (int side = 0; side < TC_SIDES; side++) {
+        const tc_seam *s = &c->side[side];
         tc_put(w, (uint8_t)s->chart, 1);
         for (int k = 0; k < 4; k++)
             tc_put(w, (uint8_t)s->m[k], 1);
@@ -140,8 +140,8 @@ static bool read_chart(tc_envelope_chart *c, table_row *row, int charts, tc_byte
     c->x0 = tc_get_f64(r), c->y0 = tc_get_f64(r), c->dx = tc_get_f64(r), c->dy = tc_get_f64(r);
     row->width = (int64_t)tc_get(r, 8), row->height = (int64_t)tc_get(r, 8), row->levels = (int)tc_get(r, 1);
     row->first = (int64_t)tc_get(r, 8), row->bytes = (int64_t)tc_get(r, 8);
-    for (int side = 0; side < TC_CHART_SIDES; side++) {
-        tc_chart_seam *s = &c->side[side];
+    for (int side = 0; side < TC_SIDES; side++) {
+        tc_seam *s = &c->side[side];
         s->chart = (int8_t)(uint8_t)tc_get(r, 1);
         for (int k = 0; k < 4; k++) {
             s->m[k] = (int8_t)(uint8_t)tc_get(r, 1);
@@ -157,8 +157,8 @@ static bool read_chart(tc_envelope_chart *c, table_row *row, int charts, tc_byte
 
 static bool same_seams(const tc_envelope_chart *a, const tc_envelope_chart *b)
 {
-    for (int side = 0; side < TC_CHART_SIDES; side++) {
-        const tc_chart_seam *s = &a->side[side], *t = &b->side[side];
+    for (int side = 0; side < TC_SIDES; side++) {
+        const tc_seam *s = &a->side[side], *t = &b->side[side];
         if (s->chart != t->chart || s->dx != t->dx || s->dy != t->dy || memcmp(s->m, t->m, sizeof s->m) != 0)
             return false;
     }

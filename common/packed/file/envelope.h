@@ -8,13 +8,10 @@
 #ifndef TC_ENVELOPE_H
 #define TC_ENVELOPE_H
 
+#include "common/chart/chart.h"
 #include "container.h"
 
-enum {
-    TC_ENVELOPE_VERSION = TC_NEWEST_VERSION,
-    TC_MOST_CHARTS = 8,
-    TC_CHART_SIDES = 4 /* west, east, south, north */
-};
+enum { TC_ENVELOPE_VERSION = TC_NEWEST_VERSION, TC_MOST_CHARTS = 8 };
 
 /* How a chart lies on its body: as chart.h in common/chart has them. */
 typedef enum tc_chart_kind {
@@ -25,17 +22,10 @@ typedef enum tc_chart_kind {
     TC_CHART_KINDS
 } tc_chart_kind;
 
-/* What is beyond a side: sample (i, j) is sample m (i, j) + (dx, dy) of the chart; chart < 0: nothing. */
-typedef struct tc_chart_seam {
-    int chart;
-    int8_t m[4];
-    int64_t dx, dy;
-} tc_chart_seam;
-
 typedef struct tc_envelope_chart {
     tc_chart_kind kind;
     double x0, y0, dx, dy; /* of the finest level's first sample and between samples, in the chart's coordinates */
-    tc_chart_seam side[TC_CHART_SIDES];
+    tc_seam side[TC_SIDES];
     tc_container container; /* offsets are those of the file */
 } tc_envelope_chart;
 
