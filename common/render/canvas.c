@@ -11,18 +11,25 @@ int tc_canvas_samples(const tc_gl *gl, int samples)
     return samples < 1 ? 1 : samples > most ? (most < 1 ? 1 : most) : samples;
 }
 
-void tc_canvas_destroy(const tc_gl *gl, tc_canvas *c)
+/* What depends on the size. What resolves stays. */
+static void delete_attachments(const tc_gl *gl, tc_canvas *c)
 {
     gl->DeleteFramebuffers(1, &c->framebuffer);
     if (c->samples > 1) {
         gl->DeleteFramebuffers(1, &c->picture);
         gl->DeleteTextures(2, (GLuint[]){c->colour, c->depth});
         gl->DeleteRenderbuffers(1, &c->resolved);
-        gl->DeleteProgram(c->program);
-        gl->DeleteVertexArrays(1, &c->vertices);
     } else {
         gl->DeleteRenderbuffers(2, (GLuint[]){c->colour, c->depth});
     }
+    *c = (tc_canvas){.program = c->program, .vertices = c->vertices};
+}
+
+void tc_canvas_destroy(const tc_gl *gl, tc_canvas *c)
+{
+    delete_attachments(gl, c);
+    gl->DeleteProgram(c->program);
+    gl->DeleteVertexArrays(1, &c->vertices);
     *c = (tc_canvas){0};
 }
 
@@ -60,6 +67,8 @@ static tc_status make_sampled(const tc_gl *gl, tc_canvas *c, tc_error *error)
     c->resolved = renderbuffer(gl, GL_RGBA8, c->width, c->height);
     gl->CreateFramebuffers(1, &c->picture);
     gl->NamedFramebufferRenderbuffer(c->picture, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, c->resolved);
+    if (c->program)
+        return TC_OK;
     gl->CreateVertexArrays(1, &c->vertices);
     static const char *const vertex[] = {"canvas.vert", NULL}, *const fragment[] = {"canvas.frag", NULL};
     return tc_program_build(gl, vertex, fragment, NULL, "", &c->program, error);
@@ -70,8 +79,10 @@ tc_status tc_canvas_resize(const tc_gl *gl, tc_canvas *canvas, int width, int he
     samples = tc_canvas_samples(gl, samples);
     if (width == canvas->width && height == canvas->height && samples == canvas->samples)
         return TC_OK;
-    tc_canvas_destroy(gl, canvas);
-    tc_canvas c = {.width = width, .height = height, .samples = samples};
+    delete_attachments(gl, canvas);
+    tc_canvas c = *canvas;
+    c.width = width, c.height = height, c.samples = samples;
+    *canvas = (tc_canvas){0};
     tc_gl_forget_errors(gl); /* what went wrong before is none of ours */
     gl->CreateFramebuffers(1, &c.framebuffer);
     tc_status status = TC_OK;

@@ -9,9 +9,9 @@
 typedef struct tc_canvas {
     int width, height, samples; /* pixels; samples a pixel, 1 or more */
     GLuint framebuffer;         /* to draw into */
-    GLuint colour, depth;       /* RGBA8, squared colours (renderer.frag); 32-bit float. Textures of several samples, or
-                                   renderbuffers of one */
-    GLuint picture; /* a framebuffer of one sample a pixel, to read from: the same, or what is resolved into */
+    GLuint colour, depth; /* RGBA8, roots of colours (renderer.frag); 32-bit float. Textures of several samples, or
+                             renderbuffers of one */
+    GLuint picture;       /* a framebuffer of one sample a pixel, to read from: the same, or what is resolved into */
     GLuint resolved, program, vertices;
 } tc_canvas;
 
