@@ -28,6 +28,21 @@ static const struct way *way_of(const tc_body_class *body)
     return &ways[0];
 }
 
+tc_status tc_load_build(tc_grid *grid, double radius, const tc_source_options *source, const tc_load_options *options,
+                        double start, tc_map **map_ret, tc_error *error)
+{
+    double read = tc_clock_ms();
+    tc_map *map;
+    tc_status status = tc_map_build(grid, radius, options->threads, &map, error);
+    if (status != TC_OK)
+        return status;
+    map->voids = source->voids;
+    map->read_ms = read - start;
+    map->build_ms = tc_clock_ms() - read;
+    *map_ret = map;
+    return TC_OK;
+}
+
 /* By its first bytes. */
 static bool is_packed(const char *path)
 {

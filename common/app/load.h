@@ -36,6 +36,10 @@ tc_status tc_load_flat(const char *path, const tc_source_options *source, const 
 tc_status tc_load_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
                         tc_map **map_ret, tc_error *error);
 
+/* A map of a grid that was read from `start` on (tc_clock_ms); takes the grid over as tc_map_build() does. */
+tc_status tc_load_build(tc_grid *grid, double radius, const tc_source_options *source, const tc_load_options *options,
+                        double start, tc_map **map_ret, tc_error *error);
+
 /* What else a packed file needs to be shown on a sphere. */
 tc_status tc_load_onto_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
                              tc_map *map, tc_error *error);

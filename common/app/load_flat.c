@@ -8,17 +8,6 @@ tc_status tc_load_flat(const char *path, const tc_source_options *source, const 
 {
     double start = tc_clock_ms();
     tc_grid grid;
-    tc_map *map;
     tc_status status = tc_grid_load(path, source, &grid, error);
-    if (status != TC_OK)
-        return status;
-    double read = tc_clock_ms();
-    status = tc_map_build(&grid, 0, options->threads, &map, error);
-    if (status != TC_OK)
-        return status;
-    map->voids = source->voids;
-    map->read_ms = read - start;
-    map->build_ms = tc_clock_ms() - read;
-    *map_ret = map;
-    return TC_OK;
+    return status ? status : tc_load_build(&grid, 0, source, options, start, map_ret, error);
 }

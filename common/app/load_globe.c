@@ -184,18 +184,9 @@ tc_status tc_load_globe(const char *path, const tc_source_options *source, const
         tc_grid_free(&grid);
         return status;
     }
-    double read = tc_clock_ms();
     if (grid.georef.semi_major <= 0)
         grid.georef.semi_major = body.radius; /* tells the body */
-    tc_map *map;
-    status = tc_map_build(&grid, body.radius, options->threads, &map, error);
-    if (status != TC_OK)
-        return status;
-    map->voids = source->voids;
-    map->read_ms = read - start;
-    map->build_ms = tc_clock_ms() - read;
-    *map_ret = map;
-    return TC_OK;
+    return tc_load_build(&grid, body.radius, source, options, start, map_ret, error);
 }
 
 tc_status tc_load_onto_globe(const char *path, const tc_source_options *source, const tc_load_options *options,

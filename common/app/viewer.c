@@ -55,11 +55,13 @@ static double ground_height(void *context, double x, double y)
     const tc_viewer *v = context;
     double z = 0, drawn;
     bool shown = v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn);
-    if (!interactive(&v->options))
-        tc_map_height(v->map, x, y, &z);
-    else if (!shown)
+    if (shown && interactive(&v->options))
+        return drawn;
+    if (interactive(&v->options))
         tc_map_rough_height(v->map, x, y, &z);
-    return shown ? (interactive(&v->options) ? drawn : fmax(z, drawn)) : z;
+    else
+        tc_map_height(v->map, x, y, &z);
+    return shown ? fmax(z, drawn) : z;
 }
 
 static tc_status load_terrain(tc_viewer *v, tc_error *error)

@@ -18,7 +18,7 @@
 typedef struct clip_state {
     tc_clip_level view;
     int field_level;
-    int64_t width, height;         /* samples that the field has at this level; vertices beyond lie on the edge */
+    int64_t width;                 /* samples that the field has at this level; vertices beyond lie on the edge */
     void *texels[TC_MAX_CONTENTS]; /* toroidal */
     tc_rect changes[TC_MAX_CHANGES];
     uint64_t changed;  /* how often; the last ones are in changes[(k - 1) % TC_MAX_CHANGES] */
@@ -158,7 +158,6 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     int finest = tc_field_info(c->field)->levels;
     tc_level top = tc_field_level(c->field, finest), own = tc_field_level(c->field, s->field_level);
     s->width = own.width;
-    s->height = own.height;
     s->view.shift = finest - s->field_level;
     s->view.spacing_x = options->spacing_x > 0 ? ldexp(options->spacing_x, s->view.shift) : own.spacing_x;
     s->view.spacing_y = options->spacing_y > 0 ? ldexp(options->spacing_y, s->view.shift) : own.spacing_y;
