@@ -42,6 +42,7 @@ CORE_ROOMS := base field codec/entropy codec/lifting codec/exact codec/lh04 code
               packed/write map view window content measure
 DRAW_ROOMS := gl render
 APP_ROOMS := input app
+SCHEMES := square rings
 
 PLUGIN_SRC := $(wildcard common/*/plugin_*.c common/*/plugin_*.cpp)
 sources = $(filter-out $(PLUGIN_SRC) %/main.c,$(wildcard $(addsuffix /*.c,$(1))))
@@ -109,12 +110,24 @@ $(OBJ)/gen/shaders.o: $(O)/gen/shaders.c | build/.packages
 	@echo "  CC    $<"
 	$(Q)$(CC) $(CFLAGS_ALL) -c $< -o $@
 
+# Schemes by name: build/gen/schemes.c lists their lists, tc_NAME_schemes[] (scheme.h).
+$(O)/gen/schemes.c: Makefile
+	@mkdir -p $(@D)
+	$(Q){ echo '/* made by the Makefile */'; echo '#include "common/render/scheme.h"'; \
+	  for s in $(SCHEMES); do echo "extern const tc_scheme tc_$${s}_schemes[];"; done; \
+	  echo 'const tc_scheme *const tc_scheme_lists[] = {'; \
+	  for s in $(SCHEMES); do echo "    tc_$${s}_schemes,"; done; echo '    0};'; } > $@.tmp && mv $@.tmp $@
+$(OBJ)/gen/schemes.o: $(O)/gen/schemes.c | build/.packages
+	@mkdir -p $(@D)
+	@echo "  CC    $<"
+	$(Q)$(CC) $(CFLAGS_ALL) -c $< -o $@
+
 .PHONY: print-core
 print-core: # for tests/extreme/compilers.sh
 	@echo $(CORE)
 
 CORE_OBJ := $(call obj,$(CORE))
-DRAW_OBJ := $(call obj,$(DRAW)) $(OBJ)/gen/shaders.o
+DRAW_OBJ := $(call obj,$(DRAW)) $(OBJ)/gen/shaders.o $(OBJ)/gen/schemes.o
 APP_OBJ := $(call obj,$(APP))
 DATA_OBJ := $(call obj,$(DATA))
 
@@ -184,6 +197,7 @@ $(eval $(call test_rule,bench))
 LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc aligned_alloc free)
 LDFLAGS_test_damage := $(LDFLAGS_test_memory)
 LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
+LDFLAGS_test_draw := $(LDFLAGS_test_memory)
 
 # Codecs to compare with; nothing else is linked with them.
 CODERS := $(call obj,tests/bench/jpeg2000 tests/bench/coders tests/bench/gdal_coders)

@@ -47,6 +47,63 @@ typedef struct tc_target_place {
     bool keep_state; /* gives all OpenGL state back as it was, at the price of asking for it. Else promises nothing */
 } tc_target_place;
 
+/* ---- Drawers ------------------------------------------------------------------------------------------------- */
+
+typedef struct tc_drawer tc_drawer;
+
+/* How a map is drawn; zero is the default. */
+typedef struct tc_draw_options {
+    const char *scheme;    /* "square", "rings", ...; NULL: the first one for the map's body */
+    int width;             /* pixels across that frames will have, by which the mesh is made; 0: 1920 */
+    int n, levels;         /* instead: samples a side of the windows (rings: steps around); levels at most */
+    bool unlit;            /* colours without light */
+    bool no_sky;           /* nothing where the map is not: no sky, no haze */
+    uint8_t background[3]; /* shown there instead, where the target is cleared */
+    bool holes;            /* voids are holes */
+    int64_t budget;        /* height samples updated a frame; 0: n * n, negative: no limit */
+} tc_draw_options;
+
+/* A drawer of the map in the current context. get_proc: finds an OpenGL function by name, as
+ * glfwGetProcAddress and eglGetProcAddress do. The map may be destroyed while it is drawn: it then goes with its last
+ * drawer. OpenGL state is as before, but for errors that nobody had asked for. TC_ERR_CONTEXT: not OpenGL 4.5;
+ * TC_ERR_UNSUPPORTED: no such scheme for the map's body; TC_ERR_MEMORY: neither the machine nor the driver have it. */
+tc_status tc_drawer_create(tc_map *map, const tc_draw_options *options, void *(*get_proc)(const char *name),
+                           tc_drawer **drawer_ret, tc_error *error);
+
+/* What eyes still need goes with the last of them. */
+void tc_drawer_destroy(tc_drawer *drawer);
+
+/* ---- Eyes ---------------------------------------------------------------------------------------------------- */
+
+/* A viewer of the map with the windows around it. Several draw in one frame, each into its target. */
+typedef struct tc_eye tc_eye;
+
+tc_status tc_eye_create(tc_drawer *drawer, tc_eye **eye_ret, tc_error *error);
+void tc_eye_destroy(tc_eye *eye);
+
+/* What a frame was. */
+typedef struct tc_draw_stats {
+    int64_t triangles; /* drawn */
+    int draws, levels;
+    int64_t samples_updated, bytes_uploaded;
+    double update_ms, draw_ms; /* of this thread, not of the GPU */
+    bool resident;             /* the windows hold all that the view needs; else parts of it are drawn coarser */
+    bool failed;               /* a part could not be read, and will be tried again */
+} tc_draw_stats;
+
+/* Draws a frame by the host's matrices, column-major as OpenGL has them, in double since planets are large. view turns
+ * and moves from the map's frame to the eye's, which looks along -z: of a flat map its metres, of a planet metres from
+ * its centre, x towards longitude and latitude 0, z north. projection is a perspective with the target's depth.
+ * wait: waits for what must be read and decoded first. TC_ERR_USAGE, and nothing drawn: matrices that are not finite,
+ * singular or not as above; a target that is not as it says. TC_ERR_MEMORY, TC_ERR_IO: likewise; the next frame tries
+ * again. *stats_ret may be NULL. */
+tc_status tc_eye_draw(tc_eye *eye, const tc_target_place *target, const double view[16], const double projection[16],
+                      bool wait, tc_draw_stats *stats_ret, tc_error *error);
+
+/* The same through a camera, whose width and height are those of the target, without a far plane. */
+tc_status tc_eye_draw_through(tc_eye *eye, const tc_target_place *target, const tc_camera *camera, bool wait,
+                              tc_draw_stats *stats_ret, tc_error *error);
+
 #ifdef __GNUC__
 #pragma GCC visibility pop
 #endif

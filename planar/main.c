@@ -5,22 +5,6 @@
 #include "common/app/viewer.h"
 #include "common/base/numbers.h"
 
-static tc_status create(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret, tc_error *error)
-{
-    tc_ground_options options = {.n = request->n,
-                                 .max_levels = request->levels,
-                                 .normals = request->needs->light,
-                                 .holes = request->needs->holes};
-    if (!options.n) {
-        options.n = tc_clipmap_n_for(request->camera);
-        if (request->interactive && options.n > 255)
-            options.n = 255;
-    }
-    tc_clipmap *clipmap;
-    tc_status status = tc_ground_create(tc_map_field(map, 0), &options, &clipmap, error);
-    return status ? status : tc_square_create(clipmap, surface_ret, error);
-}
-
 static bool read_n(void *n, const char *value)
 {
     int *samples = n;
@@ -29,7 +13,6 @@ static bool read_n(void *n, const char *value)
 
 int main(int argc, char **argv)
 {
-    static const tc_scheme schemes[] = {{"square", NULL, create}};
     static const tc_option options[] = {
         {.help = "Geometry clipmap"},
         {0, "n", "N", "2^k - 1 of 15..2047", "samples a side of each level's window (by the frame's width)", read_n,
@@ -44,8 +27,8 @@ int main(int argc, char **argv)
             "as a picture.",
         .body = &tc_plane_body,
         .navigation = &tc_plane_navigation,
-        .schemes = schemes,
-        .scheme_count = sizeof schemes / sizeof *schemes,
+        .schemes = tc_square_schemes,
+        .scheme_count = 1,
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

@@ -5,32 +5,6 @@
 #include "common/app/viewer.h"
 #include "common/base/numbers.h"
 
-static tc_status create(tc_rings_scheme scheme, const tc_map *map, const tc_surface_request *request,
-                        tc_surface **surface_ret, tc_error *error)
-{
-    int n_phi = request->n ? request->n : request->interactive ? 256 : tc_rings_n_phi_for(request->camera);
-    const tc_rings_options options = {.scheme = scheme,
-                                      .n_phi = n_phi,
-                                      .m = request->steps,
-                                      .n = request->interactive ? 255 : tc_clipmap_n_for(request->camera),
-                                      .max_levels = request->levels,
-                                      .normals = request->needs->light,
-                                      .holes = request->needs->holes};
-    return tc_rings_create(map, &options, surface_ret, error);
-}
-
-static tc_status create_rings(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                              tc_error *error)
-{
-    return create(TC_RINGS_EXACT, map, request, surface_ret, error);
-}
-
-static tc_status create_ch06(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                             tc_error *error)
-{
-    return create(TC_RINGS_CH06, map, request, surface_ret, error);
-}
-
 static bool read_n_phi(void *n, const char *value)
 {
     int *steps = n;
@@ -49,8 +23,6 @@ static bool read_radius(void *radius, const char *value)
 
 int main(int argc, char **argv)
 {
-    static const tc_scheme schemes[] = {{"rings", NULL, create_rings},
-                                        {"rings-ch06", "the paper's own map transform", create_ch06}};
     static const tc_option options[] = {
         {.help = "Geometry clipmap"},
         TC_LEVELS_OPTION,
@@ -74,8 +46,8 @@ int main(int argc, char **argv)
             "ground, in a window or as a picture.",
         .body = &tc_sphere_body,
         .navigation = &tc_sphere_navigation,
-        .schemes = schemes,
-        .scheme_count = sizeof schemes / sizeof *schemes,
+        .schemes = tc_rings_schemes,
+        .scheme_count = 2,
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

@@ -10,7 +10,7 @@
 #ifndef TC_RINGS_H
 #define TC_RINGS_H
 
-#include "common/render/surface.h"
+#include "common/render/scheme.h"
 
 typedef enum tc_rings_scheme {
     TC_RINGS_EXACT,
@@ -39,5 +39,7 @@ int tc_rings_n_phi_for(const tc_camera *camera);
  * a map of other charts than longitude and latitude, alone or with both caps. */
 tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc_surface **surface_ret,
                           tc_error *error);
+
+extern const tc_scheme tc_rings_schemes[]; /* ended by a NULL name */
 
 #endif

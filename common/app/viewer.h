@@ -3,27 +3,9 @@
 #define TC_VIEWER_H
 
 #include "common/map/map.h"
-#include "common/render/scene_needs.h"
-#include "common/render/surface.h"
+#include "common/render/scheme.h"
 #include "common/view/navigation.h"
 #include "arguments.h"
-
-/* What the command line and the machine ask of a surface; zero is the default. */
-typedef struct tc_surface_request {
-    int n, levels, steps;
-    const tc_scene_needs *needs;
-    bool interactive; /* a window on a software renderer: no more detail than it can draw */
-    const tc_camera *camera;
-} tc_surface_request;
-
-/* A way of drawing a map. */
-typedef struct tc_scheme {
-    const char *name; /* as in figures and on the command line */
-    const char *help; /* what it is, beside the first one; of that NULL */
-    /* A surface over the map, which outlives it. */
-    tc_status (*create)(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                        tc_error *error);
-} tc_scheme;
 
 /* What differs between the programs. */
 typedef struct tc_viewer_program {

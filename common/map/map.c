@@ -12,7 +12,7 @@ tc_map *tc_map_create(tc_body body, int charts)
         free(map), free(chart);
         return NULL;
     }
-    *map = (tc_map){.body = body, .chart = chart};
+    *map = (tc_map){.users = 1, .body = body, .chart = chart};
     return map;
 }
 
@@ -30,9 +30,15 @@ tc_map *tc_map_flat(tc_field *field)
     return map;
 }
 
+tc_map *tc_map_share(tc_map *map)
+{
+    atomic_fetch_add(&map->users, 1);
+    return map;
+}
+
 void tc_map_destroy(tc_map *map)
 {
-    if (!map)
+    if (!map || atomic_fetch_sub(&map->users, 1) > 1)
         return;
     for (int k = 0; k < map->charts; k++)
         tc_field_destroy(map->chart[k].field);

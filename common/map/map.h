@@ -3,9 +3,12 @@
 #ifndef TC_MAP_H
 #define TC_MAP_H
 
+#include <stdatomic.h>
+
 #include "common/chart/chart.h"
 
 struct tc_map {
+    atomic_int users; /* whoever made it, and drawers */
     tc_body body;
     int charts; /* at least 1 */
     tc_chart *chart;
@@ -19,6 +22,9 @@ struct tc_map {
 
 /* A map without charts, with room for so many: fields that are put into them become its own. NULL: no memory. */
 tc_map *tc_map_create(tc_body body, int charts);
+
+/* The map for one more user, who destroys it likewise. */
+tc_map *tc_map_share(tc_map *map);
 
 /* A flat map over one field, which it takes over, also where there is no memory: NULL then. */
 tc_map *tc_map_flat(tc_field *field);

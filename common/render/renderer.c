@@ -65,10 +65,15 @@ tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scen
     return create(gl, surface, options, NULL, renderer_ret, error);
 }
 
-tc_status tc_renderer_create_beside(tc_renderer *other, tc_surface *surface, tc_renderer **renderer_ret,
-                                    tc_error *error)
+tc_status tc_renderer_create_with(const tc_gl *gl, tc_scene_objects *objects, tc_surface *surface,
+                                  const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error)
 {
-    return create(other->gl, surface, &other->options, other->objects, renderer_ret, error);
+    return create(gl, surface, options, objects, renderer_ret, error);
+}
+
+tc_scene_objects *tc_renderer_objects(const tc_renderer *renderer)
+{
+    return renderer->objects;
 }
 
 void tc_renderer_destroy(tc_renderer *renderer)

@@ -7,6 +7,7 @@
 #include "common/gl/gl.h"
 #include "level_textures.h"
 #include "scene_needs.h"
+#include "scene_objects.h"
 #include "scene_programs.h"
 #include "sight.h"
 #include "target.h"
@@ -32,10 +33,11 @@ typedef struct tc_renderer tc_renderer;
 /* The surface and its clipmaps must outlive the renderer. gl must be current. */
 tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
                              tc_renderer **renderer_ret, tc_error *error);
-/* Another view of the same map in the same way: it shares geometry, colours and programs with `other`, which may be
- * destroyed before it. Its surface is one of its own, of the same scheme and windows. */
-tc_status tc_renderer_create_beside(tc_renderer *other, tc_surface *surface, tc_renderer **renderer_ret,
-                                    tc_error *error);
+/* Another view of the same map: it shares geometry, colours and programs with all others of the same objects, which may
+ * be destroyed before it. Its surface is one of its own, of the same scheme and windows. */
+tc_status tc_renderer_create_with(const tc_gl *gl, tc_scene_objects *objects, tc_surface *surface,
+                                  const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error);
+tc_scene_objects *tc_renderer_objects(const tc_renderer *renderer);
 void tc_renderer_destroy(tc_renderer *renderer);
 
 /* Changes what may change while running: level_colours, wireframe, frame, budget. */

@@ -44,7 +44,7 @@ tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, co
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
     *o = (tc_scene_objects){.users = 1, .n = tc_clipmap_n(surface->clipmap[0]), .scheme = surface->name};
     o->palette = tc_palette_make(tc_field_info(tc_clipmap_field(surface->clipmap[0])));
-    tc_status status = tc_scene_programs_build(gl, surface, needs, &o->programs, error);
+    tc_status status = needs ? tc_scene_programs_build(gl, surface, needs, &o->programs, error) : TC_OK;
     if (status == TC_OK) {
         tc_gl_forget_errors(gl); /* what went wrong before is none of ours */
         create_geometry(gl, &surface->geometry, o);

@@ -16,7 +16,7 @@ typedef struct tc_scene_objects {
     tc_scene_programs programs;
 } tc_scene_objects;
 
-/* For one user, with the programs that the needs call for. */
+/* For one user, with the programs that the needs call for; NULL: none so far. */
 tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,
                                   tc_scene_objects **objects_ret, tc_error *error);
 

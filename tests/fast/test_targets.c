@@ -404,7 +404,9 @@ static void two_views_in_a_frame_are_the_two_apart(void **state)
         scene first = sphere ? planet_scene_here() : flat_scene(), second = {.surface = another_surface(sphere != 0)};
         tc_error error;
         tc_frame_stats stats[2];
-        assert_int_equal(tc_renderer_create_beside(first.renderer, second.surface, &second.renderer, &error), TC_OK);
+        assert_int_equal(tc_renderer_create_with(gl, tc_renderer_objects(first.renderer), second.surface, &look,
+                                                 &second.renderer, &error),
+                         TC_OK);
         scene *scenes[2] = {&first, &second};
         do
             for (int k = 0; k < 2; k++)

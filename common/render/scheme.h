@@ -1,0 +1,30 @@
+/* scheme.h - ways of drawing a map: what makes a surface over it. They are a list beside their surface; the build makes
+ * the list of all lists (SCHEMES in the Makefile). */
+#ifndef TC_SCHEME_H
+#define TC_SCHEME_H
+
+#include "scene_needs.h"
+#include "surface.h"
+
+/* What the scene and the machine ask of a surface; zero is the default. */
+typedef struct tc_surface_request {
+    int n, levels, steps;
+    const tc_scene_needs *needs;
+    bool interactive; /* a window on a software renderer: no more detail than it can draw */
+    const tc_camera *camera;
+} tc_surface_request;
+
+typedef struct tc_scheme {
+    const char *name;          /* as in figures and on the command line */
+    const char *help;          /* what it is, beside the first one; of that NULL */
+    const tc_body_class *body; /* of the maps that it draws */
+    /* A surface over the map, which outlives it. */
+    tc_status (*create)(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
+                        tc_error *error);
+} tc_scheme;
+
+/* All that are built in: lists that end with a NULL name, of which the first one is taken unless another is named;
+ * ended by NULL. */
+extern const tc_scheme *const tc_scheme_lists[];
+
+#endif
