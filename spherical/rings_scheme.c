@@ -1,18 +1,45 @@
 /* rings_scheme.c - concentric rings as fine as the frame calls for, by either map transform. */
 #include "rings.h"
 
+/* Steps around. */
+static int size(const tc_surface_request *request)
+{
+    enum { LEAST = 128, IN_SOFTWARE = 256 };
+    if (request->n)
+        return request->n;
+    int n_phi = request->interactive ? IN_SOFTWARE : tc_rings_n_phi_for(request->camera);
+    for (int i = 0; i < request->halvings && n_phi > LEAST; i++)
+        n_phi /= 2;
+    return n_phi;
+}
+
+/* Samples a side of the windows that shading calls for. */
+static int window_size(const tc_surface_request *request)
+{
+    enum { LEAST = 63, IN_SOFTWARE = 255 };
+    int n = request->interactive ? IN_SOFTWARE : tc_clipmap_n_for(request->camera);
+    for (int i = 0; i < request->halvings && n > LEAST; i++)
+        n /= 2;
+    return n;
+}
+
 static tc_status create(tc_rings_scheme scheme, const tc_map *map, const tc_surface_request *request,
                         tc_surface **surface_ret, tc_error *error)
 {
-    int n_phi = request->n ? request->n : request->interactive ? 256 : tc_rings_n_phi_for(request->camera);
     const tc_rings_options options = {.scheme = scheme,
-                                      .n_phi = n_phi,
+                                      .n_phi = size(request),
                                       .m = request->steps,
-                                      .n = request->interactive ? 255 : tc_clipmap_n_for(request->camera),
+                                      .n = window_size(request),
                                       .max_levels = request->levels,
                                       .normals = request->needs->light,
                                       .holes = request->needs->holes};
     return tc_rings_create(map, &options, surface_ret, error);
+}
+
+/* Steps and windows in one number. */
+static int all_sizes(const tc_surface_request *request)
+{
+    return size(request) * 4096 + window_size(request);
 }
 
 static tc_status create_rings(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
@@ -27,6 +54,7 @@ static tc_status create_ch06(const tc_map *map, const tc_surface_request *reques
     return create(TC_RINGS_CH06, map, request, surface_ret, error);
 }
 
-const tc_scheme tc_rings_schemes[] = {{"rings", NULL, &tc_sphere_body, create_rings},
-                                      {"rings-ch06", "the paper's own map transform", &tc_sphere_body, create_ch06},
-                                      {0}};
+const tc_scheme tc_rings_schemes[] = {
+    {"rings", NULL, &tc_sphere_body, all_sizes, create_rings},
+    {"rings-ch06", "the paper's own map transform", &tc_sphere_body, all_sizes, create_ch06},
+    {0}};

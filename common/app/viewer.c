@@ -41,8 +41,7 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     return tc_map_load(v->options.terrain, &source, &load, &v->map, error);
 }
 
-/* Whether there is to be a window that a person sees. */
-static bool interactive(const tc_options *options)
+bool tc_viewer_interactive(const tc_options *options)
 {
     return !options->output && (!options->path || options->backend == TC_BACKEND_WINDOW);
 }
@@ -55,9 +54,9 @@ static double ground_height(void *context, double x, double y)
     const tc_viewer *v = context;
     double z = 0, drawn;
     bool shown = v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn);
-    if (shown && interactive(&v->options))
+    if (shown && tc_viewer_interactive(&v->options))
         return drawn;
-    if (interactive(&v->options))
+    if (tc_viewer_interactive(&v->options))
         tc_map_rough_height(v->map, x, y, &z);
     else
         tc_map_height(v->map, x, y, &z);
@@ -108,7 +107,7 @@ static tc_flight_box whole_box(const tc_viewer *v)
 /* Says once that the eye was under the ground; in a window it is kept above it as flying does. */
 static void say_lifted(tc_viewer *v, double below)
 {
-    if (!v->lifted && below > 0 && !interactive(&v->options) && !v->options.quiet)
+    if (!v->lifted && below > 0 && !tc_viewer_interactive(&v->options) && !v->options.quiet)
         fprintf(stderr, "%s: warning: the eye was %.6g m under the ground: lifted above it\n", v->program->name, below);
     v->lifted |= below > 0;
 }
@@ -119,7 +118,7 @@ void tc_viewer_place(tc_viewer *v, const tc_pose *view)
     if (!tc_map_has_ground(v->map, view->x, view->y))
         return;
     double z = 0; /* an eye under the ground sees nothing, or the terrain's underside */
-    if (interactive(&v->options))
+    if (tc_viewer_interactive(&v->options))
         z = ground_height(v, view->x, view->y);
     else
         tc_map_height(v->map, view->x, view->y, &z);
@@ -169,7 +168,7 @@ static tc_status open_window(tc_viewer *v, tc_error *error)
         const tc_window_options options = {.title = v->program->name,
                                            .width = v->options.width,
                                            .height = v->options.height,
-                                           .hidden = !interactive(&v->options),
+                                           .hidden = !tc_viewer_interactive(&v->options),
                                            .drag = v->program->navigation->pulls};
         status = v->window_plugin->open(&options, &v->window, &reason);
     }
@@ -185,7 +184,7 @@ static tc_status open_window(tc_viewer *v, tc_error *error)
 static tc_status open_context(tc_viewer *v, tc_error *error)
 {
     tc_status status;
-    if (interactive(&v->options) || v->options.backend == TC_BACKEND_WINDOW) {
+    if (tc_viewer_interactive(&v->options) || v->options.backend == TC_BACKEND_WINDOW) {
         status = open_window(v, error);
     } else {
         status = tc_context_create(v->options.backend, &v->context, error);
@@ -212,19 +211,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     if (v->options.scene.samples > most && !v->options.quiet)
         fprintf(stderr, "%s: warning: --samples: expected at most %d with this driver, found %d; %d are drawn\n",
                 v->program->name, most, v->options.scene.samples, most);
-    const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(tc_map_field(v->map, 0)));
-    const tc_surface_request request = {.n = v->options.n,
-                                        .levels = v->options.levels,
-                                        .steps = v->options.steps,
-                                        .needs = &needs,
-                                        .interactive = interactive(&v->options) &&
-                                                       tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
-                                        .camera = &v->camera};
-    const tc_scheme *scheme = v->options.scheme ? v->options.scheme : &v->program->schemes[0];
-    tc_status status = scheme->create(v->map, &request, &v->surface, error);
-    if (status == TC_OK)
-        status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
-    return status;
+    return tc_viewer_make_surface(v, error);
 }
 
 /* ---- Frames ------------------------------------------------------------------------------------------------- */
@@ -232,7 +219,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
 tc_status tc_viewer_measured_frame(tc_viewer *v, tc_frame_stats *frame_ret, tc_error *error)
 {
     double start = tc_clock_ms();
-    tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, frame_ret, error);
+    tc_status status = tc_viewer_frame(v, true, frame_ret, error);
     if (status == TC_OK)
         tc_stats_frame(v->stats, tc_clock_ms() - start, frame_ret);
     return status;
@@ -244,7 +231,7 @@ tc_status tc_viewer_resident_frame(tc_viewer *v, tc_error *error)
     for (int idle = 0, tries = 0; idle < 3 && tries < 100000 && !tc_interrupted(); tries++) {
         tc_frame_stats frame;
         double start = tc_clock_ms();
-        tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, &frame, error);
+        tc_status status = tc_viewer_frame(v, true, &frame, error);
         if (status != TC_OK)
             return status;
         if (frame.resident && lift(v)) { /* which may call for other levels */
@@ -374,7 +361,7 @@ static tc_status run(tc_viewer *v, tc_error *error)
         return status;
 
     tc_watch_interrupts();
-    if (interactive(&v->options))
+    if (tc_viewer_interactive(&v->options))
         status = tc_viewer_window(v, error);
     else if (v->options.path)
         status = tc_viewer_flight(v, error);

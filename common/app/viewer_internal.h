@@ -22,6 +22,8 @@ typedef struct tc_viewer {
 
     tc_map *map;
     tc_surface *surface;
+    int surface_size; /* as its scheme says it */
+    int halvings;     /* of that which the frame calls for, since the driver had no memory */
     tc_ground ground;
     double spacing;      /* metres; the smaller of the finest level's two */
     double least_height; /* metres that the eye keeps above the ground */
@@ -43,6 +45,17 @@ typedef struct tc_viewer {
 
 /* Puts the camera where the view says; above the ground of a planet. */
 void tc_viewer_place(tc_viewer *viewer, const tc_pose *view);
+
+/* Whether there is to be a window that a person sees. */
+bool tc_viewer_interactive(const tc_options *options);
+
+/* The surface and what draws it, as large as frame and machine call for, or smaller where the driver has no memory for
+ * that; in place of those that there are (viewer_scene.c). */
+tc_status tc_viewer_make_surface(tc_viewer *viewer, tc_error *error);
+
+/* Draws a frame of viewer->camera. Where the frame has become so much larger or smaller that another size of the mesh
+ * is called for, or the driver has no memory for it, the surface is made anew. finish: as in tc_renderer_frame(). */
+tc_status tc_viewer_frame(tc_viewer *viewer, bool finish, tc_frame_stats *frame_ret, tc_error *error);
 
 /* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
 tc_status tc_viewer_measured_frame(tc_viewer *viewer, tc_frame_stats *frame_ret, tc_error *error);

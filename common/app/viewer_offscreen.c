@@ -42,7 +42,7 @@ static tc_status warm_up(tc_viewer *v, tc_error *error)
 {
     tc_frame_stats frame = {0};
     for (int idle = 0; idle < 3 && !frame.resident && !tc_interrupted();) {
-        tc_status status = tc_renderer_frame(v->renderer, &v->camera, true, &frame, error);
+        tc_status status = tc_viewer_frame(v, true, &frame, error);
         if (status != TC_OK)
             return status;
         tc_stats_load(v->stats, &frame);

@@ -267,7 +267,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         tc_viewer_place(v, &s.flight.view);
 
         tc_frame_stats frame;
-        status = tc_renderer_frame(v->renderer, &v->camera, false, &frame, error);
+        status = tc_viewer_frame(v, false, &frame, error);
         if (status != TC_OK)
             break;
         tc_renderer_present(v->renderer, input.width, input.height);

@@ -11,6 +11,7 @@ typedef struct tc_surface_request {
     int n, levels, steps;
     const tc_scene_needs *needs;
     bool interactive; /* a window on a software renderer: no more detail than it can draw */
+    int halvings;     /* of what the frame calls for: the driver has no memory for more */
     const tc_camera *camera;
 } tc_surface_request;
 
@@ -18,6 +19,8 @@ typedef struct tc_scheme {
     const char *name;          /* as in figures and on the command line */
     const char *help;          /* what it is, beside the first one; of that NULL */
     const tc_body_class *body; /* of the maps that it draws */
+    /* What a surface's size comes to: another one calls for another surface. */
+    int (*size)(const tc_surface_request *request);
     /* A surface over the map, which outlives it. */
     tc_status (*create)(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
                         tc_error *error);

@@ -152,6 +152,18 @@ else
     skip 'xwd is not installed'
 fi
 
+# The mesh follows: cells cover as many pixels as before.
+if start hills.tif --size 150x100 --explain; then
+    cases=$((cases + 1))
+    xdotool windowsize "$id" 700 500
+    await sh -c "xdotool getwindowgeometry $id | grep -q 700x500" || fail 'cannot be made larger'
+    sleep 0.5
+    xdotool windowfocus "$id"
+    xdotool key Escape
+    ends 'after growing'
+    grep -q 'texture: heights: RG32F, 256 x 256' stdout.txt || fail 'the mesh of a window made larger is that of the small one'
+fi
+
 # ---- Other ends
 
 if start hills.tif --size 320x240 --wireframe --level-colours; then

@@ -1,0 +1,75 @@
+/* viewer_scene.c - a viewer's surface, whose size follows the frame's and what the driver has room for. */
+#include "viewer_internal.h"
+
+static const tc_scheme *scheme_of(const tc_viewer *v)
+{
+    return v->options.scheme ? v->options.scheme : &v->program->schemes[0];
+}
+
+static tc_surface_request request_of(const tc_viewer *v)
+{
+    return (tc_surface_request){.n = v->options.n,
+                                .levels = v->options.levels,
+                                .steps = v->options.steps,
+                                .interactive = tc_viewer_interactive(&v->options) &&
+                                               tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
+                                .halvings = v->halvings,
+                                .camera = &v->camera};
+}
+
+/* One halving more; whether that makes the surface smaller. */
+static bool halve(tc_viewer *v)
+{
+    const tc_surface_request before = request_of(v);
+    v->halvings++;
+    const tc_surface_request after = request_of(v);
+    return scheme_of(v)->size(&after) < scheme_of(v)->size(&before);
+}
+
+static void drop(tc_viewer *v)
+{
+    tc_renderer_destroy(v->renderer);
+    v->renderer = NULL;
+    if (v->surface)
+        v->surface->destroy(v->surface);
+    v->surface = NULL;
+}
+
+static tc_status make(tc_viewer *v, tc_error *error)
+{
+    const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(tc_map_field(v->map, 0)));
+    tc_surface_request request = request_of(v);
+    request.needs = &needs;
+    drop(v); /* there may not be room for both */
+    v->surface_size = scheme_of(v)->size(&request);
+    tc_status status = scheme_of(v)->create(v->map, &request, &v->surface, error);
+    if (status == TC_OK)
+        status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
+    return status;
+}
+
+tc_status tc_viewer_make_surface(tc_viewer *v, tc_error *error)
+{
+    tc_status status = make(v, error);
+    while (status == TC_ERR_MEMORY && halve(v))
+        status = make(v, error);
+    return status;
+}
+
+tc_status tc_viewer_frame(tc_viewer *v, bool finish, tc_frame_stats *frame_ret, tc_error *error)
+{
+    const tc_surface_request request = request_of(v);
+    tc_status status = TC_OK;
+    if (scheme_of(v)->size(&request) != v->surface_size) {
+        v->halvings = 0;
+        status = tc_viewer_make_surface(v, error);
+    }
+    if (status == TC_OK)
+        status = tc_renderer_frame(v->renderer, &v->camera, finish, frame_ret, error);
+    while (status == TC_ERR_MEMORY && halve(v)) { /* textures come with the frame */
+        status = tc_viewer_make_surface(v, error);
+        if (status == TC_OK)
+            status = tc_renderer_frame(v->renderer, &v->camera, finish, frame_ret, error);
+    }
+    return status;
+}
