@@ -198,6 +198,7 @@ LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc al
 LDFLAGS_test_damage := $(LDFLAGS_test_memory)
 LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
 LDFLAGS_test_draw := $(LDFLAGS_test_memory)
+LDFLAGS_test_refused := $(LDFLAGS_test_memory)
 
 # Codecs to compare with; nothing else is linked with them.
 CODERS := $(call obj,tests/bench/jpeg2000 tests/bench/coders tests/bench/gdal_coders)

@@ -106,7 +106,7 @@ static size_t array_bytes(const tc_clipmap *c, const tc_content_class *content)
 
 static size_t scratch_bytes(const tc_clipmap *c)
 {
-    size_t most = 0;
+    size_t most = 1; /* never none, or it would look like no memory */
     for (int k = 0; k < c->contents; k++) {
         size_t bytes = c->content[k].class->scratch_bytes(c->n);
         most = bytes > most ? bytes : most;

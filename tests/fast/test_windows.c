@@ -6,19 +6,10 @@
 #include "common/base/rect.h"
 #include "common/content/ground.h"
 #include "tests/support/moody.h"
+#include "tests/support/stripes.h"
 #include "tests/support/test.h"
 
 enum { N = 31, SIZE = 257 };
-
-/* Windows of all levels around a place of the finest. */
-static void want(const tc_clipmap *c, int64_t x, int64_t y, tc_rect *wanted)
-{
-    for (int l = 1; l <= tc_clipmap_levels(c); l++) {
-        const tc_clip_level *v = tc_clipmap_level(c, l);
-        int64_t i = ((x >> v->shift) - N / 2) & ~(int64_t)1, j = ((y >> v->shift) - N / 2) & ~(int64_t)1;
-        wanted[l - 1] = tc_rect_intersect((tc_rect){i, j, i + N, j + N}, v->extent);
-    }
-}
 
 static void assert_same(const tc_clipmap *a, const tc_clipmap *b)
 {
@@ -49,13 +40,13 @@ static void failing(bool only_normals)
     assert_int_equal(tc_ground_create(good, &options, &clean, NULL), TC_OK);
     int m = tc_clipmap_levels(c), top = tc_field_info(good)->levels;
     assert_true(m >= 4);
-    want(c, 100, 100, wanted);
+    stripes_want(c, 100, 100, wanted);
     tc_clipmap_update(c, wanted, -1, false, 0);
     assert_true(tc_clipmap_resident(c) && tc_clipmap_failed(c) == TC_OK);
 
     /* Heights of the last but one level can be read in the second case, but not what its normals come from. */
     broken->failing_level = only_normals ? top : top - 1;
-    want(c, 140, 120, wanted);
+    stripes_want(c, 140, 120, wanted);
     double now = 1;
     for (int frame = 0; frame < 1000; frame++, now += 0.02) {
         tc_clipmap_update(c, wanted, -1, false, now);
@@ -75,7 +66,7 @@ static void failing(bool only_normals)
 
     /* Who waits tries at once and each time. */
     broken->failing_level = top, broken->tries = 0;
-    want(c, 20, 30, wanted);
+    stripes_want(c, 20, 30, wanted);
     for (int frame = 0; frame < 5; frame++)
         tc_clipmap_update(c, wanted, -1, true, now);
     assert_true(broken->tries >= 5 && tc_clipmap_failed(c) == TC_ERR_IO);
@@ -98,34 +89,6 @@ static void normals_that_fail_are_not_held(void **state)
 }
 
 /* ---- A content of one byte a texel, two texels a sample ---------------------------------------------------------- */
-
-static uint8_t stripe(const tc_content *content, int level, int64_t x, int64_t y)
-{
-    return (uint8_t)((int64_t)content->parameter * (x ^ 3 * y) + level);
-}
-
-static size_t no_scratch(int n)
-{
-    (void)n;
-    return 1;
-}
-
-static tc_status fill_stripes(const tc_fill *f)
-{
-    uint8_t *texels = f->texels;
-    for (int64_t y = 2 * f->rect.y0 - 1; y < 2 * f->rect.y1; y++)
-        for (int64_t x = 2 * f->rect.x0 - 1; x < 2 * f->rect.x1; x++)
-            texels[(y & (f->size - 1)) * f->size + (x & (f->size - 1))] = stripe(f->content, f->level, x, y);
-    return TC_OK;
-}
-
-static const tc_content_class stripes = {.name = "stripes",
-                                         .format = TC_TEXEL_R8,
-                                         .scale = 2,
-                                         .border = 1,
-                                         .reach_finer = -1,
-                                         .scratch_bytes = no_scratch,
-                                         .fill = fill_stripes};
 
 /* A reader's own copy of an array, brought up to date by what has changed. */
 typedef struct reader {
@@ -166,7 +129,7 @@ static void a_content_of_our_own(void **state)
     tc_rect wanted[TC_MAX_LEVELS];
     test_random random = {7};
     for (int move = 0; move < 3000; move++) {
-        want(c, test_random_int(&random, 0, SIZE - 1), test_random_int(&random, 0, SIZE - 1), wanted);
+        stripes_want(c, test_random_int(&random, 0, SIZE - 1), test_random_int(&random, 0, SIZE - 1), wanted);
         tc_clipmap_update(c, wanted, test_random_int(&random, N, N * N), false, 0);
         read_changes(often, c);
         if (move % 40 == 0 || move == 2999) /* sometimes so late that it has missed some */
@@ -189,12 +152,43 @@ static void a_content_of_our_own(void **state)
     tc_field_destroy(field);
 }
 
+/* ---- Another n --------------------------------------------------------------------------------------------------- */
+
+/* A terrain's windows are given up and made anew in another size while the field stays: no trace of the size before. */
+static void windows_of_another_size(void **state)
+{
+    (void)state;
+    tc_field *field = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, 10, 3);
+    const tc_ground_options small = {.n = N, .normals = true}, large = {.n = 4 * N + 3, .normals = true};
+    tc_clipmap *c, *clean;
+    tc_rect wanted[TC_MAX_LEVELS];
+    assert_int_equal(tc_ground_create(field, &small, &clean, NULL), TC_OK);
+    stripes_want(clean, 120, 130, wanted);
+    tc_clipmap_update(clean, wanted, -1, true, 0);
+    size_t bytes = tc_field_tell(field).bytes;
+    for (int k = 0; k < 5; k++) {
+        assert_int_equal(tc_ground_create(field, k % 2 ? &large : &small, &c, NULL), TC_OK);
+        stripes_want(c, 120, 130, wanted);
+        do
+            tc_clipmap_update(c, wanted, 1000, false, 0);
+        while (!tc_clipmap_resident(c));
+        if (k < 4)
+            tc_clipmap_destroy(c);
+    }
+    assert_same(c, clean);
+    assert_true(tc_field_tell(field).bytes == bytes);
+    tc_clipmap_destroy(c);
+    tc_clipmap_destroy(clean);
+    tc_field_destroy(field);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(heights_that_fail_are_not_held),
         cmocka_unit_test(normals_that_fail_are_not_held),
         cmocka_unit_test(a_content_of_our_own),
+        cmocka_unit_test(windows_of_another_size),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
