@@ -206,6 +206,7 @@ $(O)/tests/bench_pack: $(CODERS)
 $(O)/tests/bench_rate_distortion: $(CODERS) $(OBJ)/tests/bench/rate_summary.o
 LIBS_bench_pack = $(shell pkg-config --libs gdal libopenjp2)
 LIBS_bench_rate_distortion = $(LIBS_bench_pack)
+LIBS_test_host_window = -lEGL
 
 # Makes elevation files for the command-line tests.
 $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o

@@ -2,7 +2,7 @@
 # Runs test programs and scripts one after the other: run.sh BUILD_DIR TEST...
 # Each prints its own result; a last line sums up. Ends with 1 where any failed.
 build=$1; shift
-export MESA_SHADER_CACHE_DISABLE=true TERRACLIP_BUILD="$build"
+export MESA_SHADER_CACHE_DISABLE=true TERRACLIP_BUILD="$build" TERRACLIP_GL_DEBUG=1
 case "$build" in
     *sanitize) # what the driver and the input libraries lose is not ours; only one file of suppressions is read
         cat "${0%/*}"/support/lsan*.supp > "$build/lsan.supp"

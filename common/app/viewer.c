@@ -5,6 +5,7 @@
 #include "common/base/outfile.h"
 #include "explain.h"
 #include "interrupt.h"
+#include "common/gl/debug.h"
 #include "common/input/plugin.h"
 #include "common/render/canvas.h"
 
@@ -177,6 +178,7 @@ static tc_status open_window(tc_viewer *v, tc_error *error)
     if (status != TC_OK)
         return tc_fail(error, status, "%s%s", reason.text,
                        v->options.output ? "" : "; -o FILE.png writes a picture without a display");
+    tc_gl_watch(&v->window_gl);
     v->gl = &v->window_gl;
     return TC_OK;
 }

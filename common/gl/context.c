@@ -4,6 +4,7 @@
  * is only told when none does. Nothing here forks: llvmpipe's threads would not come along, and the child would hang.
  */
 #include "context.h"
+#include "debug.h"
 #include "offscreen.h"
 #include "common/base/status.h"
 
@@ -45,6 +46,7 @@ tc_status tc_context_create(tc_backend backend, tc_context **context_ret, tc_err
         if (status == TC_OK) {
             status = tc_gl_load(&context->gl, context->offscreen.get_proc, &reason);
             if (status == TC_OK) {
+                tc_gl_watch(&context->gl);
                 *context_ret = context;
                 return TC_OK;
             }

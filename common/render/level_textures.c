@@ -1,6 +1,7 @@
 /* level_textures.c - uploads of toroidal rectangles, cut where they wrap. */
 #include "level_textures.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "common/base/rect.h"
@@ -46,11 +47,12 @@ static tc_status create(const tc_gl *gl, const tc_clipmap *clipmap, tc_level_tex
             .bytes = texels * tc_texel_bytes(content->format),
         };
     }
-    if (gl->GetError() == GL_NO_ERROR)
-        return TC_OK;
-    tc_gl_forget_errors(gl);
-    tc_level_textures_destroy(gl, t);
-    return tc_fail(error, TC_ERR_MEMORY, "vertex textures: no room for %d layers of %dx%d", t->depth, n + 1, n + 1);
+    char what[64];
+    snprintf(what, sizeof what, "%d layers of %dx%d", t->depth, n + 1, n + 1);
+    tc_status status = tc_gl_allocated(gl, what, error);
+    if (status != TC_OK)
+        tc_level_textures_destroy(gl, t);
+    return status;
 }
 
 /* Takes over the layers that there were. */

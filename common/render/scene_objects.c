@@ -33,7 +33,6 @@ static void create_ramp(const tc_gl *gl, tc_scene_objects *o)
     gl->TextureParameteri(o->ramp, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl->TextureParameteri(o->ramp, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl->TextureParameteri(o->ramp, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl->TextureSubImage1D(o->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, o->palette.ramp);
 }
 
 tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,
@@ -51,10 +50,12 @@ tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, co
         create_ramp(gl, o);
         status = tc_gl_allocated(gl, "geometry", error);
     }
-    if (status == TC_OK)
+    if (status == TC_OK) {
+        gl->TextureSubImage1D(o->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, o->palette.ramp);
         *objects_ret = o;
-    else
+    } else {
         tc_scene_objects_release(gl, o);
+    }
     return status;
 }
 

@@ -70,10 +70,9 @@ tc_status tc_target_check(const tc_gl *gl, const tc_target_place *p, tc_error *e
     if ((unsigned)p->depth >= TC_DEPTHS || (unsigned)p->encoding >= TC_ENCODINGS)
         return tc_fail(error, TC_ERR_USAGE, "target: expected a known depth and encoding, found %d and %d",
                        (int)p->depth, (int)p->encoding);
-    tc_gl_forget_errors(gl);
-    GLenum state = gl->CheckNamedFramebufferStatus(p->framebuffer, GL_FRAMEBUFFER);
-    if (gl->GetError() != GL_NO_ERROR)
+    if (p->framebuffer && !gl->IsFramebuffer(p->framebuffer))
         return tc_fail(error, TC_ERR_USAGE, "target: expected a framebuffer of this context, found %u", p->framebuffer);
+    GLenum state = gl->CheckNamedFramebufferStatus(p->framebuffer, GL_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE)
         return tc_fail(error, TC_ERR_USAGE, "target: expected a complete framebuffer, found status 0x%x", state);
     gl->GetNamedFramebufferParameteriv(p->framebuffer, GL_SAMPLES, &samples);

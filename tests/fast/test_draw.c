@@ -11,6 +11,7 @@
 #include "common/terraclip_draw.h"
 #include "tests/support/gl_refuse.h"
 #include "tests/support/planet_scene.h"
+#include "tests/support/refused.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
@@ -193,13 +194,6 @@ static void a_map_is_drawn_in_a_frame(void **state)
         tc_eye_destroy(eye[1]);
         free(apart[0]), free(apart[1]), free(both);
     }
-}
-
-static void assert_refused(tc_status status, tc_status expected, const tc_error *error, const char *word)
-{
-    assert_int_equal(status, expected);
-    if (!strstr(error->text, word) || strchr(error->text, '\n'))
-        fail_msg("expected a line with \"%s\", found \"%s\"", word, error->text);
 }
 
 static void nonsense_is_refused(void **state)
