@@ -230,7 +230,7 @@ check: all $(FAST)
 test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights \
       $(O)/tests/window-pixels
 	@mkdir -p $(O)/extreme
-	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(FAST) $(SLOW) $(EXTREME) $(wildcard tests/cli/test_*.sh)
+	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SLOW) $(wildcard tests/cli/test_*.sh) $(EXTREME) $(FAST)
 
 test-extreme: all $(EXTREME)
 	@mkdir -p $(O)/extreme
