@@ -28,6 +28,10 @@ tc_status tc_map_load(const char *path, const tc_source_options *source, const t
 tc_status tc_map_load_packed(const char *path, const tc_source_options *source, const tc_load_options *options,
                              tc_map **map_ret, tc_error *error);
 
+/* Opens, reads, fills voids by the policy: the whole file as a grid that the caller frees with tc_grid_free. Refuses
+ * grids that would not fit the machine's memory together with their pyramid, and grids without one valid sample. */
+tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_grid *grid_ret, tc_error *error);
+
 /* ---- Of load_flat.c and load_globe.c, for load.c ------------------------------------------------------------------
  */
 

@@ -1,4 +1,6 @@
 /* load_grid.c - a whole file as a grid: heights, voids filled, extremes. */
+#include "load.h"
+
 #include "common/input/source_internal.h"
 
 #include "common/field/fill.h"

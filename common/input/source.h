@@ -58,10 +58,6 @@ const tc_source_info *tc_source_get_info(const tc_source *source);
  * voids (same layout, 1 = void: nodata, NaN, infinite; z is 0 there). Any order; north to south is the file's own. */
 tc_status tc_source_read(tc_source *source, int64_t y0, int64_t rows, float *z, uint8_t *voids, tc_error *error);
 
-/* Opens, reads, fills voids by the policy: the whole file as a grid that the caller frees with tc_grid_free. Refuses
- * grids that would not fit the machine's memory together with their pyramid, and grids without one valid sample. */
-tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_grid *grid_ret, tc_error *error);
-
 /* Rows read together at the least cost. */
 int64_t tc_source_chunk_rows(const tc_source *source);
 

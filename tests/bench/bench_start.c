@@ -14,7 +14,7 @@
 #include "common/base/clock.h"
 #include "common/view/camera.h"
 #include "common/view/flight.h"
-#include "common/input/source.h"
+#include "common/app/load.h"
 #include "tests/support/measure.h"
 #include "tests/support/made_files.h"
 #include "tests/support/scene.h"

@@ -83,6 +83,14 @@ different tile.png last.png '--spacing 45'
 accepts 'heights 240.00 to 2160.00 m' $viewer -v N46E008.hgt $picture
 accepts 'heights 24.00 to 216.00 m' $viewer -v --unit 0.1 N46E008.hgt $picture
 
+# An eye under the ground would see its underside: it is lifted above it, and that is said. Beside the terrain there is
+# no ground.
+for view in 30000,20000,-500,30,-15 30000,20000,5,30,60 0,0,-1e6,0,0; do
+    accepts 'warning: the eye was .* m under the ground' $viewer strips.tif --spacing 90 $picture "--view=$view"
+    accepts '' $viewer strips.tif --spacing 90 $picture "--view=$view" -q
+done
+accepts '' $viewer strips.tif --spacing 90 $picture --view=-5000,20000,-500,90,0
+
 # ---- Voids
 
 $make_file tiff voids.tif heights=voids metres=90 nodata=-32768

@@ -13,7 +13,7 @@
 #include <string.h>
 
 #include "common/view/flight.h"
-#include "common/input/source.h"
+#include "common/app/load.h"
 #include "planar/square_internal.h"
 #include "tests/support/drawn.h"
 #include "tests/support/extreme.h"

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "common/base/rect.h"
-#include "common/input/source.h"
+#include "common/app/load.h"
 #include "terrains.h"
 
 /* Pictures of heights do not say how far apart their samples are. */

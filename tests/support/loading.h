@@ -2,7 +2,7 @@
 #ifndef LOADING_H
 #define LOADING_H
 
-#include "common/input/source.h"
+#include "common/app/load.h"
 #include "made_files.h"
 
 /* What a file's opening said. */
