@@ -118,7 +118,6 @@ static tc_tile_entry make_entry(test_random *r, tc_page_form form, int32_t range
     e.step = form.step ? (uint32_t)test_random_bits(r) >> test_random_int(r, 1, 31) : TC_STEP_UNKNOWN;
     if (form.step && test_random_int(r, 0, 9) == 0)
         e.step = UINT32_MAX / 2;
-    e.crc = tc_tile_bytes(&e) ? (uint32_t)test_random_bits(r) : 0;
     e.low = (int32_t)test_random_int(r, -range, range), e.high = (int32_t)test_random_int(r, e.low, range);
     return e;
 }
@@ -131,12 +130,15 @@ static void index_pages_come_back(void **state)
     assert_non_null(bytes);
     for (int n = 0; n < 600; n++) {
         static const int32_t ranges[] = {0, 1, 100, 1 << 20, 2 * TC_LIFTING_LIMIT};
-        tc_page_form form = {n & 1, n & 2, n & 4};
+        tc_page_form form = {n & 1, n & 2, n & 4, n & 8};
         tc_tile_entry entry[TC_PAGE_TILES], back[TC_PAGE_TILES];
         int count = (int)test_random_int(&r, 1, n % 3 ? 12 : TC_PAGE_TILES);
         int32_t range = ranges[n % 5], lowest = INT32_MAX, highest = INT32_MIN;
         for (int i = 0; i < count; i++) {
             entry[i] = make_entry(&r, form, range);
+            if (i > 0 && test_random_int(&r, 0, 3) == 0)
+                entry[i].size[0] = entry[i - 1].size[0];
+            entry[i].crc = tc_tile_bytes(&entry[i]) ? (uint32_t)test_random_bits(&r) : 0;
             lowest = entry[i].low < lowest ? entry[i].low : lowest;
             highest = entry[i].high > highest ? entry[i].high : highest;
         }

@@ -215,6 +215,44 @@ static void sizes_of_streams(void **state)
     free(c), unmake(&e);
 }
 
+/* Noise is kept as it is, in as many bits as its range takes; what no writer makes is refused. */
+static void raw_tiles(void **state)
+{
+    (void)state;
+    static const int32_t steps[] = {1, 4, 257};
+    static const int bits[] = {24, 22, 16};
+    for (int n = 0; n < 3; n++) {
+        example e = make(NOISE, 130, 128, steps[n], false, TC_LIFTING_LIMIT, 1);
+        tc_exact *c = trained(&e, steps[n], 1, NULL);
+        tc_exact_work *work = malloc(tc_exact_work_bytes());
+        uint8_t *bytes = malloc(tc_exact_tile_bound());
+        tc_plane out = packed_plane(e.fine.rect);
+        size_t size;
+        assert_true(round_trip(c, &e) <= (size_t)(130 * 128 * bits[n] / 8 + 2 * 5));
+        assert_int_equal(tc_exact_encode_tile(c, 0, 0, &e.coarse, &e.fine, bytes, &size, work), TC_OK);
+        assert_true(tc_exact_is_raw(bytes, size));
+        uint8_t *copy = malloc(size + 128 * 128);
+        for (size_t length = 0; length < size + 128 * 128; length += length < 9 || length + 9 > size ? 1 : 997) {
+            memset(copy, 0, size + 128 * 128);
+            memcpy(copy, bytes, length < size ? length : size);
+            tc_status status = tc_exact_decode_tile(c, 0, 0, copy, length, &e.coarse, &out, work);
+            if (length == size || (length + 128 * 2048 - size) % 2048) /* else samples of another width */
+                assert_int_equal(status, length == size ? TC_OK : TC_ERR_FORMAT);
+        }
+        for (int mark = 0; mark < 256; mark++) { /* all but its own are other tiles', or nobody's */
+            memcpy(copy, bytes, size);
+            copy[0] = (uint8_t)mark;
+            tc_status status = tc_exact_decode_tile(c, 0, 0, copy, size, &e.coarse, &out, work);
+            assert_true(status == TC_ERR_FORMAT || mark == bytes[0] || mark > 7);
+        }
+        /* A lowest sample beyond the limits, whose others are too. */
+        memcpy(copy, bytes, size);
+        copy[bytes[0]] = 0x7f;
+        assert_int_equal(tc_exact_decode_tile(c, 0, 0, copy, size, &e.coarse, &out, work), TC_ERR_FORMAT);
+        free(copy), free(out.z), free(bytes), free(work), free(c), unmake(&e);
+    }
+}
+
 static void damaged_tiles(void **state)
 {
     (void)state;
@@ -343,6 +381,7 @@ int main(void)
         cmocka_unit_test(a_coarser_level_that_is_nonsense),
         cmocka_unit_test(heights_that_are_no_multiples),
         cmocka_unit_test(sizes_of_streams),
+        cmocka_unit_test(raw_tiles),
         cmocka_unit_test(damaged_tiles),
         cmocka_unit_test(damaged_headers),
         cmocka_unit_test(corrections),

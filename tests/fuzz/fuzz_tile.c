@@ -120,7 +120,7 @@ static void decode_mask(const fuzz_tile *f)
 static void read_page(const fuzz_tile *f)
 {
     int count = 1 + (f->width + f->tile) % TC_PAGE_TILES;
-    tc_page_form form = {f->seed & 1, f->seed & 2, f->seed & 4};
+    tc_page_form form = {f->seed & 1, f->seed & 2, f->seed & 4, f->seed & 8};
     tc_tile_entry *entry = get((size_t)count * sizeof *entry), *again = get((size_t)count * sizeof *again);
     if (!tc_page_read(form, f->bytes, f->size, entry, count)) {
         uint8_t *bytes = get(tc_page_bound());

@@ -85,7 +85,9 @@ static void split(const char *folder, const char *path, const char *name)
     if (tc_packed_file_entry(&f, m, 0, 0, &entry))
         stop("no entry");
     const uint8_t *page = bytes + r->begin + tc_load(bytes + r->begin, 8), *tile = bytes + entry.offset;
-    unsigned form = (r->coder == TC_CODER_CORRECTIONS) | (unsigned)r->mask << 1 | (unsigned)c->steps << 2;
+    tc_page_form told = tc_level_form(r, c->steps);
+    unsigned form =
+        told.corrections | (unsigned)told.mask << 1 | (unsigned)told.step << 2 | (unsigned)told.repeats << 3;
     snprintf(part, sizeof part, "page-%s", name);
     write_part(folder, part, FUZZ_PAGE, &(tc_level){1, 1, 1, 1}, form, NULL, 0, page, tc_load(bytes + r->begin + 8, 4));
     snprintf(part, sizeof part, "tile-%s", name);

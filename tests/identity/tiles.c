@@ -149,7 +149,8 @@ typedef struct level {
     int number;
     int64_t width, height;
     bool corrections, mask;
-    bool steps; /* pages tell tiles' largest steps: since version 3 */
+    bool steps;   /* pages tell tiles' largest steps: since version 3 */
+    bool repeats; /* and of exact levels whether a tile has the size of the one before */
 } level;
 
 enum { VALID, VOID, CODED };
@@ -171,13 +172,15 @@ static void print_page(const level *l, bytes page, bytes tiles, int64_t x, int64
     begin(&d, page);
     raw(&d, 32), raw(&d, 32);
     uint64_t at = 0;
-    bool before = false;
+    uint32_t before = 0;
     int class_before = VALID;
     for (int64_t k = 0; k < columns * rows; k++) {
         uint32_t size[3] = {0}, crc = 0;
         int class = VALID;
-        if (bit(&d, &m.coded[before]))
+        if (bit(&d, &m.coded[before > 0]))
             size[0] = coded_number(&d, &m.size[0]);
+        else if (l->repeats)
+            size[0] = before;
         if (l->corrections)
             size[1] = coded_number(&d, &m.size[1]);
         if (l->mask && !bit(&d, &m.first[class_before]))
@@ -195,7 +198,7 @@ static void print_page(const level *l, bytes page, bytes tiles, int64_t x, int64
         printf("%s level %d tile %" PRId64 " %" PRId64 ": %" PRIu32 " %" PRIu32 " %" PRIu32
                " bytes, mask %d, %08" PRIx32 "\n",
                l->chart, l->number, x + k % columns, y + k / columns, size[0], size[1], size[2], class, crc);
-        at += all, before = size[0] > 0, class_before = class;
+        at += all, before = size[0], class_before = class;
     }
     if (page.size > d.used)
         fail("a page has bytes left over");
@@ -255,7 +258,10 @@ static uint64_t print_container(bytes head, bytes file, const char *chart, bool 
         if (end < begin)
             fail("a level ends before it begins");
         bytes model = part(head, at + 48, number(head, at + 46, 2));
-        level now = {chart, l, w[levels - l], h[levels - l], coder == 1, number(head, at + 1, 1) != 0, steps};
+        level now = {chart,         l,
+                     w[levels - l], h[levels - l],
+                     coder == 1,    number(head, at + 1, 1) != 0,
+                     steps,         steps && coder == 2};
         printf("%s level %d: coder %" PRIu64 ", %" PRId64 " x %" PRId64 ", heights %d to %d, corrections %" PRIu64
                " snap %" PRIu64 ", model %zu bytes, %08" PRIx32 "\n",
                chart, l, coder, now.width, now.height, (int)(int32_t)number(head, at + 18, 4),

@@ -188,12 +188,20 @@ tc_status tc_exact_encode_tile(const tc_exact *c, int64_t tx, int64_t ty, const 
     tc_mix_encode_begin(&coder, bytes, tc_exact_tile_bound());
     code_tile(c, tile, &coder, fine, work, few, true);
     *size_ret = tc_mix_encode_end(&coder, bytes);
+    tc_exact_raw raw;
+    size_t raw_size = tc_exact_raw_size(fine, tile, step, &raw);
+    if (raw_size < *size_ret) {
+        tc_exact_raw_encode(fine, tile, step, &raw, bytes);
+        *size_ret = raw_size;
+    }
     return TC_OK;
 }
 
 tc_status tc_exact_decode_tile(const tc_exact *c, int64_t tx, int64_t ty, const uint8_t *bytes, size_t size,
                                const tc_plane *coarse, const tc_plane *fine, tc_exact_work *work)
 {
+    if (tc_exact_is_raw(bytes, size))
+        return tc_exact_raw_decode(fine, tc_exact_tile_rect(c, tx, ty), c->model.step, bytes, size);
     if (size > 0 && bytes[size - 1] == 0)
         return TC_ERR_FORMAT;
     tc_exact_prepare(c, tx, ty, coarse, work);

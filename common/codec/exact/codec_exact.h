@@ -5,7 +5,8 @@
  * given the reconstructed coarser level around it. A sample is predicted by trained linear functions of the samples
  * before it and of the coarser level on all sides of it (least squares, one function for each of the four places a
  * sample can have among the coarser ones); the size of the error is guessed from the errors before it; and what is
- * left is coded in binary decisions whose probabilities are mixed from several contexts (mixing_coder.h). Linear
+ * left is coded in binary decisions whose probabilities are mixed from several contexts (mixing_coder.h). Where none
+ * of this helps, a tile holds its samples as they are. Linear
  * prediction with error contexts is that of CALIC (Wu, Memon 1997) and TMW (Meyer, Tischer 1997); what the coarser
  * levels cost comes nearly all back here, since they are known to the prediction. All integers; nothing here but the
  * training allocates; all functions are thread-safe. */
@@ -75,6 +76,9 @@ tc_rect tc_exact_tile_needs(const tc_exact *codec, int64_t tx, int64_t ty);
 
 /* Bytes that a tile can take at most. */
 size_t tc_exact_tile_bound(void);
+
+/* Whether a tile's bytes are raw samples, which need neither the model nor the coarser level. */
+bool tc_exact_is_raw(const uint8_t *bytes, size_t size);
 
 /* Encodes the samples of tile (tx, ty) in `fine`, which holds at least them. bytes: room for tc_exact_tile_bound().
  * TC_ERR_USAGE where a height is not a multiple of the step, or is not within TC_LIFTING_LIMIT. */

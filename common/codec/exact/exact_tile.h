@@ -77,6 +77,18 @@ bool tc_exact_values_code(const tc_mix_tables *tables, tc_mix_coder *coder, tc_e
 bool tc_exact_values_find(const tc_mix_tables *tables, tc_exact_values *values, const tc_plane *fine, tc_rect tile,
                           int32_t step, int64_t base, uint8_t *spare);
 
+/* A tile as raw samples (exact_raw.c), and the size that it has so. */
+typedef struct tc_exact_raw {
+    int32_t first; /* the lowest sample, in steps */
+    int first_bytes;
+    size_t size;
+} tc_exact_raw;
+size_t tc_exact_raw_size(const tc_plane *fine, tc_rect tile, int32_t step, tc_exact_raw *raw_ret);
+void tc_exact_raw_encode(const tc_plane *fine, tc_rect tile, int32_t step, const tc_exact_raw *raw, uint8_t *bytes);
+
+/* Decodes bytes that tc_exact_is_raw(). TC_ERR_FORMAT where they are damaged. */
+tc_status tc_exact_raw_decode(const tc_plane *fine, tc_rect tile, int32_t step, const uint8_t *bytes, size_t size);
+
 static inline int32_t tc_exact_clamp(int64_t v, int32_t limit)
 {
     return (int32_t)(v < -limit ? -limit : v > limit ? limit : v);

@@ -86,6 +86,13 @@ static inline int64_t tc_directory_chunk_offset(int64_t chunk)
     return chunk * (TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY + 4);
 }
 
+/* What its pages tell; steps: as of the container. */
+static inline tc_page_form tc_level_form(const tc_level_record *record, bool steps)
+{
+    return (tc_page_form){record->coder == TC_CODER_CORRECTIONS, record->mask, steps,
+                          steps && record->coder == TC_CODER_EXACT};
+}
+
 /* Tiles of page (px, py): a rectangle of tiles. */
 tc_rect tc_page_tiles(const tc_pages *pages, int64_t px, int64_t py);
 

@@ -7,7 +7,7 @@
 #include "common/codec/entropy/binary_coder.h"
 
 typedef struct page_models {
-    tc_bit_model coded[2]; /* by whether the tile before was */
+    tc_bit_model coded[2]; /* whether a size is told, by whether the tile before has one */
     tc_bit_model mask_class[TC_MASK_CODED + 1][2];
     tc_number_model size[TC_STREAMS], low, span, step;
     tc_tile_entry before;
@@ -69,8 +69,9 @@ size_t tc_page_write(tc_page_form form, const tc_tile_entry *entries, int count,
     for (int i = 0; i < count; i++) {
         const tc_tile_entry *t = &entries[i];
         tc_bit_model *class = m.mask_class[m.before.mask_class];
-        tc_bit_encode(&e, &m.coded[m.before.size[0] > 0], t->size[0] > 0);
-        if (t->size[0] > 0)
+        bool told = t->size[0] != (form.repeats ? m.before.size[0] : 0);
+        tc_bit_encode(&e, &m.coded[m.before.size[0] > 0], told);
+        if (told)
             tc_number_encode(&e, &m.size[0], t->size[0]);
         if (form.corrections)
             tc_number_encode(&e, &m.size[1], t->size[1]);
@@ -122,6 +123,8 @@ tc_status tc_page_read(tc_page_form form, const uint8_t *bytes, size_t size, tc_
         tc_bit_model *class = m.mask_class[m.before.mask_class];
         if (tc_bit_decode(&d, &m.coded[m.before.size[0] > 0]))
             t.size[0] = read_size(&d, &m.size[0], &bad);
+        else if (form.repeats)
+            t.size[0] = m.before.size[0];
         if (form.corrections)
             t.size[1] = read_size(&d, &m.size[1], &bad);
         if (form.mask && !tc_bit_decode(&d, &class[0]))

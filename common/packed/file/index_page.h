@@ -33,6 +33,7 @@ static inline uint32_t tc_tile_bytes(const tc_tile_entry *entry)
 /* What is told of every tile of a level. */
 typedef struct tc_page_form {
     bool corrections, mask, step;
+    bool repeats; /* not whether it has heights, but whether as many bytes of them as the tile before: as raw ones do */
 } tc_page_form;
 
 #define TC_STEP_UNKNOWN UINT32_MAX

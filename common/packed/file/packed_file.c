@@ -212,9 +212,8 @@ static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages
         status = TC_ERR_FORMAT;
     tc_rect tiles = tc_page_tiles(pages, px, py);
     int count = (int)tc_rect_area(tiles);
-    tc_page_form form = {r->coder == TC_CODER_CORRECTIONS, r->mask, f->container.steps};
     if (!status)
-        status = tc_page_read(form, bytes, size, to->entry, count);
+        status = tc_page_read(tc_level_form(r, f->container.steps), bytes, size, to->entry, count);
     free(bytes);
     offset += size;
     for (int i = 0; i < count && !status; i++) {

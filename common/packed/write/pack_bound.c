@@ -91,6 +91,18 @@ static tc_status choose_exact(tc_coding *coding, int l, int32_t step, tc_error *
     return status;
 }
 
+/* A level of raw tiles alone is left a model that says its step and takes next to nothing. */
+static tc_status forget_model(tc_level_record *record, int32_t step)
+{
+    tc_exact_model *plain = calloc(1, sizeof *plain);
+    if (!plain)
+        return TC_ERR_MEMORY;
+    plain->step = step;
+    record->model_size = tc_exact_model_write(plain, record->model);
+    free(plain);
+    return TC_OK;
+}
+
 static tc_status code_exact(tc_packer *p, int32_t step, double share, tc_error *error)
 {
     tc_coding coding;
@@ -102,6 +114,8 @@ static tc_status code_exact(tc_packer *p, int32_t step, double share, tc_error *
         status = choose_exact(&coding, m, step, error);
     if (!status)
         status = tc_coding_level(&coding, m, 0, false, share, error);
+    if (!status && coding.outcome.modelled == 0 && (status = forget_model(&p->container.record[m - 1], step)))
+        tc_fail(error, status, "%s: not enough memory", p->path);
     tc_coding_end(&coding);
     return status;
 }

@@ -28,6 +28,7 @@ typedef struct tc_level_outcome {
     int64_t samples;     /* of them */
     double max_error;    /* metres */
     int64_t bytes;
+    int64_t modelled; /* tiles that the level's model decodes; the others are raw */
 } tc_level_outcome;
 
 struct tc_packer {

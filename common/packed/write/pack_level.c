@@ -205,7 +205,7 @@ static tc_status write_body(level_state *s, const void *bytes, size_t size, int6
 /* Writes the pages and tiles of the row of pages that has been gathered. */
 static tc_status flush_pages(level_state *s, int64_t py, tc_error *error)
 {
-    tc_page_form form = {s->record->coder == TC_CODER_CORRECTIONS, s->record->mask, true};
+    tc_page_form form = tc_level_form(s->record, true);
     for (int64_t px = 0; px < s->pages.pages_x; px++) {
         tc_rect t = tc_page_tiles(&s->pages, px, py);
         tc_tile_entry entry[TC_PAGE_TILES];
@@ -274,6 +274,7 @@ static tc_status finish_rows(level_state *s, tc_error *error)
             coded_tile *tile = &s->tile[(ty - s->finished) * across + tx];
             s->outcome.square_error += tile->square_error, s->outcome.samples += tile->samples;
             s->outcome.max_error = fmax(s->outcome.max_error, tile->max_error);
+            s->outcome.modelled += !tile->raw;
             s->record->lowest = tile->entry.low < s->record->lowest ? tile->entry.low : s->record->lowest;
             s->record->highest = tile->entry.high > s->record->highest ? tile->entry.high : s->record->highest;
             s->band_tile[ty % TC_PAGE_ROWS * across + tx] = *tile;

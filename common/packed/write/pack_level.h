@@ -15,6 +15,7 @@ typedef struct coded_tile {
     uint8_t *bytes;
     double square_error, max_error;
     int64_t samples;
+    bool raw; /* takes no model */
 } coded_tile;
 
 /* What a thread needs while it works on a tile. */

@@ -157,7 +157,8 @@ void tc_pack_code_tile(void *context, int64_t n)
     tc_status status = coder->exact  ? code_exact(s, tx, ty, &size, m)
                        : coder->lh04 ? code_lh04(s, tx, ty, &size, m)
                                      : code_lifting(s, tx, ty, &size, m);
-    *tile = (coded_tile){.entry.size[TC_STREAM_HEIGHTS] = (uint32_t)size};
+    *tile = (coded_tile){.entry.size[TC_STREAM_HEIGHTS] = (uint32_t)size,
+                         .raw = coder->exact && tc_exact_is_raw(m->bytes, size)};
     if (!status && size > 0 && !(tile->bytes = malloc(size)))
         status = TC_ERR_MEMORY;
     if (!status && size > 0)
