@@ -232,9 +232,11 @@ test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-hei
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SLOW) $(wildcard tests/cli/test_*.sh) $(EXTREME) $(FAST)
 
-test-extreme: all $(EXTREME)
+# Sweeps whole, of which `make test` looks at a third (tests/support/sweep.h).
+SWEEPS := $(patsubst %,$(O)/tests/%,$(basename $(notdir $(shell grep -l sweep_ $(wildcard tests/slow/*.c)))))
+test-extreme: all $(EXTREME) $(SWEEPS)
 	@mkdir -p $(O)/extreme
-	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(EXTREME)
+	@TERRACLIP_SWEEP=whole TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SWEEPS) $(EXTREME)
 
 bench: all $(BENCH)
 	@for b in $(BENCH); do $$b || exit 1; done

@@ -14,6 +14,7 @@
 #include "planar/square_internal.h"
 #include "tests/support/moody.h"
 #include "tests/support/regions.h"
+#include "tests/support/sweep.h"
 
 enum { MOVES = 100000 };
 
@@ -84,7 +85,7 @@ static int64_t run(const tour *t, uint64_t seed)
     test_random r = {seed + 1};
     tc_rect wanted[TC_MAX_LEVELS];
     int64_t samples = 0;
-    for (int move = 0; move < t->moves; move++) {
+    for (int move = 0; move < sweep_of(t->moves); move++) {
         wanderer_move(&w, p);
         tc_square_wanted(c, &w.camera, wanted);
         m->on = true;
@@ -139,15 +140,15 @@ static void constraints_and_content_hold(void **state)
     int moves = 0;
     for (size_t i = 0; i < sizeof tours / sizeof *tours; i++) {
         int64_t samples = run(&tours[i], i + 1);
-        moves += tours[i].moves;
+        moves += sweep_of(tours[i].moves);
         printf("regions: %lldx%lld%s n %d: %d moves, %lld samples read\n", (long long)tours[i].width,
                (long long)tours[i].height,
                tours[i].packed  ? " packed"
                : tours[i].tiles ? " in bad mood"
                                 : "",
-               tours[i].n, tours[i].moves, (long long)samples);
+               tours[i].n, sweep_of(tours[i].moves), (long long)samples);
     }
-    assert_true(moves >= MOVES);
+    assert_true(moves >= sweep_of(MOVES));
 }
 
 int main(void)

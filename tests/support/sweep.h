@@ -1,0 +1,13 @@
+/* sweep.h - sweeps over random cases: `make test` looks at a third of them, `make test-extreme` at all. */
+#ifndef SWEEP_H
+#define SWEEP_H
+
+#include <stdbool.h>
+
+/* Whether all of each sweep is asked for (TERRACLIP_SWEEP=whole). */
+bool sweep_whole(void);
+
+/* So many of that many cases. */
+int sweep_of(int cases);
+
+#endif
