@@ -11,14 +11,14 @@
 #include "common/base/status.h"
 #include "common/field/field.h"
 #include "common/packed/file/packed_file.h"
-
-enum { CACHE_BYTES = 32 << 20 };
+#include "common/packed/read/tile_store.h"
 
 /* ---- Byte ranges of a source ------------------------------------------------------------------------------------ */
 
-/* The source, closed with the last of those who read it. */
+/* The source, closed with the last of those who read it, and what is kept of it for all charts. */
 typedef struct shared {
     tc_byte_source source;
+    tc_tile_store *store;
     _Atomic int readers;
 } shared;
 
@@ -59,7 +59,7 @@ static tc_status open_range(const char *name, shared *s, int64_t begin, int64_t 
     *r = (range){s, begin};
     s->readers++;
     tc_byte_source source = {r, size, read_range, close_range};
-    return tc_packed_open_chart(name, &source, chart, options, field_ret, error);
+    return tc_packed_open_chart(name, &source, chart, options, s->store, field_ret, error);
 }
 
 /* ---- Charts ----------------------------------------------------------------------------------------------------- */
@@ -162,13 +162,6 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     if (status)
         return status;
     double radius = options->flat ? 0 : tc_field_packed_info(field)->terrain.radius;
-    tc_open_options each = *options;
-    if (radius > 0) { /* a view has one or two charts in it */
-        each.cache_bytes = (options->cache_bytes ? options->cache_bytes : CACHE_BYTES) / 2;
-        tc_field_destroy(field);
-        if ((status = open_range(name, s, 0, s->source.size, 0, &each, &field, error)))
-            return status;
-    }
     tc_map *map = tc_map_create(tc_body_of(radius), 1 + TC_CAP_CHARTS);
     if (!map) {
         tc_field_destroy(field);
@@ -177,7 +170,7 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     const tc_pack_terrain *t = &tc_field_packed_info(field)->terrain;
     describe(t, options, map);
     if (radius > 0)
-        status = open_planet(name, s, field, &each, map, error);
+        status = open_planet(name, s, field, options, map, error);
     else
         map->chart[map->charts++] = place(&tc_chart_plane, field, 0, 0, 0, t->spacing_x, t->spacing_y);
     if (status == TC_OK)
@@ -199,8 +192,11 @@ tc_status tc_map_open_bytes(const char *name, const tc_byte_source *source, cons
             source->close(source->context);
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     }
-    *s = (shared){.source = *source, .readers = 1};
-    tc_status status = open_charts(name, s, options ? options : &defaults, map_ret, error);
+    options = options ? options : &defaults;
+    *s = (shared){.source = *source, .store = tc_tile_store_create(options->cache_bytes), .readers = 1};
+    tc_status status = s->store ? open_charts(name, s, options, map_ret, error)
+                                : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    tc_tile_store_release(s->store); /* its charts' from now on */
     release(s);
     return status;
 }

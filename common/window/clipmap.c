@@ -214,19 +214,24 @@ tc_status tc_clipmap_fill(tc_clipmap *c, int level, tc_rect rect)
     return status;
 }
 
-/* Fills a rectangle; false, and the level's pause begins, where it cannot be. */
-static bool fill(tc_clipmap *c, int level, tc_rect rect, double now)
+/* A part of the level cannot be read: its pause begins. */
+static void put_off(tc_clipmap *c, int level, tc_status why, double now)
 {
     clip_state *s = &c->level[level - 1];
+    c->failed = why;
+    s->not_before = now + fmin(ldexp(FIRST_PAUSE, s->failures < 16 ? s->failures : 16), LONGEST_PAUSE);
+    s->failures++;
+}
+
+/* Fills a rectangle; false, and the level is put off, where it cannot be. */
+static bool fill(tc_clipmap *c, int level, tc_rect rect, double now)
+{
     tc_status status = tc_clipmap_fill(c, level, rect);
-    if (status) {
-        c->failed = status;
-        s->not_before = now + fmin(ldexp(FIRST_PAUSE, s->failures < 16 ? s->failures : 16), LONGEST_PAUSE);
-        s->failures++;
-        return false;
-    }
-    s->failures = 0;
-    return true;
+    if (status)
+        put_off(c, level, status, now);
+    else
+        c->level[level - 1].failures = 0;
+    return !status;
 }
 
 tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *options, tc_clipmap **clipmap_ret,
@@ -333,7 +338,7 @@ static int64_t lines_a_piece(int64_t length)
 }
 
 /* Whether filling rect need not wait for the field. */
-static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
+static tc_ready is_ready(const tc_clipmap *c, int level, tc_rect rect)
 {
     const clip_state *s = &c->level[level - 1];
     int own = 0, finer = -1;
@@ -342,10 +347,10 @@ static bool is_ready(const tc_clipmap *c, int level, tc_rect rect)
         own = content->reach > own ? content->reach : own;
         finer = content->reach_finer > finer ? content->reach_finer : finer;
     }
-    bool ready = tc_field_ready(c->field, s->field_level, grown(rect, own), TC_SOON) == TC_READY;
+    tc_ready ready = tc_field_ready(c->field, s->field_level, grown(rect, own), TC_SOON), more = TC_READY;
     if (finer >= 0 && s->field_level < tc_field_info(c->field)->levels)
-        ready &= tc_field_ready(c->field, s->field_level + 1, grown(refine(rect), finer), TC_SOON) == TC_READY;
-    return ready;
+        more = tc_field_ready(c->field, s->field_level + 1, grown(refine(rect), finer), TC_SOON);
+    return ready == TC_FAILED || more == TC_FAILED ? TC_FAILED : ready == TC_READY ? more : ready;
 }
 
 /* How an update is to be made. */
@@ -370,23 +375,32 @@ static tc_rect lines_beyond(tc_rect r, int side, int64_t first, int64_t last)
 
 /* How many of the lines beyond a side, from the innermost on, need not wait. The field is asked for them piece by piece
  * and no farther than the first that is not ready: a window comes as its parts do, those next to what is held first,
- * and no piece is too large for a cache to keep until it is used. */
-static int64_t ready_lines(const tc_clipmap *c, int level, tc_rect r, int side, int64_t lines)
+ * and no piece is too large for a cache to keep until it is used. *failed_ret: set where the next ones cannot be read.
+ */
+static int64_t ready_lines(const tc_clipmap *c, int level, tc_rect r, int side, int64_t lines, bool *failed_ret)
 {
     int64_t piece = lines_a_piece(side < 2 ? r.y1 - r.y0 : r.x1 - r.x0), ready = 0;
-    while (ready < lines && is_ready(c, level, lines_beyond(r, side, ready, tc_min64(lines, ready + piece))))
-        ready = tc_min64(lines, ready + piece);
+    while (ready < lines) {
+        int64_t next = tc_min64(lines, ready + piece);
+        tc_ready answer = is_ready(c, level, lines_beyond(r, side, ready, next));
+        *failed_ret |= answer == TC_FAILED;
+        if (answer != TC_READY)
+            break;
+        ready = next;
+    }
     return ready;
 }
 
 /* The part of an empty region's first rectangle that need not wait: all of it, else its middle, else nothing. */
-static tc_rect ready_seed(const tc_clipmap *c, int level, tc_rect first)
+static tc_rect ready_seed(const tc_clipmap *c, int level, tc_rect first, bool *failed_ret)
 {
     tc_rect none = {0, 0, 0, 0}, middle = seed(first, PIECE_SAMPLES / 4);
-    if (tc_rect_empty(first) || !is_ready(c, level, middle))
+    tc_ready answer = tc_rect_empty(first) ? TC_COMING : is_ready(c, level, middle);
+    *failed_ret |= answer == TC_FAILED;
+    if (answer != TC_READY)
         return none;
     tc_rect row = {first.x0, first.y0, first.x1, first.y0};
-    return ready_lines(c, level, row, 3, first.y1 - first.y0) == first.y1 - first.y0 ? first : middle;
+    return ready_lines(c, level, row, 3, first.y1 - first.y0, failed_ret) == first.y1 - first.y0 ? first : middle;
 }
 
 /* Adds a rectangle to what is held; returns its samples, none where it is empty or cannot be read. */
@@ -408,22 +422,23 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, effort e)
     clip_state *s = &c->level[level - 1];
     const tc_rect *clip = &s->view.clip;
     int64_t spent = 0;
+    bool failed = false;
     if (tc_rect_empty(target) || (!e.at_once && s->failures && e.now < s->not_before))
         return 0;
     if (tc_rect_empty(*clip)) {
         tc_rect first = seed(target, e.budget);
-        spent = add_rect(c, level, e.wait ? first : ready_seed(c, level, first), e.now);
-        if (spent == 0)
-            return 0;
+        spent = add_rect(c, level, e.wait ? first : ready_seed(c, level, first, &failed), e.now);
     }
-    for (int side = 0; side < 4; side++) {
+    for (int side = 0; side < 4 && !tc_rect_empty(*clip); side++) {
         int64_t missing[] = {clip->x0 - target.x0, target.x1 - clip->x1, clip->y0 - target.y0, target.y1 - clip->y1};
         int64_t length = side < 2 ? clip->y1 - clip->y0 : clip->x1 - clip->x0;
         int64_t lines = affordable(missing[side], length, e.budget < 0 ? -1 : tc_max64(0, e.budget - spent));
         if (!e.wait)
-            lines = ready_lines(c, level, *clip, side, lines);
+            lines = ready_lines(c, level, *clip, side, lines, &failed);
         spent += add_rect(c, level, lines_beyond(*clip, side, 0, lines), e.now);
     }
+    if (failed)
+        put_off(c, level, TC_ERR_IO, e.now);
     return spent;
 }
 
@@ -450,7 +465,7 @@ int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t bu
             v->wanted = tc_rect_intersect(wanted[0], v->extent);
             v->clip = tc_rect_intersect(v->clip, v->wanted);
             samples += grow(clipmap, 1, v->wanted, (effort){-1, true, wait, now}); /* always whole */
-            if (!wait && is_ready(clipmap, 1, lines_beyond(v->wanted, 0, 0, AHEAD)))
+            if (!wait && is_ready(clipmap, 1, lines_beyond(v->wanted, 0, 0, AHEAD)) == TC_READY)
                 is_ready(clipmap, 1, lines_beyond(v->wanted, 1, 0, AHEAD)); /* the next ones need not wait, either */
         } else if (l > 1) {
             const tc_clip_level *coarse = &clipmap->level[l - 2].view;

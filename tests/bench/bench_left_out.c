@@ -273,10 +273,10 @@ static int64_t resident_bytes(void)
     return resident * sysconf(_SC_PAGESIZE);
 }
 
-static void read_nothing(void *done, int level, tc_rect rect)
+static tc_piece read_nothing(tc_wish *wish)
 {
-    (void)level, (void)rect;
-    *(_Atomic bool *)done = true;
+    *(_Atomic bool *)wish->field = true;
+    return TC_PIECE_LAST;
 }
 
 /* In a process of its own: loads a library, or starts the thread; prints milliseconds and bytes. */
@@ -289,8 +289,8 @@ static int child(const char *what)
     int64_t before = resident_bytes();
     double start = tc_clock_ms(), cpu = cpu_ms();
     if (strcmp(what, "thread") == 0) {
-        tc_prefetch_init(&prefetch, read_nothing, &done);
-        if (!tc_prefetch_ask(&prefetch, 1, (tc_rect){0, 0, 1, 1}))
+        tc_prefetch_init(&prefetch, read_nothing, 1);
+        if (!tc_prefetch_ask(&prefetch, &(tc_wish){.field = (void *)&done, .level = 1, .rect = {0, 0, 1, 1}}))
             return 1;
         while (!done)
             usleep(10);

@@ -28,11 +28,11 @@ static void assert_same(const tc_clipmap *a, const tc_clipmap *b)
 
 /* Nothing is held that was not filled, whether heights fail or only normals, which read the next finer level; what
  * failed is tried again, ever more seldom, and comes once it can be read. */
-static void failing(bool only_normals)
+static void failing(bool only_normals, bool says_so)
 {
     tc_field *good = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, 10, 3);
     moody_field *broken = moody_create(good, 1);
-    broken->on = true;
+    broken->on = true, broken->says_so = says_so;
     tc_clipmap *c, *clean;
     tc_rect wanted[TC_MAX_LEVELS];
     const tc_ground_options options = {.n = N, .normals = true};
@@ -79,13 +79,15 @@ static void failing(bool only_normals)
 static void heights_that_fail_are_not_held(void **state)
 {
     (void)state;
-    failing(false);
+    failing(false, false);
+    failing(false, true);
 }
 
 static void normals_that_fail_are_not_held(void **state)
 {
     (void)state;
-    failing(true);
+    failing(true, false);
+    failing(true, true);
 }
 
 /* ---- A content of one byte a texel, two texels a sample ---------------------------------------------------------- */

@@ -44,6 +44,10 @@ static bool all_decoded(moody_field *m, int level, tc_rect rect)
 static tc_ready ready(const tc_field *field, int level, tc_rect rect, tc_urgency urgency)
 {
     moody_field *m = (moody_field *)field;
+    if (m->on && m->says_so && m->failing_level && level >= m->failing_level) {
+        m->tries++;
+        return TC_FAILED;
+    }
     if (!m->on || !m->most || all_decoded(m, level, rect))
         return TC_READY;
     if (urgency != TC_ONLY_ASK)

@@ -13,9 +13,10 @@ typedef struct moody_field {
     const tc_field *base;
     bool on;           /* else all can be read, and nothing is counted */
     int failing_level; /* levels from this one on cannot be read; 0: all can */
+    bool says_so;      /* and are not said to be coming: a field that has tried by itself */
     double failing;    /* share of other reads that fail, too */
     int most;          /* tiles of a level that can be decoded at once; 0: all is always ready */
-    int tries;         /* reads that failed */
+    int tries;         /* reads that failed, and answers that they would */
     int waits;         /* reads of tiles that were not decoded */
     bool *decoded[TC_MAX_FIELD_LEVELS];
     tc_rect wish[TC_MAX_FIELD_LEVELS]; /* the last one of each level */

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,8 +13,11 @@
 
 enum {
     FIRST_READ = 16 << 10, /* holds most heads whole */
-    PAGE_CACHE = 2 << 20,  /* bytes */
-    MOST_PAGE = 1 << 16,   /* bytes; no writer makes a longer page */
+    PAGE_CACHE = 4 << 20,  /* bytes */
+    PAGE_NODES = 343,      /* of a range pyramid over a page's tiles */
+    PAGE_SCALES = 5,       /* above its leaves */
+    PAGE_SCALES_Y = 3,
+    MOST_PAGE = 1 << 16, /* bytes; no writer makes a longer page */
     SMALLEST_HEAD = 20
 };
 
@@ -21,6 +25,8 @@ enum {
 typedef struct page {
     tc_status status;
     tc_tile_entry entry[TC_PAGE_TILES];
+    tc_rect tiles;
+    tc_range node[PAGE_NODES];
 } page;
 
 /* ---- Files ------------------------------------------------------------------------------------------------------- */
@@ -140,7 +146,7 @@ tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *sour
     *f = (tc_packed_file){.path = strdup(name), .source = *source};
     tc_status status =
         f->path ? read_head(f, chart, error) : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
-    if (!status && tc_block_cache_init(&f->pages, sizeof(page), PAGE_CACHE)) {
+    if (!status && tc_block_cache_init(&f->pages, PAGE_CACHE)) {
         tc_block_cache_free(&f->pages);
         tc_container_free(&f->container);
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
@@ -150,6 +156,7 @@ tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *sour
         free(f->path);
         return status;
     }
+    pthread_mutex_init(&f->mutex, NULL);
     tc_container *c = &f->container;
     c->info.cut_short = source->size < c->info.bytes;
     /* Also levels that stand in the head, where other charts have some as fine that do not: charts stay as fine as each
@@ -168,6 +175,9 @@ tc_status tc_packed_file_open(const char *path, tc_packed_file *f, tc_error *err
 
 void tc_packed_file_close(tc_packed_file *f)
 {
+    for (int l = 0; l < TC_MAX_FIELD_LEVELS; l++)
+        free(f->range[l].pages.node), free(f->range[l].read);
+    pthread_mutex_destroy(&f->mutex);
     tc_block_cache_free(&f->pages);
     tc_container_free(&f->container);
     close_source(&f->source);
@@ -225,29 +235,185 @@ static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages
     return status;
 }
 
+/* ---- Ranges ------------------------------------------------------------------------------------------------------ */
+
+static tc_range in_metres(const tc_container *c, int32_t low, int32_t high)
+{
+    return (tc_range){(float)(c->z_origin + c->z_unit * low), (float)(c->z_origin + c->z_unit * high), INFINITY};
+}
+
+static tc_range level_range(const tc_container *c, int l)
+{
+    return in_metres(c, c->record[l - 1].lowest, c->record[l - 1].highest);
+}
+
+/* A step covers as far as heights, which are told as floats, may be off the mesh of the coarser level, of which all are
+ * off by up to half an ulp. Files before version 3 have none. */
+static tc_range tile_range(const tc_container *c, const tc_tile_entry *entry)
+{
+    tc_range range = in_metres(c, entry->low, entry->high);
+    double rounding = 2 * ldexp(fmax(fabs((double)range.lo), fabs((double)range.hi)), -23);
+    if (entry->step != TC_STEP_UNKNOWN)
+        range.step = nextafterf((float)(c->z_unit * entry->step + rounding), INFINITY);
+    return range;
+}
+
+/* A page's own pyramid, over its tiles. */
+static tc_range_pyramid pyramid_of(page *p)
+{
+    return (tc_range_pyramid){p->tiles.x1 - p->tiles.x0, p->tiles.y1 - p->tiles.y0, p->node};
+}
+
+/* Makes the pyramid over a level's pages. False where there is no memory: the level's whole range has to do. */
+static bool make_ranges(tc_packed_file *f, int l, const tc_pages *pages)
+{
+    int64_t count = pages->pages_x * pages->pages_y, nodes = tc_range_nodes(pages->pages_x, pages->pages_y);
+    if (f->range[l - 1].read)
+        return true;
+    tc_range *node = malloc((size_t)nodes * sizeof *node);
+    uint8_t *read = calloc((size_t)count, 1);
+    if (!node || !read) {
+        free(node), free(read);
+        return false;
+    }
+    for (int64_t n = 0; n < nodes; n++)
+        node[n] = level_range(&f->container, l);
+    f->range[l - 1].pages = (tc_range_pyramid){pages->pages_x, pages->pages_y, node};
+    f->range[l - 1].read = read, f->range[l - 1].missing = count;
+    f->range_bytes += (size_t)nodes * sizeof *node + (size_t)count;
+    return true;
+}
+
+/* A page that has been read tells its ranges. */
+static void take_ranges(tc_packed_file *f, int l, const tc_pages *pages, int64_t px, int64_t py, page *p)
+{
+    tc_range_pyramid own = pyramid_of(p);
+    for (int64_t n = 0; n < own.nx * own.ny; n++)
+        own.node[n] = p->status ? level_range(&f->container, l) : tile_range(&f->container, &p->entry[n]);
+    tc_range_build(&own);
+    pthread_mutex_lock(&f->mutex);
+    int64_t at = py * pages->pages_x + px;
+    if (make_ranges(f, l, pages) && !f->range[l - 1].read[at]) {
+        f->range[l - 1].pages.node[at] = tc_range_node(&own, PAGE_SCALES + 1, 0, 0);
+        tc_range_update(&f->range[l - 1].pages, px, py);
+        f->range[l - 1].read[at] = 1, f->range[l - 1].missing--;
+    }
+    pthread_mutex_unlock(&f->mutex);
+}
+
 static uint64_t page_key(int l, const tc_pages *pages, int64_t px, int64_t py)
 {
     return (uint64_t)l << 56 | (uint64_t)(py * pages->pages_x + px);
 }
 
+/* A page, read where it was not at hand; NULL where there is no memory. */
+static tc_block *pin_page(tc_packed_file *f, int l, const tc_pages *pages, int64_t px, int64_t py)
+{
+    tc_block *block = tc_block_pin(&f->pages, page_key(l, pages, px, py), sizeof(page));
+    if (!block || block->made)
+        return block;
+    page *p = (page *)block->bytes;
+    p->tiles = tc_page_tiles(pages, px, py);
+    p->status = read_page(f, l, pages, px, py, p);
+    bool known = p->status == TC_OK || p->status == TC_ERR_FORMAT;
+    if (known)
+        take_ranges(f, l, pages, px, py, p);
+    tc_block_made(&f->pages, block, known);
+    return block;
+}
+
+tc_status tc_packed_file_page(tc_packed_file *f, int l, int64_t px, int64_t py)
+{
+    tc_pages pages = tc_level_pages(&f->container.level[l - 1]);
+    tc_block *block = pin_page(f, l, &pages, px, py);
+    if (!block)
+        return TC_ERR_MEMORY;
+    tc_status status = ((const page *)block->bytes)->status;
+    tc_block_release(&f->pages, block);
+    return status;
+}
+
 tc_status tc_packed_file_entry(tc_packed_file *f, int l, int64_t tx, int64_t ty, tc_tile_entry *entry_ret)
 {
     tc_pages pages = tc_level_pages(&f->container.level[l - 1]);
-    int64_t px = tx / TC_PAGE_COLUMNS, py = ty / TC_PAGE_ROWS;
-    tc_block *block = tc_block_pin(&f->pages, page_key(l, &pages, px, py));
+    tc_block *block = pin_page(f, l, &pages, tx / TC_PAGE_COLUMNS, ty / TC_PAGE_ROWS);
     if (!block)
         return TC_ERR_MEMORY;
-    page *p = (page *)block->bytes;
-    if (!block->made) {
-        p->status = read_page(f, l, &pages, px, py, p);
-        tc_block_made(&f->pages, block, p->status == TC_OK || p->status == TC_ERR_FORMAT);
-    }
+    const page *p = (const page *)block->bytes;
     tc_status status = p->status;
-    tc_rect tiles = tc_page_tiles(&pages, px, py);
     if (!status)
-        *entry_ret = p->entry[(ty - tiles.y0) * (tiles.x1 - tiles.x0) + tx - tiles.x0];
+        *entry_ret = p->entry[(ty - p->tiles.y0) * (p->tiles.x1 - p->tiles.x0) + tx - p->tiles.x0];
     tc_block_release(&f->pages, block);
     return status;
+}
+
+/* The node of a page's pyramid that holds a tile; the page's range where the page is not at hand. */
+static tc_range tile_node(tc_packed_file *f, int l, const tc_pages *pages, int scale, int64_t tx, int64_t ty,
+                          tc_missing_pages *missing)
+{
+    int64_t px = tx / TC_PAGE_COLUMNS, py = ty / TC_PAGE_ROWS;
+    tc_block *block = tc_block_find(&f->pages, page_key(l, pages, px, py));
+    if (block) {
+        page *p = (page *)block->bytes;
+        tc_range_pyramid own = pyramid_of(p);
+        tc_range range = tc_range_node(&own, scale, tx - p->tiles.x0, ty - p->tiles.y0);
+        tc_block_release(&f->pages, block);
+        return range;
+    }
+    missing->page[missing->count][0] = px, missing->page[missing->count++][1] = py;
+    pthread_mutex_lock(&f->mutex);
+    tc_range range =
+        f->range[l - 1].read ? f->range[l - 1].pages.node[py * pages->pages_x + px] : level_range(&f->container, l);
+    pthread_mutex_unlock(&f->mutex);
+    return range;
+}
+
+/* The same of several pages, from the pyramid over them. */
+static tc_range page_nodes(tc_packed_file *f, int l, tc_rect touched, int64_t most_x, int *reads,
+                           tc_missing_pages *missing)
+{
+    pthread_mutex_lock(&f->mutex);
+    const uint8_t *read = f->range[l - 1].read;
+    tc_range range = level_range(&f->container, l);
+    if (read)
+        range = tc_range_ask(&f->range[l - 1].pages, touched, most_x, reads);
+    else
+        ++*reads;
+    bool ask = tc_rect_area(touched) <= TC_MISSING_PAGES && (!read || f->range[l - 1].missing > 0);
+    for (int64_t y = touched.y0; y < touched.y1 && ask; y++)
+        for (int64_t x = touched.x0; x < touched.x1; x++)
+            if (!read || !read[y * f->range[l - 1].pages.nx + x])
+                missing->page[missing->count][0] = x, missing->page[missing->count++][1] = y;
+    pthread_mutex_unlock(&f->mutex);
+    return range;
+}
+
+tc_range tc_packed_file_range(tc_packed_file *f, int l, tc_rect t, int64_t most_x, int *reads,
+                              tc_missing_pages *missing)
+{
+    tc_pages pages = tc_level_pages(&f->container.level[l - 1]);
+    missing->count = 0;
+    for (int k = 0, ky = 0; k < PAGE_SCALES; k++, ky = k < PAGE_SCALES_Y ? k : PAGE_SCALES_Y) {
+        tc_rect n = {t.x0 >> k, t.y0 >> ky, ((t.x1 - 1) >> k) + 1, ((t.y1 - 1) >> ky) + 1};
+        if (n.x1 - n.x0 > most_x || n.y1 - n.y0 > 2)
+            continue;
+        tc_range all = TC_NO_RANGE;
+        for (int64_t y = n.y0; y < n.y1; y++)
+            for (int64_t x = n.x0; x < n.x1; x++, ++*reads)
+                all = tc_range_both(all, tile_node(f, l, &pages, k, x << k, y << ky, missing));
+        return all;
+    }
+    tc_rect touched = {t.x0 / TC_PAGE_COLUMNS, t.y0 / TC_PAGE_ROWS, (t.x1 - 1) / TC_PAGE_COLUMNS + 1,
+                       (t.y1 - 1) / TC_PAGE_ROWS + 1};
+    return page_nodes(f, l, touched, most_x, reads, missing);
+}
+
+size_t tc_packed_file_memory(tc_packed_file *f)
+{
+    pthread_mutex_lock(&f->mutex);
+    size_t bytes = f->range_bytes;
+    pthread_mutex_unlock(&f->mutex);
+    return bytes + tc_block_cache_bytes(&f->pages);
 }
 
 bool tc_packed_file_known(tc_packed_file *f, int l, int64_t tx, int64_t ty)

@@ -4,6 +4,7 @@
 #define TC_PACKED_FILE_H
 
 #include "block_cache.h"
+#include "common/field/range_pyramid.h"
 #include "envelope.h"
 
 typedef struct tc_packed_file {
@@ -12,6 +13,13 @@ typedef struct tc_packed_file {
     tc_container container;                /* of the chart; levels: as far as the file is whole */
     int64_t rank_end[TC_MAX_FIELD_LEVELS]; /* [finest - l]: where the level, and those of other charts as fine, end */
     tc_block_cache pages;
+    pthread_mutex_t mutex; /* of ranges */
+    struct {
+        tc_range_pyramid pages; /* of heights, metres; the level's whole range where a page has not been read yet */
+        uint8_t *read;          /* [page] */
+        int64_t missing;
+    } range[TC_MAX_FIELD_LEVELS]; /* [l - 1]; made with the first page */
+    size_t range_bytes;
 } tc_packed_file;
 
 /* A file as a source of bytes. */
@@ -31,12 +39,26 @@ tc_status tc_packed_file_entry(tc_packed_file *file, int l, int64_t tx, int64_t 
 /* Whether that is at hand, without reading the file. */
 bool tc_packed_file_known(tc_packed_file *file, int l, int64_t tx, int64_t ty);
 
+/* Pages of the index that would make a range narrower. */
+enum { TC_MISSING_PAGES = 64 };
+typedef struct tc_missing_pages {
+    int count;
+    int64_t page[TC_MISSING_PAGES][2];
+} tc_missing_pages;
+
+/* Bounds of a coded level's heights over tiles (not empty, within the level), metres above z_base: from what has been
+ * read of the index, at most most_x x 2 reads of memory, none of the file. */
+tc_range tc_packed_file_range(tc_packed_file *file, int l, tc_rect tiles, int64_t most_x, int *reads,
+                              tc_missing_pages *missing);
+
+/* Reads a page of the index, if it is not at hand. */
+tc_status tc_packed_file_page(tc_packed_file *file, int l, int64_t px, int64_t py);
+
+/* Bytes of memory held, beside the head's. */
+size_t tc_packed_file_memory(tc_packed_file *file);
+
 /* The bytes of a tile, tc_tile_bytes(entry) of them, which must not be more than room. TC_ERR_FORMAT: damaged. */
 tc_status tc_packed_file_tile(tc_packed_file *file, const tc_tile_entry *entry, uint8_t *bytes, size_t room);
-
-/* As tc_field_open_bytes(), of a chart of a file of version 3; of older files chart 0 alone. */
-tc_status tc_packed_open_chart(const char *name, const tc_byte_source *source, int chart,
-                               const tc_open_options *options, tc_field **field_ret, tc_error *error);
 
 /* Bytes of a packed pyramid's own container, whatever follows it in the file. */
 int64_t tc_packed_chart_bytes(const tc_field *field);

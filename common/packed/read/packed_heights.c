@@ -4,7 +4,7 @@
 #include "common/base/rect.h"
 #include "packed_internal.h"
 
-static bool is_whole(const packed_field *p, int l)
+bool tc_packed_is_whole(const packed_field *p, int l)
 {
     const tc_level *level = &p->head.level[l - 1];
     return l <= p->file.container.base || (level->width <= WHOLE_SIZE && level->height <= WHOLE_SIZE);
@@ -88,28 +88,14 @@ static void predict_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const 
 
 /* ---- Tiles of a rectangle ---------------------------------------------------------------------------------------- */
 
-/* The least rectangle that holds both. */
-static tc_rect rect_around(tc_rect a, tc_rect b)
+tc_rect tc_packed_around(tc_rect a, tc_rect b)
 {
     if (tc_rect_empty(a) || tc_rect_empty(b))
         return tc_rect_empty(a) ? b : a;
     return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
 }
 
-/* A tile of a gathering. */
-typedef struct wanted_tile {
-    int64_t tx, ty;
-    int64_t turn;    /* positions: where the gathering goes round, the turn on which it meets the tile first */
-    bool empty;      /* a tile of details without a byte */
-    tc_block *block; /* NULL: it is empty, or another thread is making it */
-} wanted_tile;
-
-/* Columns of tiles that positions x0 .. x1 - 1 touch, each once: the first of them, on its turn; the others follow. */
-typedef struct tile_columns {
-    int64_t turn, first, count, across;
-} tile_columns;
-
-static tile_columns columns_of(const tc_level_coder *c, int64_t x0, int64_t x1)
+tile_columns tc_packed_columns(const tc_level_coder *c, int64_t x0, int64_t x1)
 {
     int64_t cw = tc_coarse_size(c->level.width), turn = tc_turn(x0, cw), last_turn = tc_turn(x1 - 1, cw);
     tile_columns t = {turn, (x0 - turn) / TC_TILE, 0, (cw + TC_TILE - 1) / TC_TILE};
@@ -117,23 +103,28 @@ static tile_columns columns_of(const tc_level_coder *c, int64_t x0, int64_t x1)
     return t;
 }
 
-static wanted_tile column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty)
+wanted_tile tc_packed_column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty)
 {
     int64_t at = t->first + n;
     return (wanted_tile){at % t->across, ty, t->turn + at / t->across * tc_coarse_size(c->level.width), false, NULL};
 }
 
-static uint64_t tile_key(int l, int64_t across, const wanted_tile *t)
+uint64_t tc_packed_tile_key(const packed_field *p, int l, int64_t across, const wanted_tile *t)
 {
-    return (uint64_t)l << 56 | (uint64_t)(t->ty * across + t->tx);
+    return tc_packed_key(p, l, false, t->ty * across + t->tx);
 }
 
-/* Whether it is known to be empty. now: without reading the file. */
-static bool is_empty(packed_field *p, int l, const wanted_tile *t, bool now)
+/* Whether it is known to be empty. */
+static bool is_empty(packed_field *p, int l, const wanted_tile *t)
 {
     tc_tile_entry entry;
-    return p->level[l - 1].coder.codec && (!now || tc_packed_file_known(&p->file, l, t->tx, t->ty)) &&
-           tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry) == TC_OK && tc_tile_bytes(&entry) == 0;
+    return p->level[l - 1].coder.codec && tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry) == TC_OK &&
+           tc_tile_bytes(&entry) == 0;
+}
+
+bool tc_packed_known_empty(packed_field *p, int l, const wanted_tile *t)
+{
+    return tc_packed_file_known(&p->file, l, t->tx, t->ty) && is_empty(p, l, t);
 }
 
 /* Reads the part of the coarser level that `need` and making the tiles take. */
@@ -144,7 +135,7 @@ static tc_status read_coarse(packed_field *p, int l, tc_rect need, const wanted_
         if (tile[n].block && !tile[n].block->made) {
             tc_rect own = tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty);
             own.x0 += tile[n].turn, own.x1 += tile[n].turn;
-            need = rect_around(need, own);
+            need = tc_packed_around(need, own);
         }
     tc_status status = tc_scratch_plane(s, need, coarse);
     return status ? status : tc_packed_units(p, l - 1, coarse, s);
@@ -155,6 +146,8 @@ static tc_status make_few(packed_field *p, int l, const wanted_tile *const *tile
                           scratch *s)
 {
     tc_level_tile job[AT_ONCE];
+    int64_t across = (tc_coarse_size(p->head.level[l - 1].width) + TC_TILE - 1) / TC_TILE;
+    s->waited = true;
     for (int n = 0; n < count; n++) {
         tc_level_tile *t = &job[n];
         *t = (tc_level_tile){
@@ -162,8 +155,12 @@ static tc_status make_few(packed_field *p, int l, const wanted_tile *const *tile
         tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &t->entry);
         if (!status)
             status = tc_packed_file_tile(&p->file, &t->entry, s->stream[n], tc_level_coder_bound());
-        if (status && status != TC_ERR_FORMAT) /* no damage: it may come another time */
+        if (status && status != TC_ERR_FORMAT) { /* no damage: it may come another time */
+            if (status != TC_ERR_MEMORY)
+                tc_faults_add(&p->store->faults, tc_packed_tile_key(p, l, across, tile[n]));
             return status;
+        }
+        tc_faults_remove(&p->store->faults, tc_packed_tile_key(p, l, across, tile[n]));
         t->bytes = status ? NULL : s->stream[n];
     }
     tc_plane turned = *coarse; /* as the tiles see it */
@@ -193,15 +190,48 @@ static tc_status make_tiles(packed_field *p, int l, const wanted_tile *tile, int
         if (coarse && !status)
             status = make_few(p, l, few, held, coarse, s);
         for (; held > 0; held--)
-            tc_block_made(&p->tiles, few[held - 1]->block, coarse && !status);
+            tc_block_made(&p->store->blocks, few[held - 1]->block, coarse && !status);
     }
     return status;
+}
+
+/* Bytes of a level's tile, decoded. */
+static size_t tile_bytes(const packed_field *p, int l)
+{
+    return tc_decoded_tile_bytes(p->file.container.record[l - 1].coder);
+}
+
+/* Takes a tile that is kept or is to be made, or finds that it is empty or that another thread is making it. */
+static tc_status take_tile(packed_field *p, int l, uint64_t key, wanted_tile *t, scratch *s)
+{
+    bool busy = false;
+    if ((t->block = tc_block_find(&p->store->blocks, key)))
+        return TC_OK;
+    bool at_hand = tc_packed_file_known(&p->file, l, t->tx, t->ty);
+    if (s->only_ready) {
+        t->empty = at_hand && is_empty(p, l, t);
+        s->missed = !t->empty;
+        return t->empty ? TC_OK : TC_ERR_IO;
+    }
+    s->waited |= !at_hand;
+    tc_tile_entry entry;
+    tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &entry);
+    if (status && status != TC_ERR_FORMAT) { /* nor could its neighbours' */
+        if (status != TC_ERR_MEMORY)
+            tc_faults_add(&p->store->faults, key);
+        return status;
+    }
+    if ((t->empty = !status && p->level[l - 1].coder.codec && tc_tile_bytes(&entry) == 0))
+        return TC_OK;
+    t->block = tc_block_try(&p->store->blocks, key, tile_bytes(p, l), &busy);
+    return t->block || busy ? TC_OK : TC_ERR_MEMORY;
 }
 
 /* A tile that another thread was making. */
 static tc_status await_tile(packed_field *p, int l, uint64_t key, wanted_tile *t, scratch *s)
 {
-    if (!(t->block = tc_block_pin(&p->tiles, key)))
+    s->waited = true;
+    if (!(t->block = tc_block_pin(&p->store->blocks, key, tile_bytes(p, l))))
         return TC_ERR_MEMORY;
     if (t->block->made)
         return TC_OK;
@@ -221,7 +251,7 @@ static tc_status gather(packed_field *p, int l, tc_rect positions, tc_rect need,
                         tc_plane *coarse, scratch *s)
 {
     const tc_level_coder *coder = &p->level[l - 1].coder;
-    tile_columns t = columns_of(coder, positions.x0, positions.x1);
+    tile_columns t = tc_packed_columns(coder, positions.x0, positions.x1);
     int64_t across = t.across, ty = positions.y0 / TC_TILE, all = ((positions.y1 - 1) / TC_TILE + 1 - ty) * t.count;
     wanted_tile *tile = tc_scratch_take(s, (size_t)all * sizeof *tile);
     if (!tile)
@@ -230,16 +260,11 @@ static tc_status gather(packed_field *p, int l, tc_rect positions, tc_rect need,
     tc_status status = TC_OK;
     for (int64_t k = 0; k < all && !status; k++) {
         wanted_tile *w = &tile[count];
-        bool busy = false;
-        *w = column(coder, &t, k % t.count, ty + k / t.count);
-        if ((w->empty = is_empty(p, l, w, false)))
-            need = rect_around(need, tc_codec_tile_needs(coder->codec, positions));
-        else
-            w->block = tc_block_try(&p->tiles, tile_key(l, across, w), &busy);
-        if (w->empty || w->block || busy)
-            count++;
-        else
-            status = TC_ERR_MEMORY;
+        *w = tc_packed_column(coder, &t, k % t.count, ty + k / t.count);
+        status = take_tile(p, l, tc_packed_tile_key(p, l, across, w), w, s);
+        if (w->empty)
+            need = tc_packed_around(need, tc_codec_tile_needs(coder->codec, positions));
+        count += status == TC_OK;
     }
     if (!status)
         status = read_coarse(p, l, need, tile, count, coarse, s);
@@ -252,12 +277,12 @@ static tc_status gather(packed_field *p, int l, tc_rect positions, tc_rect need,
             continue;
         }
         if (!tile[n].block && !status)
-            status = await_tile(p, l, tile_key(l, across, &tile[n]), &tile[n], s);
+            status = await_tile(p, l, tc_packed_tile_key(p, l, across, &tile[n]), &tile[n], s);
         if (!tile[n].block)
             continue;
         if (!status)
             copy_tile(coder, tile[n].tx, tile[n].ty, (const tc_decoded_tile *)tile[n].block->bytes, to);
-        tc_block_release(&p->tiles, tile[n].block);
+        tc_block_release(&p->store->blocks, tile[n].block);
     }
     return status;
 }
@@ -291,14 +316,13 @@ static tc_status synthesise_lifting(packed_field *p, int l, const tc_plane *to, 
     return TC_OK;
 }
 
-/* Positions whose tiles reading rect takes, and the part of the coarser level. */
-static tc_rect positions_of(const tc_level_coder *c, tc_rect rect)
+tc_rect tc_packed_positions(const tc_level_coder *c, tc_rect rect)
 {
     return c->codec ? tc_lifting_needs(&c->level, rect)
                     : (tc_rect){tc_floor_shift(rect.x0, 1), rect.y0 / 2, tc_ceil_shift(rect.x1, 1), (rect.y1 + 1) / 2};
 }
 
-static tc_rect coarse_of(const tc_level_coder *c, tc_rect rect)
+tc_rect tc_packed_coarse(const tc_level_coder *c, tc_rect rect)
 {
     return c->codec  ? tc_lifting_needs(&c->level, rect)
            : c->lh04 ? tc_lh04_needs(&c->level, rect)
@@ -314,8 +338,8 @@ static tc_status synthesise(packed_field *p, int l, const tc_plane *to, scratch 
         status = synthesise_lifting(p, l, to, s);
     } else {
         tc_plane coarse = {0};
-        status = gather(p, l, positions_of(coder, to->rect), coarse_of(coder, to->rect), &(tile_planes){.sample = *to},
-                        &coarse, s);
+        status = gather(p, l, tc_packed_positions(coder, to->rect), tc_packed_coarse(coder, to->rect),
+                        &(tile_planes){.sample = *to}, &coarse, s);
         if (!status && coder->lh04)
             tc_lh04_assemble(&coder->level, &coarse, to, to);
     }
@@ -329,13 +353,18 @@ static tc_status prepare(packed_field *p, int l, scratch *s)
     level_state *level = &p->level[l - 1];
     if (level->ready)
         return level->status;
+    if (s->only_ready) {
+        s->missed = true;
+        return TC_ERR_IO;
+    }
+    s->waited = true;
     pthread_mutex_lock(&level->mutex);
     if (!level->ready) {
         const tc_level *size = &p->head.level[l - 1];
         const tc_container *c = &p->file.container;
         tc_lifting_level lifting = l > c->base ? tc_container_lifting(c, l) : (tc_lifting_level){0};
         tc_status status = l > c->base ? tc_level_coder_init(&level->coder, &lifting, &c->record[l - 1]) : TC_OK;
-        if (!status && l > c->base && is_whole(p, l)) {
+        if (!status && l > c->base && tc_packed_is_whole(p, l)) {
             tc_plane whole = {malloc((size_t)(size->width * size->height) * sizeof(int32_t)),
                               size->width,
                               {0, 0, size->width, size->height}};
@@ -380,32 +409,4 @@ tc_status tc_packed_units(packed_field *p, int l, const tc_plane *to, scratch *s
         status = synthesise(p, l, &part, s);
     }
     return status;
-}
-
-bool tc_packed_decoded(packed_field *p, int l, tc_rect rect)
-{
-    for (; !is_whole(p, l) && !tc_rect_empty(rect); l--) {
-        if (!p->level[l - 1].ready || p->level[l - 1].status)
-            return p->level[l - 1].ready; /* nothing to wait for where it cannot be had */
-        const tc_level_coder *coder = &p->level[l - 1].coder;
-        if (!coder->level.wrap_x && (rect.x0 < 0 || rect.x1 > coder->level.width))
-            rect.x0 = 0, rect.x1 = coder->level.width;
-        tc_rect r = positions_of(coder, rect);
-        tile_columns t = columns_of(coder, r.x0, r.x1);
-        int64_t y0 = r.y0 / TC_TILE, y1 = (r.y1 - 1) / TC_TILE + 1;
-        bool empty = false;
-        if ((y1 - y0) * t.count > p->tiles.most / 4)
-            return true;
-        for (int64_t ty = y0; ty < y1; ty++)
-            for (int64_t n = 0; n < t.count; n++) {
-                wanted_tile tile = column(coder, &t, n, ty);
-                if (tc_block_has(&p->tiles, tile_key(l, t.across, &tile)))
-                    continue;
-                if (!is_empty(p, l, &tile, true))
-                    return false;
-                empty = true;
-            }
-        rect = empty ? tc_codec_tile_needs(coder->codec, r) : coarse_of(coder, rect);
-    }
-    return tc_rect_empty(rect) || p->level[l - 1].ready;
 }

@@ -2,7 +2,10 @@
  *
  *     packed_heights.c   heights in height units, from tiles and the coarser level
  *     packed_masks.c     masks of voids, likewise
- *     packed_field.c   the pyramid's interface, and opening
+ *     packed_ready.c     whether they need no waiting, and reading ahead
+ *     packed_range.c     bounds of heights
+ *     packed_field.c     the field's interface
+ *     packed_open.c      opening
  *     packed_scratch.c   memory that they use meanwhile */
 #ifndef TC_PACKED_INTERNAL_H
 #define TC_PACKED_INTERNAL_H
@@ -11,13 +14,11 @@
 
 #include "common/packed/file/level_coder.h"
 #include "common/packed/file/packed_file.h"
-#include "prefetch.h"
+#include "tile_store.h"
 
 enum {
     WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
-    CACHE_BYTES = 32 << 20,
     MASK_SIDE = 2 * TC_TILE,
-    MASK_BYTES = 8 << 20,
     /* Samples that are read at once; about so many, next_cut(). */
     BLOCK_WIDTH = 512,
     BLOCK_HEIGHT = 256,
@@ -35,6 +36,10 @@ typedef struct chunk {
 
 typedef struct scratch {
     struct scratch *next;
+    /* Of the reading under way. */
+    bool only_ready; /* it must not wait; missed: it would have had to, and fails */
+    bool missed;
+    bool waited;        /* for the file, for decoding, for another thread that decodes */
     chunk *top, *spare; /* spare: chunks let go of, largest last */
     void *work[AT_ONCE];
     uint8_t *stream[AT_ONCE]; /* bytes of a tile */
@@ -66,14 +71,15 @@ typedef struct level_state {
 typedef struct packed_field {
     tc_field head;
     tc_packed_file file;
-    tc_block_cache tiles, masks; /* masks: as bytes, [j][i] over 128 x 128 samples */
+    tc_tile_store *store;
+    int owner; /* in the store */
     level_state level[TC_MAX_FIELD_LEVELS];
+    tc_range_pyramid base[TC_MAX_FIELD_LEVELS]; /* of levels that stand in the head; leaves: samples */
     pthread_mutex_t mutex;
     scratch *idle;
-    tc_prefetch prefetch;
     tc_void_policy voids;
     float void_height; /* metres above z_base */
-    _Atomic int64_t damaged, decoded;
+    _Atomic int64_t damaged, decoded, waits, ranges, range_reads;
 } packed_field;
 
 /* Scratch memory for one reading; NULL where there is no memory. */
@@ -90,8 +96,68 @@ tc_status tc_packed_units(packed_field *p, int l, const tc_plane *to, scratch *s
 /* Mask of level l over to->rect. */
 tc_status tc_packed_mask(packed_field *p, int l, const tc_mask_plane *to, scratch *s);
 
-/* Whether all tiles are decoded from level l down to one that is held whole; or so many that the cache could not keep
- * them until they are asked for. */
-bool tc_packed_decoded(packed_field *p, int l, tc_rect rect);
+/* Keys in the store. */
+static inline uint64_t tc_packed_key(const packed_field *p, int l, bool mask, int64_t index)
+{
+    return (uint64_t)p->owner << TC_BLOCK_OWNER_SHIFT | (uint64_t)mask << 60 | (uint64_t)l << 54 | (uint64_t)index;
+}
+
+/* The same for pages of the index, in the store's faults alone: levels end far below. */
+static inline uint64_t tc_packed_page_key(const packed_field *p, int l, int64_t px, int64_t py)
+{
+    return tc_packed_key(p, l, false, ((int64_t)1 << 53) + py * tc_level_pages(&p->head.level[l - 1]).pages_x + px);
+}
+
+/* Whether a level is small enough to be held whole. */
+bool tc_packed_is_whole(const packed_field *p, int l);
+
+/* Where the samples of a rectangle go; z or voids may be NULL. */
+typedef struct packed_target {
+    tc_rect rect;
+    float *z;
+    uint8_t *voids;
+    ptrdiff_t stride;
+} packed_target;
+tc_status tc_packed_read_block(packed_field *p, int l, tc_rect block, const packed_target *to, scratch *s);
+/* The block at which *rest begins; *rest goes on behind it, and is empty at the end. */
+tc_rect tc_packed_next_block(tc_rect rect, tc_rect *rest);
+
+extern const tc_field_class tc_packed_class;
+
+/* Its functions. */
+tc_ready tc_packed_ready(const tc_field *field, int l, tc_rect rect, tc_urgency urgency);
+tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect);
+
+/* Reads a piece of what is wished ahead: what it decodes stays in the store. */
+tc_piece tc_packed_read_piece(tc_wish *wish);
+
+/* ---- Tiles of a rectangle ---------------------------------------------------------------------------------------- */
+
+/* Positions whose tiles reading rect takes, and the part of the coarser level. */
+tc_rect tc_packed_positions(const tc_level_coder *c, tc_rect rect);
+tc_rect tc_packed_coarse(const tc_level_coder *c, tc_rect rect);
+
+/* The least rectangle that holds both. */
+tc_rect tc_packed_around(tc_rect a, tc_rect b);
+
+/* A tile of a gathering. */
+typedef struct wanted_tile {
+    int64_t tx, ty;
+    int64_t turn;    /* positions: where the gathering goes round, the turn on which it meets the tile first */
+    bool empty;      /* a tile of details without a byte */
+    tc_block *block; /* NULL: it is empty, or another thread is making it */
+} wanted_tile;
+
+/* Columns of tiles that positions x0 .. x1 - 1 touch, each once: the first of them, on its turn; the others follow. */
+typedef struct tile_columns {
+    int64_t turn, first, count, across;
+} tile_columns;
+
+tile_columns tc_packed_columns(const tc_level_coder *c, int64_t x0, int64_t x1);
+wanted_tile tc_packed_column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty);
+uint64_t tc_packed_tile_key(const packed_field *p, int l, int64_t across, const wanted_tile *t);
+
+/* Whether a tile is known to be empty, from what is at hand of the index. */
+bool tc_packed_known_empty(packed_field *p, int l, const wanted_tile *t);
 
 #endif

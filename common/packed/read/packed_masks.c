@@ -10,6 +10,7 @@ static tc_status make_mask(packed_field *p, int l, int64_t tx, int64_t ty, uint8
     tc_rect rect = tc_mask_tile_rect(level, tx, ty, 0), need = tc_mask_tile_needs(level, rect);
     tc_tile_entry entry = {0};
     mark m = tc_scratch_here(s);
+    s->waited = true;
     tc_mask_plane coarse = {tc_scratch_take(s, (size_t)tc_rect_area(need)), need.x1 - need.x0, need};
     tc_mask_plane fine = {v, MASK_SIDE, rect};
     tc_status below = coarse.v ? tc_packed_mask(p, l - 1, &coarse, s) : TC_ERR_MEMORY;
@@ -20,6 +21,12 @@ static tc_status make_mask(packed_field *p, int l, int64_t tx, int64_t ty, uint8
         status = tc_mask_decode(level, rect, (tc_mask_class)entry.mask_class, &coarse,
                                 s->stream[0] + entry.size[TC_STREAM_HEIGHTS] + entry.size[TC_STREAM_CORRECTIONS],
                                 entry.size[TC_STREAM_MASK], &fine);
+    int64_t across = tc_level_pages(&p->head.level[l - 1]).tiles_x;
+    uint64_t key = tc_packed_key(p, l, true, ty * across + tx);
+    if (!below && status && status != TC_ERR_FORMAT && status != TC_ERR_MEMORY)
+        tc_faults_add(&p->store->faults, key);
+    else if (!below && !status)
+        tc_faults_remove(&p->store->faults, key);
     if (!below && status && status != TC_ERR_FORMAT)
         below = status;
     for (int64_t y = rect.y0; y < rect.y1 && status && !below; y++)
@@ -56,18 +63,27 @@ tc_status tc_packed_mask(packed_field *p, int l, const tc_mask_plane *to, scratc
     const tc_lifting_level level = tc_container_lifting(c, l);
     for (int64_t ty = r.y0 / MASK_SIDE; ty * MASK_SIDE < r.y1 && !status; ty++)
         for (int64_t tx = r.x0 / MASK_SIDE; tx * MASK_SIDE < r.x1 && !status; tx++) {
-            tc_block *block = tc_block_pin(&p->masks, (uint64_t)l << 56 | (uint64_t)(ty * across + tx));
+            uint64_t key = tc_packed_key(p, l, true, ty * across + tx);
+            tc_block *block = tc_block_find(&p->store->blocks, key);
+            if (!block && s->only_ready) {
+                s->missed = true;
+                return TC_ERR_IO;
+            }
+            if (!block) {
+                s->waited = true;
+                block = tc_block_pin(&p->store->blocks, key, MASK_SIDE * MASK_SIDE);
+            }
             if (!block)
                 return TC_ERR_MEMORY;
             if (!block->made) {
                 status = make_mask(p, l, tx, ty, block->bytes, s);
-                tc_block_made(&p->masks, block, status == TC_OK);
+                tc_block_made(&p->store->blocks, block, status == TC_OK);
             }
             tc_rect tile = tc_mask_tile_rect(&level, tx, ty, 0), cut = tc_rect_intersect(tile, r);
             for (int64_t y = cut.y0; y < cut.y1 && !status; y++)
                 memcpy(to->v + (y - r.y0) * to->stride + cut.x0 - r.x0,
                        block->bytes + (y - tile.y0) * MASK_SIDE + cut.x0 - tile.x0, (size_t)(cut.x1 - cut.x0));
-            tc_block_release(&p->masks, block);
+            tc_block_release(&p->store->blocks, block);
         }
     return status;
 }

@@ -57,8 +57,12 @@ scratch *tc_packed_borrow(packed_field *p)
     if (s)
         p->idle = s->next;
     pthread_mutex_unlock(&p->mutex);
-    if (s || !(s = calloc(1, sizeof *s)))
+    if (s) {
+        s->only_ready = s->missed = s->waited = false;
         return s;
+    }
+    if (!(s = calloc(1, sizeof *s)))
+        return NULL;
     bool enough = true;
     for (int n = 0; n < AT_ONCE; n++) {
         s->work[n] = malloc(tc_level_coder_work_bytes());

@@ -1,31 +1,60 @@
-/* prefetch.h - a thread that reads ahead, so that who draws need not wait for decoding. */
+/* prefetch.h - a thread that reads ahead, so that who draws need not wait for decoding. It serves any number of readers
+ * of any number of fields, what is urgent first, coarse levels before fine ones, in pieces: what comes in between and
+ * is more urgent goes before the rest. */
 #ifndef TC_PREFETCH_H
 #define TC_PREFETCH_H
 
 #include <pthread.h>
+#include <stdatomic.h>
 
 #include "common/field/field.h"
 
-/* At most one rectangle of each level waits: the last one asked for. */
+typedef struct tc_wish {
+    void *field; /* whose; NULL: no wish */
+    int level;
+    bool index;         /* a page of the file's index, rect.x0 and rect.y0, and no samples */
+    tc_rect rect, rest; /* rest: where the next piece begins */
+    tc_urgency urgency;
+    size_t bytes; /* that what is decoded takes */
+    bool fetched; /* it waits for being collected */
+    uint64_t number, asked;
+} tc_wish;
+
+/* How a piece went. */
+typedef enum tc_piece { TC_PIECE_MORE, TC_PIECE_LAST, TC_PIECE_FAILED, TC_PIECE_NO_MEMORY } tc_piece;
+
+typedef tc_piece (*tc_read_piece)(tc_wish *wish); /* moves wish->rest on */
+
+enum { TC_WISHES = 64 };
+
 typedef struct tc_prefetch {
-    void (*read)(void *context, int level, tc_rect rect);
-    void *context;
+    tc_read_piece read;
     pthread_mutex_t mutex;
-    pthread_cond_t wake;
+    pthread_cond_t wake, done;
     pthread_t thread;
     bool started, stop;
-    bool waiting[TC_MAX_FIELD_LEVELS];
-    tc_rect rect[TC_MAX_FIELD_LEVELS];
+    void *busy;  /* the field that is being read */
+    size_t room; /* bytes of what is fetched and not collected */
+    uint64_t count;
+    _Atomic int wishes;
+    tc_wish wish[TC_WISHES];
 } tc_prefetch;
 
 /* What the system knows the thread by. */
 #define TC_PREFETCH_NAME "reading-ahead"
 
-/* read is called from the thread, which starts with the first wish. */
-void tc_prefetch_init(tc_prefetch *prefetch, void (*read)(void *context, int level, tc_rect rect), void *context);
+/* read is called from the thread, which starts with the first wish. No more than about `room` bytes are fetched before
+ * some are collected, since later ones would push them out of a cache. */
+void tc_prefetch_init(tc_prefetch *prefetch, tc_read_piece read, size_t room);
 void tc_prefetch_free(tc_prefetch *prefetch);
 
-/* Has the rectangle read soon, coarse levels first. False where no thread can be started. */
-bool tc_prefetch_ask(tc_prefetch *prefetch, int level, tc_rect rect);
+/* Has what the wish says (field to bytes; not rest) read soon. False where no thread can be started. */
+bool tc_prefetch_ask(tc_prefetch *prefetch, const tc_wish *wish);
+
+/* What a wish fetched has been found ready. */
+void tc_prefetch_collect(tc_prefetch *prefetch, const void *field, int level, tc_rect rect);
+
+/* Forgets all wishes of a field; returns when none is being read. */
+void tc_prefetch_forget(tc_prefetch *prefetch, const void *field);
 
 #endif

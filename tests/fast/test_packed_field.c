@@ -1,0 +1,333 @@
+/* test_packed_field.c - what a packed field promises to who draws: nothing waits that need not, ranges read no file,
+ * what cannot be read is told and tried again with pauses, memory stays within what was asked for; and all of that
+ * through a field that decorates it. */
+#include "tests/support/test.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "common/base/clock.h"
+#include "common/base/rect.h"
+#include "common/field/field.h"
+#include "common/packed/file/packed_file.h"
+#include "tests/support/terrains.h"
+
+enum { SIZE = 1500 };
+
+/* Hills with some voids, packed; the file's bytes. */
+static uint8_t *pack(size_t *size_ret)
+{
+    char path[] = "/tmp/terraclip-field-XXXXXX";
+    int file = mkstemp(path);
+    assert_true(file >= 0);
+    float *z = malloc(sizeof *z * SIZE * SIZE);
+    test_random random = {7};
+    for (int64_t j = 0; j < SIZE; j++)
+        for (int64_t i = 0; i < SIZE; i++)
+            z[j * SIZE + i] =
+                i / 50 == 3 && j / 50 == 3
+                    ? NAN
+                    : (float)(900 * sin((double)i / 90) * cos((double)j / 70) + (double)test_random_int(&random, 0, 9));
+    tc_pack_terrain about = {
+        .width = SIZE, .height = SIZE, .spacing_x = 30, .spacing_y = 30, .sample_type = TC_SAMPLE_INT16, .unit = 1};
+    tc_pack_options how = {.mode = TC_PACK_RMS, .error = 1};
+    tc_packer *packer;
+    tc_pack_result result;
+    assert_int_equal(tc_packer_create(path, &about, &how, &packer, NULL), TC_OK);
+    assert_int_equal(tc_packer_put(packer, (tc_rect){0, 0, SIZE, SIZE}, z, NULL, SIZE, NULL), TC_OK);
+    assert_int_equal(tc_packer_finish(packer, &result, NULL), TC_OK);
+    tc_packer_destroy(packer);
+    free(z);
+    close(file);
+    file = open(path, O_RDONLY);
+    unlink(path);
+    uint8_t *bytes = malloc((size_t)result.bytes);
+    assert_int_equal(read(file, bytes, (size_t)result.bytes), result.bytes);
+    close(file);
+    *size_ret = (size_t)result.bytes;
+    return bytes;
+}
+
+/* Bytes in memory, that take their time, and cannot be read from `broken` on (0: all can). */
+typedef struct memory {
+    uint8_t *bytes;
+    size_t size;
+    int delay_ms;
+    _Atomic int64_t broken;
+    _Atomic int reads;
+    pthread_t own; /* thread that must not read the file */
+    _Atomic int own_reads;
+} memory;
+
+static tc_status read_memory(void *context, int64_t offset, void *to, size_t size)
+{
+    memory *m = context;
+    m->reads++;
+    m->own_reads += pthread_equal(pthread_self(), m->own) != 0;
+    if (m->delay_ms)
+        usleep((useconds_t)m->delay_ms * 1000);
+    if (m->broken && offset + (int64_t)size > m->broken)
+        return TC_ERR_IO;
+    memcpy(to, m->bytes + offset, size);
+    return TC_OK;
+}
+
+static tc_field *open_memory(memory *m, const tc_open_options *options)
+{
+    tc_byte_source source = {m, (int64_t)m->size, read_memory, NULL};
+    tc_field *field;
+    m->own = pthread_self();
+    assert_int_equal(tc_field_open_bytes("memory", &source, options, &field, NULL), TC_OK);
+    m->own_reads = 0;
+    return field;
+}
+
+static tc_ready await(const tc_field *field, int level, tc_rect rect)
+{
+    tc_ready ready = TC_COMING;
+    for (int n = 0; n < 20000 && (ready = tc_field_ready(field, level, rect, TC_SOON)) == TC_COMING; n++)
+        usleep(1000);
+    return ready;
+}
+
+/* Windows of any size, points and ranges without a wait, from a file that takes 20 ms a read; then the same bits. */
+static void nothing_waits(void **state)
+{
+    memory *m = *state;
+    static float z[SIZE * SIZE], truth[SIZE * SIZE];
+    m->delay_ms = 20;
+    tc_field *f = open_memory(m, &(tc_open_options){.cache_bytes = 1});
+    int l = tc_field_info(f)->levels;
+    tc_rect all = {0, 0, SIZE, SIZE};
+    double height, longest = 0;
+    int level;
+    assert_true(tc_field_height_ready(f, 20000, 20000, &height, &level));
+    assert_true(level < l);
+    test_random random = {5};
+    for (tc_ready ready = TC_COMING; ready != TC_READY;) {
+        double start = tc_clock_ms();
+        ready = tc_field_read_ready(f, l, all, z, NULL, SIZE, TC_URGENT);
+        for (int n = 0; n < 20; n++) {
+            int64_t x = test_random_int(&random, 0, SIZE - 1), y = test_random_int(&random, 0, SIZE - 1);
+            tc_range range = tc_field_range(f, l, (tc_rect){x, y, tc_min64(x + 300, SIZE), tc_min64(y + 300, SIZE)});
+            assert_true(range.lo <= range.hi);
+            assert_true(tc_field_height_ready(f, (double)x * 30, (double)y * 30, &height, &level));
+        }
+        longest = fmax(longest, tc_clock_ms() - start);
+        assert_true(ready != TC_FAILED);
+        usleep(1000);
+    }
+    tc_field_stats told = tc_field_tell(f);
+    assert_int_equal(told.waits, 0);
+    assert_int_equal(m->own_reads, 0);
+    assert_true(told.range_reads <= 4 * told.ranges);
+    m->delay_ms = 0;
+    assert_int_equal(tc_field_read(f, l, all, truth, NULL, SIZE), TC_OK);
+    assert_memory_equal(z, truth, sizeof z);
+    tc_field_destroy(f);
+    f = open_memory(m, NULL);
+    assert_int_equal(tc_field_read(f, l, all, truth, NULL, SIZE), TC_OK);
+    assert_memory_equal(z, truth, sizeof z);
+    assert_true(tc_field_tell(f).waits > 0); /* it would be found */
+    tc_field_destroy(f);
+}
+
+/* Bounds that narrow as the index comes, and hold. */
+static void ranges_narrow(void **state)
+{
+    memory *m = *state;
+    tc_field *f = open_memory(m, NULL);
+    int l = tc_field_info(f)->levels;
+    tc_rect r = {700, 700, 760, 760};
+    tc_range wide = tc_field_range(f, l, r), range = wide;
+    for (int n = 0; n < 5000 && !(range.hi - range.lo < 0.9f * (wide.hi - wide.lo)); n++) {
+        usleep(1000);
+        range = tc_field_range(f, l, r);
+    }
+    assert_true(range.hi - range.lo < 0.9f * (wide.hi - wide.lo));
+    assert_int_equal(m->own_reads, 0);
+    float z[60 * 60];
+    assert_int_equal(tc_field_read(f, l, r, z, NULL, 60), TC_OK);
+    for (int k = 0; k < 60 * 60; k++)
+        assert_true(z[k] >= range.lo && z[k] <= range.hi);
+    tc_field_destroy(f);
+}
+
+/* What cannot be read fails, is counted, is not tried in each frame, and comes once it can be read. */
+static void unreadable_tiles_are_told(void **state)
+{
+    memory *m = *state;
+    tc_field *f = open_memory(m, NULL);
+    int l = tc_field_info(f)->levels;
+    tc_rect r = {1000, 1000, 1400, 1400};
+    m->broken = (int64_t)m->size / 2;
+    assert_int_equal(await(f, l, r), TC_FAILED);
+    assert_true(tc_field_tell(f).unreadable > 0);
+    int before = m->reads;
+    for (double start = tc_clock_ms(); tc_clock_ms() - start < 900; usleep(1000))
+        tc_field_ready(f, l, r, TC_SOON);
+    assert_in_range(m->reads - before, 1, 12); /* after 250 and 500 ms */
+    m->broken = 0;
+    double start = tc_clock_ms();
+    while (tc_field_ready(f, l, r, TC_SOON) != TC_READY && tc_clock_ms() - start < 10000)
+        usleep(1000);
+    assert_true(tc_clock_ms() - start < 10000);
+    assert_int_equal(tc_field_tell(f).unreadable, 0);
+    assert_int_equal(tc_field_tell(f).waits, 0);
+    tc_field_destroy(f);
+}
+
+/* Once a tile is damaged, bounds still hold the constant at which voids are shown. */
+static void damage_keeps_the_constant(void **state)
+{
+    memory *m = *state;
+    uint8_t kept = m->bytes[m->size - 3];
+    m->bytes[m->size - 3] ^= 0x55;
+    tc_open_options how = {.has_policy = true, .voids = TC_VOIDS_CONSTANT, .void_constant = -9000};
+    tc_field *f = open_memory(m, &how);
+    int l = tc_field_info(f)->levels;
+    static float z[SIZE * SIZE];
+    assert_int_equal(tc_field_read(f, l, (tc_rect){0, 0, SIZE, SIZE}, z, NULL, SIZE), TC_OK);
+    assert_true(tc_field_tell(f).damaged > 0);
+    assert_true(z[160 * SIZE + 160] == -9000);
+    assert_true(tc_field_range(f, l, (tc_rect){150, 150, 200, 200}).lo <= -9000);
+    tc_field_destroy(f);
+    m->bytes[m->size - 3] = kept;
+}
+
+/* Memory is what was asked for, once no window needs more. */
+static void the_cache_keeps_its_promise(void **state)
+{
+    memory *m = *state;
+    enum { BYTES = 4 << 20 };
+    tc_field *f = open_memory(m, &(tc_open_options){.cache_bytes = BYTES});
+    int l = tc_field_info(f)->levels;
+    static float z[SIZE * SIZE];
+    static uint8_t voids[SIZE * SIZE];
+    assert_int_equal(tc_field_read(f, l, (tc_rect){0, 0, SIZE, SIZE}, z, voids, SIZE), TC_OK);
+    assert_true(tc_field_tell(f).cache_bytes <= BYTES);
+    assert_int_equal(await(f, l, (tc_rect){0, 0, SIZE, SIZE}), TC_READY);
+    assert_true(tc_field_tell(f).cache_bytes > BYTES);
+    for (int n = 0; n < 600; n++)
+        await(f, l, (tc_rect){n, n, n + 30, n + 30});
+    assert_int_equal(tc_field_read(f, l, (tc_rect){0, 0, SIZE, SIZE}, z, voids, SIZE), TC_OK);
+    assert_true(tc_field_tell(f).cache_bytes <= BYTES);
+    tc_field_destroy(f);
+}
+
+/* ---- A field that adds a constant ------------------------------------------------------------------------------- */
+
+typedef struct raised {
+    tc_field head;
+    const tc_field *base;
+    float by;
+} raised;
+
+static void raise_samples(const raised *r, tc_rect rect, float *z, ptrdiff_t stride)
+{
+    for (int64_t j = 0; z && j < rect.y1 - rect.y0; j++)
+        for (int64_t i = 0; i < rect.x1 - rect.x0; i++)
+            z[j * stride + i] += r->by;
+}
+
+static tc_status raised_read(const tc_field *f, int level, tc_rect rect, void *z, uint8_t *voids, ptrdiff_t stride)
+{
+    const raised *r = (const raised *)f;
+    tc_status status = tc_field_read(r->base, level, rect, z, voids, stride);
+    if (status == TC_OK)
+        raise_samples(r, rect, z, stride);
+    return status;
+}
+
+static bool raised_read_ready(const tc_field *f, int level, tc_rect rect, void *z, uint8_t *voids, ptrdiff_t stride)
+{
+    const raised *r = (const raised *)f;
+    if (tc_field_read_ready(r->base, level, rect, z, voids, stride, TC_ONLY_ASK) != TC_READY)
+        return false;
+    raise_samples(r, rect, z, stride);
+    return true;
+}
+
+static tc_ready raised_ready(const tc_field *f, int level, tc_rect rect, tc_urgency urgency)
+{
+    return tc_field_ready(((const raised *)f)->base, level, rect, urgency);
+}
+
+static tc_range raised_range(const tc_field *f, int level, tc_rect rect)
+{
+    const raised *r = (const raised *)f;
+    tc_range range = tc_field_range(r->base, level, rect);
+    return (tc_range){range.lo + r->by, range.hi + r->by, range.step};
+}
+
+static void raised_tell(const tc_field *f, tc_field_stats *stats)
+{
+    const tc_field *base = ((const raised *)f)->base;
+    base->class->tell(base, stats);
+}
+
+static const tc_container *raised_container(const tc_field *f)
+{
+    return tc_field_container(((const raised *)f)->base);
+}
+
+static void a_decorated_field_passes_all_on(void **state)
+{
+    static const tc_field_class class = {.read = raised_read,
+                                         .read_ready = raised_read_ready,
+                                         .ready = raised_ready,
+                                         .range = raised_range,
+                                         .tell = raised_tell,
+                                         .container = raised_container};
+    tc_field *base = open_memory(*state, NULL);
+    raised up = {.head = *base, .base = base, .by = 64};
+    up.head.class = &class;
+    const tc_field *f = &up.head;
+    int l = tc_field_info(f)->levels;
+    tc_rect r = {100, 100, 300, 260};
+    static float low[200 * 160], high[200 * 160];
+    assert_int_equal(await(f, l, r), TC_READY);
+    assert_int_equal(tc_field_read_ready(f, l, r, high, NULL, 200, TC_SOON), TC_READY);
+    assert_int_equal(tc_field_read(base, l, r, low, NULL, 200), TC_OK);
+    tc_range range = tc_field_range(f, l, r);
+    for (int k = 0; k < 200 * 160; k++)
+        assert_true(high[k] == low[k] + 64 && high[k] >= range.lo && high[k] <= range.hi);
+    double a, b;
+    assert_int_equal(tc_field_height(base, 4000, 5000, &a), TC_OK);
+    assert_true(tc_field_height_ready(f, 4000, 5000, &b, NULL));
+    assert_float_equal(a + 64, b, 1e-3);
+    assert_ptr_equal(tc_field_packed_info(f), tc_field_packed_info(base));
+    tc_field_stats told = tc_field_tell(f);
+    assert_true(told.decoded > 0 && told.bytes > 0 && told.decoded == tc_field_tell(base).decoded);
+    tc_field_destroy(base);
+}
+
+static int set_up(void **state)
+{
+    static memory m;
+    m.bytes = pack(&m.size);
+    *state = &m;
+    return 0;
+}
+
+static int tear_down(void **state)
+{
+    free(((memory *)*state)->bytes);
+    return 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_waits),
+        cmocka_unit_test(ranges_narrow),
+        cmocka_unit_test(unreadable_tiles_are_told),
+        cmocka_unit_test(damage_keeps_the_constant),
+        cmocka_unit_test(the_cache_keeps_its_promise),
+        cmocka_unit_test(a_decorated_field_passes_all_on),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
