@@ -3,7 +3,9 @@
 #include "tests/support/test.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common/base/mesh.h"
 #include "common/base/rect.h"
@@ -115,10 +117,76 @@ static void steps_are_those_of_the_heights(void **state)
     }
 }
 
+/* ---- Planets ----------------------------------------------------------------------------------------------------- */
+
+/* Rows from pole to pole; rougher towards the poles, where the caps are. */
+static void pack_planet(const char *path, const tc_pack_options *how)
+{
+    enum { WIDTH = 640, HEIGHT = 321 };
+    double step = 180.0 / (HEIGHT - 1), radius = 1737400, metres = radius * M_PI / 180 * step;
+    tc_pack_terrain t = {.width = WIDTH, .height = HEIGHT, .wraps_x = true, .radius = radius, .unit = 1};
+    t.spacing_x = t.spacing_y = metres, t.sample_type = TC_SAMPLE_INT16;
+    t.georef = (tc_georef){.known = true, .geographic = true, .semi_major = radius};
+    memcpy(t.georef.transform, (double[]){-0.5 * step, step, 0, 90 + 0.5 * step, 0, -step}, sizeof t.georef.transform);
+    float *z = malloc(sizeof *z * WIDTH * HEIGHT);
+    assert_non_null(z);
+    for (int j = 0; j < HEIGHT; j++)
+        for (int i = 0; i < WIDTH; i++) {
+            double phi = (step * j - 90) * M_PI / 180, lambda = step * i * M_PI / 180, s = sin(phi);
+            double x = cos(phi) * cos(lambda), y = cos(phi) * sin(lambda);
+            z[j * WIDTH + i] = (float)rint(900 * sin(5 * x + 3 * s) + 2500 * s * s * sin(30 * y) * cos(40 * x + s));
+        }
+    tc_packer *packer = NULL;
+    tc_pack_result result;
+    tc_error error;
+    if (tc_packer_create(path, &t, how, &packer, &error) ||
+        tc_packer_put(packer, (tc_rect){0, 0, WIDTH, HEIGHT}, z, NULL, WIDTH, &error) ||
+        tc_packer_finish(packer, &result, &error))
+        fail_msg("%s", error.text);
+    tc_packer_destroy(packer);
+    free(z);
+}
+
+static void those_of_caps_are_their_own(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        tc_pack_options how;
+    } cases[] = {
+        {"rms", {.error = 5}},
+        {"bound", {.mode = TC_PACK_MAX_ERROR, .error = 12}},
+        {"lossless", {.mode = TC_PACK_LOSSLESS}},
+        {"LH04", {.error = 20, .codec = TC_CODEC_LH04}},
+    };
+    const char *path = made_path("planet.tclip");
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        pack_planet(path, &cases[k].how);
+        tc_map *map;
+        assert_int_equal(tc_map_open(path, NULL, &map, NULL), TC_OK);
+        assert_int_equal(tc_map_charts(map), 3);
+        for (int n = 0; n < 3; n++) {
+            const tc_field *field = tc_map_field(map, n);
+            tc_byte_source source;
+            tc_packed_file file;
+            char name[40];
+            snprintf(name, sizeof name, "%s, chart %d", cases[k].name, n);
+            assert_int_equal(tc_file_source(path, &source, NULL), TC_OK);
+            assert_int_equal(tc_packed_file_open_bytes(path, &source, n, &file, NULL), TC_OK);
+            assert_true(file.container.level[file.container.levels - 1].width > 128); /* more than a tile */
+            for (int l = file.container.base + 1; l <= file.container.levels; l++)
+                check_level(&file, field, l, name);
+            tc_packed_file_close(&file);
+        }
+        tc_map_destroy(map);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(steps_are_those_of_the_heights),
+        cmocka_unit_test(those_of_caps_are_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, close_all);
 }
