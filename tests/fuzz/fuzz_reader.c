@@ -1,11 +1,10 @@
-/* fuzz_reader.c - a whole packed file of arbitrary bytes: opened, asked, read. Nothing may crash, hang or take much
- * memory; heights are finite; a rectangle is the same part of the whole. */
+/* fuzz_reader.c - a whole packed file of arbitrary bytes, flat or a planet: opened as a map, all of its charts asked
+ * and read. Nothing may crash, hang or take much memory; heights are finite; a rectangle is the same part of the whole.
+ */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "common/base/rect.h"
 #include "common/terraclip.h"
@@ -57,18 +56,9 @@ static void check_part(const tc_field *p, int l, tc_rect whole, const float *z, 
     free(some), free(v);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static void read_chart(const tc_field *p)
 {
-    char path[64];
-    int file = memfd_create("fuzz", MFD_CLOEXEC);
-    expect(file >= 0 && write(file, data, size) == (ssize_t)size, "no file");
-    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    tc_field *p = NULL;
-    tc_error error = {TC_OK, ""};
-    tc_open_options options = {.cache_bytes = size % 2 ? 1 : 0};
-    tc_status status = tc_field_open(path, &options, &p, &error);
-    expect(!status == !error.text[0] && !strchr(error.text, '\n'), "no words for an error, or more than a line");
-    for (int l = 1; !status && l <= tc_field_info(p)->levels; l++) {
+    for (int l = 1; l <= tc_field_info(p)->levels; l++) {
         tc_level level = tc_field_level(p, l);
         tc_rect all = {0, 0, level.width, level.height}, r = all;
         if (level.width > WHOLE || level.height > WHOLE) /* the last corner, and one in the middle */
@@ -84,12 +74,50 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         }
         tc_field_packed_level(p, l);
     }
+    double z;
+    tc_field_height(p, 10, 10, &z);
+    tc_field_packed_info(p), tc_field_tell(p).damaged, tc_field_tell(p).decoded, tc_field_tell(p).bytes;
+}
+
+/* The input as a source of bytes; all that is read must lie within it. */
+typedef struct input {
+    const uint8_t *bytes;
+    size_t size;
+    int closed;
+} input;
+
+static tc_status read_input(void *context, int64_t offset, void *bytes, size_t size)
+{
+    const input *in = context;
+    expect(offset >= 0 && (uint64_t)offset <= in->size && size <= in->size - (size_t)offset, "read beyond the end");
+    memcpy(bytes, in->bytes + offset, size);
+    return TC_OK;
+}
+
+static void close_input(void *context)
+{
+    ((input *)context)->closed++;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    input in = {data, size, 0};
+    tc_byte_source source = {&in, (int64_t)size, read_input, close_input};
+    tc_map *map = NULL;
+    tc_error error = {TC_OK, ""};
+    tc_open_options options = {.cache_bytes = size % 2 ? 1 : 0, .flat = size % 8 == 7};
+    tc_status status = tc_map_open_bytes("input", &source, &options, &map, &error);
+    expect(!status == !error.text[0] && !strchr(error.text, '\n'), "no words for an error, or more than a line");
     if (!status) {
-        double z;
-        tc_field_height(p, 10, 10, &z);
-        tc_field_packed_info(p), tc_field_tell(p).damaged, tc_field_tell(p).decoded, tc_field_tell(p).bytes;
+        for (int n = 0; n < tc_map_charts(map); n++)
+            read_chart(tc_map_field(map, n));
+        for (int k = -2; k <= 2; k++) {
+            double z;
+            if (!tc_map_height(map, 0.7 * k, 0.78 * k, &z))
+                expect(!isinf(z), "a height without end");
+        }
+        tc_map_destroy(map);
     }
-    tc_field_destroy(p);
-    close(file);
+    expect(in.closed == 1, "the input is not let go of once");
     return 0;
 }

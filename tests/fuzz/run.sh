@@ -30,7 +30,7 @@ mkdir -p "$build/findings"
 rc=0
 for f in $fuzzers; do
     mkdir -p "$build/found-$f"
-    case $f in reader) most=6000 ;; *) most=4096 ;; esac
+    case $f in reader) most=8000 ;; *) most=4096 ;; esac
     echo "fuzz: $f for $share s"
     "$build/$f" -max_total_time=$share -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=256 -max_len=$most \
         -print_final_stats=1 -verbosity=1 -artifact_prefix="$build/findings/$f-" "$build/found-$f" \
