@@ -200,6 +200,13 @@ LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
 LDFLAGS_test_draw := $(LDFLAGS_test_memory)
 LDFLAGS_test_refused := $(LDFLAGS_test_memory)
 
+# Replays the fuzzers' seeds through the fuzzers, whose checksums are all 0: no_crc stands before the library.
+SEEDS := $(call obj,tests/fuzz/no_crc tests/fuzz/fuzz_reader tests/fuzz/fuzz_tile)
+CPPFLAGS_fuzz_reader := -DLLVMFuzzerTestOneInput=fuzz_reader
+CPPFLAGS_fuzz_tile := -DLLVMFuzzerTestOneInput=fuzz_tile_decoders
+LDFLAGS_test_seeds := $(SEEDS)
+$(O)/tests/test_seeds: | $(SEEDS)
+
 # Codecs to compare with; nothing else is linked with them.
 CODERS := $(call obj,tests/bench/jpeg2000 tests/bench/coders tests/bench/gdal_coders)
 $(O)/tests/bench_pack: $(CODERS)

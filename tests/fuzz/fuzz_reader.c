@@ -76,7 +76,8 @@ static void read_chart(const tc_field *p)
     }
     double z;
     tc_field_height(p, 10, 10, &z);
-    tc_field_packed_info(p), tc_field_tell(p).damaged, tc_field_tell(p).decoded, tc_field_tell(p).bytes;
+    tc_field_packed_info(p);
+    tc_field_tell(p);
 }
 
 /* The input as a source of bytes; all that is read must lie within it. */
