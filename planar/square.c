@@ -5,6 +5,7 @@
  * each active region, where two fine edges meet one coarse edge, crack closers are drawn (square_geometry.c). */
 #include "square.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,19 +19,22 @@
 typedef struct square_surface {
     tc_surface head;
     square_geometry index;
-    bool wide;               /* places relative to the viewer do not fit 32 bits (square_wide.glsl) */
-    int capacity;            /* draws of either kind */
-    tc_draw *strips, *lists; /* strips has room for both */
-    tc_instance *strip_data, *list_data;
-    float layer_uniforms[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
-    float surface_uniforms[TC_SURFACE_UNIFORMS];
+    bool wide;         /* places relative to the viewer do not fit 32 bits (square_wide.glsl) */
+    int strips, lists; /* the most draws of either kind */
+    tc_ground_options windows;
 } square_surface;
+
+typedef struct square_view {
+    tc_view head;
+    square_viewer viewer;
+} square_view;
 
 /* All that is looked at while a frame is put together. */
 typedef struct assembly {
-    square_surface *s;
+    const square_surface *s;
     const tc_clipmap *clipmap;
     const tc_field *field;
+    tc_frame *frame;
     square_viewer viewer; /* of the camera drawn */
     tc_frustum frustum;   /* of the camera culled for */
     double eye[3];        /* of the camera culled for; x, y relative to viewer's snapped sample, z above z_base */
@@ -135,11 +139,12 @@ static void add_block(assembly *a, tc_rect cells)
     int64_t w = cells.x1 - cells.x0, h = cells.y1 - cells.y0;
     a->triangles_unculled += 2 * w * h;
     a->blocks++;
-    if (!visible(a, cells) || a->strip_count == a->s->capacity)
+    if (!visible(a, cells))
         return;
     a->triangles += 2 * w * h;
-    a->s->strip_data[a->strip_count] = instance(a, cells.x0, cells.y0);
-    a->s->strips[a->strip_count++] =
+    assert(a->strip_count < a->s->strips);
+    a->frame->instances[a->strip_count] = instance(a, cells.x0, cells.y0);
+    a->frame->draws[a->strip_count++] =
         (tc_draw){.count = tc_square_strip_count(w, h), 1, .first_index = a->s->index.strip_first[w - 1]};
 }
 
@@ -148,12 +153,15 @@ static void add_closers(assembly *a, int64_t x, int64_t y, int64_t cells, bool r
 {
     for (int64_t done = 0; done < cells; done += a->s->index.block) {
         int64_t run = tc_min64(cells - done, a->s->index.block), sx = row ? x + done : x, sy = row ? y : y + done;
-        if (!visible(a, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}) || a->list_count == a->s->capacity)
+        if (!visible(a, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}))
             continue;
-        a->s->list_data[a->list_count] = instance(a, sx, sy);
-        a->s->lists[a->list_count++] = (tc_draw){.count = (uint32_t)(3 * (run / 2)),
-                                                 1,
-                                                 .first_index = row ? a->s->index.row_first : a->s->index.column_first};
+        /* From the end of the room on backwards, until all strips are known. */
+        int at = a->s->head.draw_capacity - 1 - a->list_count++;
+        assert(a->list_count <= a->s->lists);
+        a->frame->instances[at] = instance(a, sx, sy);
+        a->frame->draws[at] = (tc_draw){.count = (uint32_t)(3 * (run / 2)),
+                                        1,
+                                        .first_index = row ? a->s->index.row_first : a->s->index.column_first};
     }
 }
 
@@ -213,83 +221,80 @@ static void add_level(assembly *a, bool closers)
         add_closers(a, cells.x1, cells.y0, cells.y1 - cells.y0, false);
 }
 
-static float int_bits(int64_t value)
-{
-    int32_t i = (int32_t)value;
-    float f;
-    memcpy(&f, &i, sizeof f);
-    return f;
-}
-
 static void set_uniforms(assembly *a, const tc_frame_options *options)
 {
-    square_surface *s = a->s;
+    tc_frame *f = a->frame;
     const tc_clip_level *l = tc_clipmap_level(a->clipmap, 1);
     int64_t edge_x = l->edge_x - a->viewer.snap_x, edge_y = l->edge_y - a->viewer.snap_y;
     wide_place x = split(edge_x), y = split(edge_y);
-    const float surface[] = {(float)a->spacing[0],
-                             (float)a->spacing[1],
-                             (float)a->viewer.rest_x,
-                             (float)a->viewer.rest_y,
-                             int_bits(s->wide ? x.high : edge_x),
-                             int_bits(s->wide ? y.high : edge_y),
-                             int_bits(x.low),
-                             int_bits(y.low)};
-    memcpy(s->surface_uniforms, surface, sizeof surface);
+    const float surface[] = {(float)a->spacing[0], (float)a->spacing[1], (float)a->viewer.rest_x,
+                             (float)a->viewer.rest_y};
+    const int32_t integers[2][4] = {
+        {a->s->wide ? x.high : (int32_t)edge_x, a->s->wide ? y.high : (int32_t)edge_y, x.low, y.low}, {l->shift}};
+    memcpy(f->surface, surface, sizeof surface);
+    memcpy(f->integers, integers, sizeof integers);
     for (int level = 1; level <= tc_clipmap_levels(a->clipmap); level++) {
         square_morph m = tc_square_morph(a->clipmap, level, &a->viewer, options);
-        float *u = s->layer_uniforms[level - 1];
+        float(*u)[4] = f->layer[level - 1];
         for (int i = 0; i < 4; i++) {
-            u[i] = (float)m.start[i];
-            u[4 + i] = (float)m.rate[i];
+            u[0][i] = (float)m.start[i];
+            u[1][i] = (float)m.rate[i];
         }
-        u[8] = (float)m.least;
-        u[9] = (float)ldexp(1, -tc_clipmap_level(a->clipmap, level)->shift);
-        u[10] = int_bits(tc_clipmap_level(a->clipmap, level)->shift);
+        u[2][0] = (float)m.least;
+        u[2][1] = (float)ldexp(1, -tc_clipmap_level(a->clipmap, level)->shift);
     }
 }
 
 /* Whether the eye is over the terrain and above the surface as drawn: then the first hit of any ray is from above, and
  * backs of triangles need not be drawn (nearly half of them near the ground). Through holes one sees backs. all:
  * whether what is held is drawn. */
-static bool seen_from_above(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options,
-                            bool all)
+static bool seen_from_above(const square_view *v, bool all)
 {
+    const tc_camera *camera = &v->head.camera;
+    const tc_clipmap *clipmap = v->head.windows->clipmap[0];
     double z;
-    return all && !tc_ground_voids(clipmap, 1) && !options->two_sided &&
-           tc_square_drawn_height(clipmap, camera, options, camera->x, camera->y, &z) && camera->z > z + 1e-6 * fabs(z);
+    return all && !tc_ground_voids(clipmap, 1) && !v->head.options.two_sided &&
+           tc_square_height(clipmap, &v->viewer, &v->head.options, camera->x, camera->y, &z) &&
+           camera->z > z + 1e-6 * fabs(z);
 }
 
-static void square_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS])
+static void square_look(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
+                        const tc_frame_options *options, bool wait, tc_view *view)
 {
-    tc_square_wanted(surface->clipmap[0], camera, wanted[0]);
+    *view = tc_view_of(surface, windows, camera, options);
+    ((square_view *)view)->viewer = tc_square_viewer(windows->clipmap[0], camera, wait);
 }
 
-static bool square_drawn_height(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
-                                double y, double *z_ret)
+static void square_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
 {
-    return tc_square_drawn_height(surface->clipmap[0], camera, options, x, y, z_ret);
+    tc_square_wanted(view->windows->clipmap[0], &((const square_view *)view)->viewer, wanted[0]);
 }
 
-static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                         const tc_layers *layers, tc_frame *frame_ret)
+static bool square_height(const tc_view *view, double x, double y, double *z_ret)
 {
-    square_surface *s = (square_surface *)surface;
-    const tc_clipmap *clipmap = surface->clipmap[0];
+    const square_view *v = (const square_view *)view;
+    return tc_square_height(view->windows->clipmap[0], &v->viewer, &view->options, x, y, z_ret);
+}
+
+static void square_draws(const tc_view *view, const tc_layers *layers, tc_frame *frame)
+{
+    const square_view *v = (const square_view *)view;
+    const tc_frame_options *options = &view->options;
+    const tc_clipmap *clipmap = view->windows->clipmap[0];
     const tc_field *field = tc_clipmap_field(clipmap);
-    const tc_camera *cull = options->cull_camera ? options->cull_camera : camera;
     tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
-    assembly a = {.s = s,
+    assembly a = {.s = (const square_surface *)view->surface,
                   .clipmap = clipmap,
                   .field = field,
-                  .viewer = tc_square_viewer(clipmap, camera),
-                  .frustum = tc_camera_frustum(cull),
+                  .frame = frame,
+                  .viewer = v->viewer,
+                  .frustum = tc_camera_frustum(&view->culled),
                   .spacing = {finest.spacing_x, finest.spacing_y},
                   .levels = layers->ready[0],
                   .no_cull = options->no_cull};
-    a.eye[0] = cull->x - (double)a.viewer.snap_x * finest.spacing_x;
-    a.eye[1] = cull->y - (double)a.viewer.snap_y * finest.spacing_y;
-    a.eye[2] = cull->z - tc_field_info(field)->z_base;
+    a.eye[0] = view->culled.x - (double)a.viewer.snap_x * finest.spacing_x;
+    a.eye[1] = view->culled.y - (double)a.viewer.snap_y * finest.spacing_y;
+    a.eye[2] = view->culled.z - tc_field_info(field)->z_base;
 
     int active = 0;
     bool skipped = false;
@@ -303,40 +308,42 @@ static void square_frame(tc_surface *surface, const tc_camera *camera, const tc_
         active++;
         add_level(&a, !options->no_closers && !options->no_stitch);
     }
-    memcpy(s->strips + a.strip_count, s->lists, (size_t)a.list_count * sizeof *s->lists);
-    memcpy(s->strip_data + a.strip_count, s->list_data, (size_t)a.list_count * sizeof *s->list_data);
+    for (int i = 0, end = a.s->head.draw_capacity - 1; i < a.list_count; i++) {
+        frame->draws[a.strip_count + i] = frame->draws[end - i];
+        frame->instances[a.strip_count + i] = frame->instances[end - i];
+    }
     for (int i = 0; i < a.strip_count + a.list_count; i++)
-        s->strips[i].base_instance = (uint32_t)i;
+        frame->draws[i].base_instance = (uint32_t)i;
     set_uniforms(&a, options);
-    *frame_ret = (tc_frame){.draws = s->strips,
-                            .instances = s->strip_data,
-                            .strip_draws = a.strip_count,
-                            .list_draws = a.list_count,
-                            .triangles = a.triangles,
-                            .one_sided = seen_from_above(clipmap, camera, options, !skipped),
-                            .triangles_unculled = a.triangles_unculled,
-                            .draws_unculled = a.blocks,
-                            .levels_active = active,
-                            .levels_fine = tc_clipmap_levels(clipmap) - active,
-                            .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
-                            .surface_uniforms = s->surface_uniforms};
+    frame->strip_draws = a.strip_count, frame->list_draws = a.list_count;
+    frame->triangles = a.triangles, frame->triangles_unculled = a.triangles_unculled;
+    frame->one_sided = seen_from_above(v, !skipped);
+    frame->draws_unculled = a.blocks;
+    frame->levels_active = active;
+    frame->levels_fine = tc_clipmap_levels(clipmap) - active;
+    frame->levels_beyond = 0;
+}
+
+/* ---- Creation ---------------------------------------------------------------------------------------------------- */
+
+static tc_status square_windows(const tc_surface *surface, tc_windows *windows_ret, tc_error *error)
+{
+    *windows_ret = (tc_windows){.charts = 1};
+    return tc_ground_create(surface->field, &((const square_surface *)surface)->windows, &windows_ret->clipmap[0],
+                            error);
 }
 
 static void square_destroy(tc_surface *surface)
 {
     square_surface *s = (square_surface *)surface;
-    tc_clipmap_destroy(surface->clipmap[0]);
     free(s->head.geometry.vertices);
     free(s->head.geometry.indices);
     free(s->index.strip_first);
-    free(s->strips);
-    free(s->lists);
-    free(s->strip_data);
-    free(s->list_data);
     free(s);
 }
 
-tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error)
+tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, tc_surface **surface_ret,
+                           tc_error *error)
 {
     static const tc_surface_words words = {.levels = "levels",
                                            .blocks = "blocks",
@@ -344,23 +351,28 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
                                            .outside = "outside the view"};
     static const char *const vertex_parts[] = {"square_wide.glsl", "square.glsl", NULL};
     static const char *const fragment_parts[] = {"square.frag", NULL};
-    const tc_clip_level *l = tc_clipmap_level(clipmap, 1);
-    const int64_t edge = tc_max64(l->edge_x, l->edge_y);
-    square_surface *s = calloc(1, sizeof *s);
-    tc_status status = TC_OK;
+    if (options->n && tc_clipmap_check_n(options->n, error) != TC_OK)
+        return TC_ERR_USAGE;
+    const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    const int64_t edge = tc_max64(finest.width, finest.height) - 1;
     if (edge >= (int64_t)1 << 40) /* the high part of a place is exact as a float */
-        status = tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^40 samples a side, found %lldx%lld",
-                         (long long)l->edge_x + 1, (long long)l->edge_y + 1);
-    else if (!s)
-        status = tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
-    if (status) {
-        free(s);
-        tc_clipmap_destroy(clipmap);
-        return status;
-    }
-    const tc_field *field = tc_clipmap_field(clipmap);
-    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "terrain: expected at most 2^40 samples a side, found %lldx%lld",
+                       (long long)finest.width, (long long)finest.height);
+    square_surface *s = calloc(1, sizeof *s);
+    if (!s)
+        return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
     s->wide = edge >= (int64_t)1 << 30;
+    s->windows = *options;
+    if (!s->windows.n)
+        s->windows.n = 255;
+    int n = s->windows.n, block = n + 1 >= 128 ? (n + 1) / 16 : 8, across = (n + 1) / block + 1;
+    /* A level of at most n - 1 cells meets `across` tiles a side; those that the hole's perimeter goes through, at most
+     * across on each of its sides, are cut in up to four. */
+    int most = 1; /* levels that no window holds as a whole, and the one that it does */
+    for (int64_t size = edge; size > n / 2 && most < TC_MAX_LEVELS; size /= 2)
+        most++;
+    s->strips = most * (across * across + 4 * across * 3);
+    s->lists = most * 4 * across;
     s->head =
         (tc_surface){.name = "square",
                      .words = &words,
@@ -371,23 +383,20 @@ tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_err
                      .instances = true,
                      .near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)),
                      .extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y),
-                     .charts = 1,
-                     .clipmap = {clipmap},
+                     .field = field,
+                     .n = n,
+                     .draw_capacity = s->strips + s->lists,
+                     .view_bytes = sizeof(square_view),
+                     .make_windows = square_windows,
+                     .look = square_look,
                      .wanted = square_wanted,
-                     .frame = square_frame,
-                     .drawn_height = square_drawn_height,
+                     .draws = square_draws,
+                     .height = square_height,
                      .destroy = square_destroy};
-    int n = tc_clipmap_n(clipmap), block = n + 1 >= 128 ? (n + 1) / 16 : 8, across = (n + 1) / block + 1;
-    /* Blocks of a level: every tile, those around the hole cut in up to four; closers: four sides. */
-    s->capacity = tc_clipmap_levels(clipmap) * (across * across + 12 * across + 16);
-    status = tc_square_geometry(block, &s->head.geometry, &s->index, error);
-    s->strips = calloc(2 * (size_t)s->capacity, sizeof *s->strips);
-    s->lists = calloc((size_t)s->capacity, sizeof *s->lists);
-    s->strip_data = calloc(2 * (size_t)s->capacity, sizeof *s->strip_data);
-    s->list_data = calloc((size_t)s->capacity, sizeof *s->list_data);
-    if (status || !s->strips || !s->lists || !s->strip_data || !s->list_data) {
+    tc_status status = tc_square_geometry(block, &s->head.geometry, &s->index, error);
+    if (status) {
         square_destroy(&s->head);
-        return status ? status : tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
+        return status;
     }
     *surface_ret = &s->head;
     return TC_OK;

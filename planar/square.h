@@ -4,8 +4,9 @@
 
 #include "common/render/scheme.h"
 
-/* A surface over the clipmap, which it takes over, also on failure. */
-tc_status tc_square_create(tc_clipmap *clipmap, tc_surface **surface_ret, tc_error *error);
+/* A surface over a field, which must outlive it, whose windows are made as the options say. */
+tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, tc_surface **surface_ret,
+                           tc_error *error);
 
 extern const tc_scheme tc_square_schemes[]; /* ended by a NULL name */
 

@@ -10,27 +10,27 @@
 #include "common/base/status.h"
 #include "square_internal.h"
 
-static uint16_t *strip(uint16_t *out, int w, int h, int stride)
+static uint32_t strip(tc_geometry *g, uint32_t at, int w, int h, int stride)
 {
     for (int j = 0; j < h; j++) {
         int south = j * stride, north = south + stride;
         if (j > 0)
-            *out++ = TC_RESTART;
+            tc_set_index(g, at++, tc_restart(g));
         for (int i = 0; i <= w; i++) {
-            *out++ = (uint16_t)(south + i);
-            *out++ = (uint16_t)(north + i);
+            tc_set_index(g, at++, (uint32_t)(south + i));
+            tc_set_index(g, at++, (uint32_t)(north + i));
         }
     }
-    return out;
+    return at;
 }
 
 /* A coarse edge is two fine ones; the triangle of their three vertices fills whatever lies between. */
-static uint16_t *closers(uint16_t *out, int cells, int step)
+static uint32_t closers(tc_geometry *g, uint32_t at, int cells, int step)
 {
     for (int i = 0; i + 2 <= cells; i += 2)
         for (int k = 0; k < 3; k++)
-            *out++ = (uint16_t)((i + k) * step);
-    return out;
+            tc_set_index(g, at++, (uint32_t)((i + k) * step));
+    return at;
 }
 
 tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *index, tc_error *error)
@@ -44,7 +44,8 @@ tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *
     uint16_t(*vertices)[2] = malloc((size_t)geometry->vertex_count * sizeof *vertices);
     geometry->format = TC_VERTEX_UINT16_2;
     geometry->vertices = vertices;
-    geometry->indices = malloc((size_t)count * sizeof *geometry->indices);
+    geometry->index_bytes = tc_index_bytes(geometry->vertex_count);
+    geometry->indices = malloc((size_t)count * (size_t)geometry->index_bytes);
     index->strip_first = malloc((size_t)block * sizeof *index->strip_first);
     if (!geometry->vertices || !geometry->indices || !index->strip_first)
         return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
@@ -53,15 +54,15 @@ tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *
             vertices[j * stride + i][0] = (uint16_t)i;
             vertices[j * stride + i][1] = (uint16_t)j;
         }
-    uint16_t *at = geometry->indices;
+    uint32_t at = 0;
     index->block = block;
     for (int w = 1; w <= block; w++) {
-        index->strip_first[w - 1] = (uint32_t)(at - geometry->indices);
-        at = strip(at, w, block, stride);
+        index->strip_first[w - 1] = at;
+        at = strip(geometry, at, w, block, stride);
     }
-    index->row_first = (uint32_t)(at - geometry->indices);
-    at = closers(at, block, 1);
-    index->column_first = (uint32_t)(at - geometry->indices);
-    closers(at, block, stride);
+    index->row_first = at;
+    at = closers(geometry, at, block, 1);
+    index->column_first = at;
+    closers(geometry, at, block, stride);
     return TC_OK;
 }

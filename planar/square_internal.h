@@ -33,16 +33,20 @@ typedef struct square_morph {
 typedef struct square_viewer {
     int64_t snap_x, snap_y; /* finest samples, within the terrain */
     double rest_x, rest_y;  /* metres, eye minus snapped sample */
+    double x, y;            /* metres */
     double height;          /* metres above ground */
 } square_viewer;
 
-square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera);
+/* wait: the ground is the finest level's, read from the field; else that of the finest level which is held there and
+ * wanted. */
+square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera, bool wait);
 square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
                              const tc_frame_options *options);
 double tc_square_alpha(const square_morph *morph, double x, double y);
 
-void tc_square_wanted(const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted);
-bool tc_square_drawn_height(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options,
-                            double x, double y, double *z_ret);
+void tc_square_wanted(const tc_clipmap *clipmap, const square_viewer *viewer, tc_rect *wanted);
+/* Height drawn at a place, metres; false where nothing is. */
+bool tc_square_height(const tc_clipmap *clipmap, const square_viewer *viewer, const tc_frame_options *options, double x,
+                      double y, double *z_ret);
 
 #endif

@@ -19,28 +19,75 @@ static const double SATURATED = 1.5;    /* cells within the window's half size w
                                            the edge by up to 1, and half a cell covers rounding in float */
 static const double CLEAR = 0.25;       /* cells between a ramp's start and the finer level, for the same reason */
 
-square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera)
+/* ---- The viewer -------------------------------------------------------------------------------------------------- */
+
+/* Cell that holds position p (finest samples), and the place within it; cells at the edge may be narrower. */
+static int64_t find_cell(double p, int shift, int64_t edge, double *t_ret)
+{
+    double cell = ldexp(1, shift);
+    int64_t i = tc_max64(0, tc_min64((int64_t)floor(p / cell), tc_ceil_shift(edge, shift) - 1));
+    double start = (double)i * cell, end = fmin(start + cell, (double)edge);
+    *t_ret = end > start ? (p - start) / (end - start) : 0;
+    return i;
+}
+
+/* The cell of a level that finest position (px, py) is in; false where it is not active. */
+static bool active_cell(const tc_clip_level *l, double px, double py, int64_t cell_ret[2], double t_ret[2])
+{
+    cell_ret[0] = find_cell(px, l->shift, l->edge_x, &t_ret[0]);
+    cell_ret[1] = find_cell(py, l->shift, l->edge_y, &t_ret[1]);
+    return tc_rect_contains(l->active, cell_ret[0], cell_ret[1]) &&
+           tc_rect_contains(l->active, cell_ret[0] + 1, cell_ret[1] + 1);
+}
+
+/* Height above ground in windows of the level. */
+static double relative_height(const tc_clipmap *clipmap, int level, double height)
+{
+    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+    return height / (tc_clipmap_n(clipmap) * fmax(l->spacing_x, l->spacing_y));
+}
+
+/* Height above the ground that windows hold: of level after level for as long as the eye is low enough for it. A level
+ * by whose own ground it would be too high says nothing, or it would be dropped and wanted in turns. */
+static double held_height(const tc_clipmap *clipmap, double px, double py, double z)
+{
+    double height = 0;
+    for (int level = 1; level <= tc_clipmap_levels(clipmap); level++) {
+        int64_t cell[2], mask = tc_clipmap_n(clipmap);
+        double t[2], c[4];
+        if (level > 1 && relative_height(clipmap, level, height) > DROP_HEIGHT)
+            break;
+        if (!active_cell(tc_clipmap_level(clipmap, level), px, py, cell, t))
+            continue;
+        for (int k = 0; k < 4; k++)
+            c[k] = tc_ground_heights(
+                clipmap, level)[((cell[1] + (k >> 1)) & mask) * (mask + 1) + ((cell[0] + (k & 1)) & mask)][0];
+        double own = fabs(z - tc_triangle_height(c[0], c[1], c[2], c[3], t[0], t[1]));
+        if (level == 1 || relative_height(clipmap, level, own) <= DROP_HEIGHT)
+            height = own;
+    }
+    return height;
+}
+
+square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera, bool wait)
 {
     const tc_field *field = tc_clipmap_field(clipmap);
     tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
-    square_viewer v;
+    square_viewer v = {.x = camera->x, .y = camera->y};
+    double px = fmin(fmax(camera->x / finest.spacing_x, 0), (double)(finest.width - 1));
+    double py = fmin(fmax(camera->y / finest.spacing_y, 0), (double)(finest.height - 1));
     v.snap_x = (int64_t)fmin(fmax(floor(camera->x / finest.spacing_x + 0.5), 0), (double)(finest.width - 1));
     v.snap_y = (int64_t)fmin(fmax(floor(camera->y / finest.spacing_y + 0.5), 0), (double)(finest.height - 1));
     v.rest_x = camera->x - (double)v.snap_x * finest.spacing_x;
     v.rest_y = camera->y - (double)v.snap_y * finest.spacing_y;
-    double ground = 0;
-    if (tc_field_height(field, camera->x, camera->y, &ground))
+    double ground = 0, z = camera->z - tc_field_info(field)->z_base;
+    if (wait && tc_field_height(field, camera->x, camera->y, &ground))
         ground = tc_field_info(field)->z_min;
-    v.height = fabs(camera->z - tc_field_info(field)->z_base - ground);
+    v.height = wait ? fabs(z - ground) : held_height(clipmap, px, py, z);
     return v;
 }
 
-/* Height above ground in windows of the level. */
-static double relative_height(const tc_clipmap *clipmap, int level, const square_viewer *viewer)
-{
-    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-    return viewer->height / (tc_clipmap_n(clipmap) * fmax(l->spacing_x, l->spacing_y));
-}
+/* ---- Windows ----------------------------------------------------------------------------------------------------- */
 
 /* First sample of a window of n samples around v (in samples), even. Far outside any terrain v is cut off: what
  * matters is that the window does not touch it. */
@@ -50,21 +97,22 @@ static int64_t window_start(double v, int n)
     return 2 * (int64_t)floor((v - (n - 1) / 2 + 1) / 2);
 }
 
-void tc_square_wanted(const tc_clipmap *clipmap, const tc_camera *camera, tc_rect *wanted)
+void tc_square_wanted(const tc_clipmap *clipmap, const square_viewer *viewer, tc_rect *wanted)
 {
-    square_viewer viewer = tc_square_viewer(clipmap, camera);
     int n = tc_clipmap_n(clipmap);
     wanted[0] = tc_clipmap_level(clipmap, 1)->extent;
     for (int l = 2; l <= tc_clipmap_levels(clipmap); l++) {
         const tc_clip_level *level = tc_clipmap_level(clipmap, l);
-        if (relative_height(clipmap, l, &viewer) > DROP_HEIGHT) {
+        if (relative_height(clipmap, l, viewer->height) > DROP_HEIGHT) {
             wanted[l - 1] = (tc_rect){0, 0, 0, 0};
             continue;
         }
-        int64_t x = window_start(camera->x / level->spacing_x, n), y = window_start(camera->y / level->spacing_y, n);
+        int64_t x = window_start(viewer->x / level->spacing_x, n), y = window_start(viewer->y / level->spacing_y, n);
         wanted[l - 1] = tc_rect_intersect(level->extent, (tc_rect){x, y, x + n, y + n});
     }
 }
+
+/* ---- Morph ------------------------------------------------------------------------------------------------------- */
 
 /* One axis of the morph: the ramps at its low and its high side. */
 typedef struct axis {
@@ -120,7 +168,7 @@ square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_
     ramps(&x, tc_clipmap_n(clipmap), options, &m.start[0], &m.rate[0]);
     ramps(&y, tc_clipmap_n(clipmap), options, &m.start[2], &m.rate[2]);
     if (!options->no_morph) {
-        double h = relative_height(clipmap, level, viewer);
+        double h = relative_height(clipmap, level, viewer->height);
         m.least = fmin(fmax((h - FADE_HEIGHT) / (DROP_HEIGHT - FADE_HEIGHT), 0), 1);
     }
     return m;
@@ -147,37 +195,23 @@ static double vertex_height(const tc_clipmap *clipmap, int level, const square_m
     return (1 - a) * (double)z[0] + a * (double)z[1];
 }
 
-/* Cell that holds position p (finest samples), and the place within it; cells at the edge may be narrower. */
-static int64_t find_cell(double p, int shift, int64_t edge, double *t_ret)
-{
-    double cell = ldexp(1, shift);
-    int64_t i = tc_max64(0, tc_min64((int64_t)floor(p / cell), tc_ceil_shift(edge, shift) - 1));
-    double start = (double)i * cell, end = fmin(start + cell, (double)edge);
-    *t_ret = end > start ? (p - start) / (end - start) : 0;
-    return i;
-}
-
-bool tc_square_drawn_height(const tc_clipmap *clipmap, const tc_camera *camera, const tc_frame_options *options,
-                            double x, double y, double *z_ret)
+bool tc_square_height(const tc_clipmap *clipmap, const square_viewer *viewer, const tc_frame_options *options, double x,
+                      double y, double *z_ret)
 {
     const tc_field *field = tc_clipmap_field(clipmap);
     tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
-    square_viewer viewer = tc_square_viewer(clipmap, camera);
     double px = x / finest.spacing_x, py = y / finest.spacing_y;
     if (!(px >= 0 && py >= 0 && px <= (double)(finest.width - 1) && py <= (double)(finest.height - 1)))
         return false;
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
-        const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-        double tx, ty;
-        int64_t i = find_cell(px, l->shift, l->edge_x, &tx), j = find_cell(py, l->shift, l->edge_y, &ty);
-        if (!tc_rect_contains(l->active, i, j) || !tc_rect_contains(l->active, i + 1, j + 1))
+        int64_t cell[2];
+        double t[2], z[4];
+        if (!active_cell(tc_clipmap_level(clipmap, level), px, py, cell, t))
             continue;
-        square_morph m = tc_square_morph(clipmap, level, &viewer, options);
-        double z00 = vertex_height(clipmap, level, &m, &viewer, i, j);
-        double z10 = vertex_height(clipmap, level, &m, &viewer, i + 1, j);
-        double z01 = vertex_height(clipmap, level, &m, &viewer, i, j + 1);
-        double z11 = vertex_height(clipmap, level, &m, &viewer, i + 1, j + 1);
-        *z_ret = tc_triangle_height(z00, z10, z01, z11, tx, ty) + tc_field_info(field)->z_base;
+        square_morph m = tc_square_morph(clipmap, level, viewer, options);
+        for (int k = 0; k < 4; k++)
+            z[k] = vertex_height(clipmap, level, &m, viewer, cell[0] + (k & 1), cell[1] + (k >> 1));
+        *z_ret = tc_triangle_height(z[0], z[1], z[2], z[3], t[0], t[1]) + tc_field_info(field)->z_base;
         return true;
     }
     return false;

@@ -21,9 +21,7 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
                                        .max_levels = request->levels,
                                        .normals = request->needs->light,
                                        .holes = request->needs->holes};
-    tc_clipmap *clipmap;
-    tc_status status = tc_ground_create(tc_map_field(map, 0), &options, &clipmap, error);
-    return status ? status : tc_square_create(clipmap, surface_ret, error);
+    return tc_square_create(tc_map_field(map, 0), &options, surface_ret, error);
 }
 
 const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create}, {0}};

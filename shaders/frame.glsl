@@ -1,9 +1,9 @@
 // frame.glsl - what every stage of a frame knows; laid out as tc_frame_uniforms in common/render/frame_uniforms.h.
 layout(std140, binding = 0) uniform Frame {
     mat4 view_projection;  // from positions relative to the eye
-    vec4 surface[13];      // the surface's own
-    vec4 layer[3 * 96];    // the surface's own, three a layer: a level of a chart
-    vec4 window[96];       // of each layer, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
+    vec4 surface[SURFACE_VECTORS];      // the surface's own
+    vec4 layer[LAYER_VECTORS * LAYERS]; // the surface's own, of each layer: a level of a chart
+    vec4 window[LAYERS];   // of each layer, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
     vec4 eye;              // x: reference height, y: eye above it, metres above z_base
     vec4 ray[3];           // from the eye to the frame's middle is [2], from there to its sides [0] right and [1] up
     vec4 sun;              // xyz: direction to the sun; w: strength
@@ -13,4 +13,5 @@ layout(std140, binding = 0) uniform Frame {
     vec4 lens;             // x, y: tangents a pixel; z, w: from the target's first to straight ahead
     vec4 pixel[3];         // view axes: right and up by lens.zw, forward
     vec4 beyond;           // x: depth where nothing is, in clip space
+    ivec4 whole[SURFACE_INTEGERS]; // the surface's own, integers
 };

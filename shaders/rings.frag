@@ -64,10 +64,10 @@ void look(int chart, out float height, out vec2 slopes)
     vec2 texel = (2.0 * (layer[3 * at + 1].xy + round(where * 1024.0) / 1024.0) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
     vec4 n = textureLod(normals_map, vec3(texel, float(at)), 0.0);
     vec2 xy = mix(n.xy, n.zw, alpha);
-    // Slopes were kept steeper where samples are more than 60 m apart (tc_ground_options.relief).
+    // Slopes were kept steeper where samples are further apart than that (tc_ground_options.relief).
     vec2 samples = layer[3 * at].zw;
     float spacing = (surface[1].x - surface[1].z) * inversesqrt(samples.x * samples.y);
-    slopes = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01)) * min(1.0, sqrt(60.0 / spacing));
+    slopes = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01)) * min(1.0, sqrt(RELIEF / spacing));
 #endif
 }
 

@@ -9,11 +9,14 @@
 //                 axis; height where no chart is, above the ground
 // surface[3]      colatitude of the viewer; passage at the sides of windows, per sample; levels by which shading is finer
 //                 than geometry; 1: a part of a globe
-// surface[4 + k]  chart k: reference height in two parts, that above the ground; layer of shift 0
-// surface[7 + k]  chart k: slopes of the cell that the viewer is in; its layer
-// surface[10][k]  chart k: finest shift + 64 coarsest; surface[10].w: 1 where levels meet abruptly
+// surface[4 + k]  chart k: reference height in two parts, that above the ground
+// surface[7 + k]  chart k: slopes of the cell that the viewer is in
+// surface[10].w   1 where levels meet abruptly
 // surface[10 + k] cap k: coefficients of s_x, h, 1; 1 - its share at the viewer; of a part of a globe surface[11]: its
 //                 sides relative to the viewer; surface[12]: 1 where it wraps, ends at the south, at the north pole
+// whole[0][k]     chart k: layer of shift 0
+// whole[1][k]     chart k: layer of the cell that the viewer is in; -1: none
+// whole[2][k]     chart k: finest shift + 64 coarsest
 // layer[3 l]      viewer's place from the nearest sample; samples per unit of the chart
 // layer[3 l + 1]  that sample, modulo twice the window's array; last samples of the lattice, relative to it
 // layer[3 l + 2]  what is held, relative to it: first x, y, last x, y
@@ -102,11 +105,11 @@ vec2 map_chart(int chart, vec3 s, float w, out float share)
 // wanted level where it is held, else the next coarser one that is. False where the chart has nothing.
 bool find_layer(int chart, vec2 place, float shift, out int at, out float alpha, out vec2 where)
 {
-    int range = int(surface[10][chart]), finest = range & 63, coarsest = range >> 6;
+    int range = whole[2][chart], finest = range & 63, coarsest = range >> 6;
     int k = clamp(int(shift), finest, coarsest);
     alpha = clamp(shift - float(k), 0.0, 1.0);
     for (; k <= coarsest; k++, alpha = 0.0) {
-        at = int(surface[4 + chart].w) - k;
+        at = whole[0][chart] - k;
         vec4 l = layer[3 * at], held = layer[3 * at + 2];
         where = l.xy + place * l.zw;
         vec2 inside = min(where - held.xy, held.zw - where);

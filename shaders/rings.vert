@@ -18,7 +18,7 @@ bool chart_height(int chart, vec3 s, float w, float shift, out float height)
     vec4 l = layer[3 * at], reference = surface[4 + chart], slope = surface[7 + chart];
     vec2 cell = cell_of(at, where, t);
     ivec2 origin = ivec2(layer[3 * at + 1].xy) + ivec2(cell);
-    bool near = at == int(slope.w);
+    bool near = at == whole[1][chart];
     vec4 z;
     for (int k = 0; k < 4; k++) {
         ivec2 corner = ivec2(k & 1, k >> 1);

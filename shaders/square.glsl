@@ -40,7 +40,7 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
 {
     int at = 3 * block_layer();
     vec4 start = layer[at], rate = layer[at + 1], rest = layer[at + 2];
-    int shift = floatBitsToInt(rest.z);
+    int shift = whole[1].x - block_layer();
 #ifdef WIDE
     ivec2 origin = ivec2(in_instance.w, in_instance.w >> 12) & 0xfff;
     ivec2 first_high = in_instance.xy, first_low = ivec2(in_instance.z << 16, in_instance.z) >> 16;
@@ -50,13 +50,13 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
     else
         high += in_vertex << (shift - 16);
     carry(high, low);
-    cut_at_edge(high, low, floatBitsToInt(surface[1]));
+    cut_at_edge(high, low, whole[0]);
     plane = vec2(high) * (HIGH * surface[0].xy) + (vec2(low) * surface[0].xy - surface[0].zw);
     cell = vec2(origin) + vec2(high - first_high) * (HIGH * rest.y) + vec2(low - first_low) * rest.y;
     vec2 c = vec2(high) * (HIGH * rest.y) + vec2(low) * rest.y;
 #else
     ivec2 origin = ivec2(in_instance.z & 0xffff, in_instance.z >> 16);
-    ivec2 place = min(in_instance.xy + (in_vertex << shift), floatBitsToInt(surface[1].xy));
+    ivec2 place = min(in_instance.xy + (in_vertex << shift), whole[0].xy);
     plane = vec2(place) * surface[0].xy - surface[0].zw;
     cell = vec2(origin) + vec2(place - in_instance.xy) * rest.y;
     vec2 c = vec2(place) * rest.y;

@@ -8,12 +8,12 @@
 static bool read_n_phi(void *n, const char *value)
 {
     int *steps = n;
-    return tc_read_int(value, 64, 2048, steps) && *steps % 32 == 0;
+    return tc_read_int(value, TC_RINGS_LEAST_N_PHI, TC_RINGS_MOST_N_PHI, steps) && *steps % 32 == 0;
 }
 
 static bool read_steps(void *steps, const char *value)
 {
-    return tc_read_int(value, 4, 64, steps) && *(int *)steps % 2 == 0;
+    return tc_read_int(value, TC_RINGS_LEAST_STEPS, TC_RINGS_MOST_STEPS, steps) && *(int *)steps % 2 == 0;
 }
 
 static bool read_radius(void *radius, const char *value)
@@ -29,12 +29,12 @@ int main(int argc, char **argv)
         TC_BUDGET_OPTION,
         {.help = "Planet"},
         TC_SCHEME_OPTION,
-        {0, "n", "N", "a multiple of 32 of 64..2048",
-         "steps of a ring around the viewer (by the frame's width, 512 or 1024; in a window on a software renderer "
+        {0, "n", "N", "a multiple of 32 of 64..4096",
+         "steps of a ring around the viewer (by the frame's width, 512 to 4096; in a window on a software renderer "
          "256)",
          read_n_phi, offsetof(tc_options, n)},
-        {0, "steps", "M", "an even number of 4..64",
-         "steps outwards in a level of rings (as long as those around, N / 12.6)", read_steps,
+        {0, "steps", "M", "an even number of 4..128",
+         "steps outwards in a level of rings (as long as those around, N / 12.6, at most 128)", read_steps,
          offsetof(tc_options, steps)},
         {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
          read_radius, offsetof(tc_options, radius)},

@@ -15,14 +15,18 @@
 #include "rings_internal.h"
 
 #define DEGREE (M_PI / 180)
-/* Spacing, metres, from which on normals are kept steeper than the terrain; also in rings.frag. */
-#define RELIEF 60
+/* Spacing, metres, from which on normals are kept steeper than the terrain. */
+#define RELIEF 60.0
+/* A constant as GLSL is told it. */
+#define TEXT(constant) #constant
+#define TEXT_OF(constant) TEXT(constant)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 /* All that is looked at while a frame is put together. */
 typedef struct assembly {
-    rings_surface *s;
+    const rings_surface *s;
+    tc_frame *frame;
     const rings_view *view; /* of the camera drawn */
     tc_frustum frustum;     /* of the camera culled for */
     bool frozen;            /* which is another one: to its axes from the drawn eye's, and to its eye */
@@ -128,22 +132,23 @@ static bool visible(const assembly *a, double inner, double outer, double from, 
 /* The visible sectors of a level, or of the disc inside it. */
 static void add_level(assembly *a, int i, bool disc)
 {
-    rings_surface *s = a->s;
+    const rings_surface *s = a->s;
     const rings_geometry *g = &s->geometry;
     double outer = ldexp(M_PI, disc ? -i - 1 : -i), inner = disc ? 0 : outer / 2, lo, hi;
     int columns = g->n_phi / g->sectors;
     int64_t triangles = disc ? (2 * (int64_t)g->fill - 1) * columns : 2 * (int64_t)g->m * columns;
-    tc_rings_bounds(s, a->view, outer, &lo, &hi);
+    tc_rings_bounds(a->view, disc ? i + 1 : i, &lo, &hi);
     for (int k = 0; k < g->sectors; k++) {
         a->triangles_unculled += triangles;
         a->sectors++;
         if (!visible(a, inner, outer, 2 * M_PI * k / g->sectors, 2 * M_PI * (k + 1) / g->sectors, lo, hi))
             continue;
         a->triangles += triangles;
-        s->draws[a->count] = (tc_draw){.count = disc ? g->fill_count : g->ring_count,
-                                       .instance_count = 1,
-                                       .first_index = disc ? g->fill_first[k] : g->ring_first[k],
-                                       .base_vertex = disc ? tc_rings_fill_base(g, i) : tc_rings_level_base(g, i)};
+        a->frame->draws[a->count] =
+            (tc_draw){.count = disc ? g->fill_count : g->ring_count,
+                      .instance_count = 1,
+                      .first_index = disc ? g->fill_first[k] : g->ring_first[k],
+                      .base_vertex = disc ? tc_rings_fill_base(g, i) : tc_rings_level_base(g, i)};
         a->count++;
     }
 }
@@ -154,36 +159,43 @@ static void set4(float *out, double x, double y, double z, double w)
 }
 
 /* What rings.glsl needs to know of a chart: of one without layers, one level that holds nothing. */
-static void set_chart(rings_surface *s, const rings_view *v, const tc_layers *layers, int chart)
+static void set_chart(tc_frame *f, const rings_view *v, const tc_layers *layers, int chart)
 {
-    float(*u)[4] = (float(*)[4])s->surface_uniforms;
+    float(*u)[4] = f->surface;
+    int32_t(*whole)[4] = f->integers;
     const rings_near *near = &v->near[chart];
     const rings_place *at = &v->place[chart];
-    tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
     int levels = tc_clipmap_levels(clipmap), first = tc_first_layer(layers, chart);
     int held = layers->held[chart], finest = tc_clipmap_level(clipmap, levels)->shift;
+    int coarsest = finest + levels - 1;
     double z = near->z;
     int fine_layer = first + levels - 1 + finest; /* of shift 0, were there one */
-    set4(u[4 + chart], z, z - (double)(float)z, z - v->z, fine_layer);
-    set4(u[7 + chart], 0, 0, 0, -1);
+    set4(u[4 + chart], z, z - (double)(float)z, z - v->z, 0);
+    set4(u[7 + chart], 0, 0, 0, 0);
+    whole[0][chart] = fine_layer;
+    whole[1][chart] = -1;
+    whole[2][chart] = coarsest - held + 1 + 64 * coarsest;
     if (held == 0) {
-        int nothing = tc_first_layer(layers, s->head.charts);
-        float(*q)[4] = (float(*)[4])s->layer_uniforms[nothing];
-        u[4 + chart][3] = (float)nothing;
-        u[10][chart] = 0;
-        memset(q, 0, sizeof *s->layer_uniforms);
+        int nothing = tc_first_layer(layers, v->head.windows->charts);
+        float(*q)[4] = f->layer[nothing];
+        whole[0][chart] = nothing;
+        whole[2][chart] = 0;
+        memset(q, 0, sizeof *f->layer);
         q[2][2] = q[2][3] = -1;
         return;
     }
-    if (near->shift >= 0)
-        set4(u[7 + chart], near->slope[0], near->slope[1], near->slope[2], fine_layer - near->shift);
+    if (near->shift >= 0) {
+        set4(u[7 + chart], near->slope[0], near->slope[1], near->slope[2], 0);
+        whole[1][chart] = fine_layer - near->shift;
+    }
     for (int level = 1; level <= held; level++) {
         const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-        float(*q)[4] = (float(*)[4])s->layer_uniforms[first + level - 1];
+        float(*q)[4] = f->layer[first + level - 1];
         double x = ldexp(at->x, -l->shift), y = ldexp(at->y, -l->shift), i = rint(x), j = rint(y);
         int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
         rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
-        const tc_chart *c = &s->map->chart[chart];
+        const tc_chart *c = &tc_rings_of(v)->map->chart[chart];
         set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
         set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
              lattice.y1 - j);
@@ -191,50 +203,48 @@ static void set_chart(rings_surface *s, const rings_view *v, const tc_layers *la
         if (level > layers->ready[chart]) /* nothing, yet */
             set4(q[2], 0, 0, -1, -1);
     }
-    int coarsest = finest + levels - 1;
-    u[10][chart] = (float)(coarsest - held + 1 + 64 * coarsest);
 }
 
-/* What rings.glsl names surface[...] and layer[...]. */
-static void set_uniforms(rings_surface *s, const rings_view *v, const tc_layers *layers)
+/* What rings.glsl names surface[...], whole[...] and layer[...]. */
+static void set_uniforms(tc_frame *f, const rings_view *v, const tc_layers *layers)
 {
-    float(*u)[4] = (float(*)[4])s->surface_uniforms;
+    const rings_surface *s = tc_rings_of(v);
+    float(*u)[4] = f->surface;
     const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
-    bool caps = s->head.charts > 1;
+    bool caps = !v->partial;
     set4(u[0], v->cos_theta, v->sin_theta, v->cos_lambda, v->sin_lambda);
     set4(u[1], v->radius + v->z, v->z_eye - v->z, v->z, s->shift_base + 1);
     /* Without caps weights never leave 0. */
     set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
          caps ? 1 / (hi - lo) : 0, s->outside - v->z);
-    set4(u[3], v->theta, 10.0 / tc_clipmap_n(s->head.clipmap[0]), v->detail, tc_rings_partial(s));
-    for (int chart = 0; chart < s->head.charts; chart++)
-        set_chart(s, v, layers, chart);
-    u[10][3] = v->no_morph;
+    set4(u[3], v->theta, 10.0 / s->head.n, v->detail, v->partial);
+    for (int chart = 0; chart < v->head.windows->charts; chart++)
+        set_chart(f, v, layers, chart);
+    u[10][3] = v->head.options.no_morph;
     if (!caps) {
         const tc_chart *c = &s->map->chart[0];
-        bool south, north;
-        rings_extent r = tc_rings_sides(s, v, &south, &north);
+        rings_extent r = v->sides;
         set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
-        set4(u[12], c->wraps, south, north, 0);
+        set4(u[12], c->wraps, v->south, v->north, 0);
     }
-    for (int cap = 1; cap < s->head.charts; cap++)
+    for (int cap = 1; cap < v->head.windows->charts; cap++)
         set4(u[10 + cap], v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2],
              1 - ((cap == 1 ? v->cos_theta : -v->cos_theta) - lo) / (hi - lo));
 }
 
-static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                        const tc_layers *layers, tc_frame *frame_ret)
+static void rings_draws(const tc_view *head, const tc_layers *layers, tc_frame *frame)
 {
-    rings_surface *s = (rings_surface *)surface;
-    rings_view view = tc_rings_view(s, camera);
-    view.no_morph = options->no_morph;
-    tc_rings_ground(s, &view);
+    const tc_frame_options *options = &head->options;
+    const rings_surface *s = (const rings_surface *)head->surface;
+    rings_view view = *(const rings_view *)head;
+    tc_rings_ground(&view);
     assembly a = {.s = s,
+                  .frame = frame,
                   .view = &view,
-                  .frustum = tc_camera_frustum(options->cull_camera ? options->cull_camera : camera),
+                  .frustum = tc_camera_frustum(&head->culled),
                   .no_cull = options->no_cull};
-    if (options->cull_camera)
-        freeze(&a, camera, options->cull_camera);
+    if (head->frozen)
+        freeze(&a, &head->camera, &head->culled);
     int first = options->no_cull ? 0 : view.first;
     for (int i = view.finest; i >= 0; i--) { /* nearest first */
         if (i == view.finest)
@@ -246,19 +256,14 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
             a.sectors += s->geometry.sectors;
         }
     }
-    set_uniforms(s, &view, layers);
-    *frame_ret =
-        (tc_frame){.draws = s->draws,
-                   .strip_draws = a.count,
-                   .triangles = a.triangles,
-                   .triangles_unculled = a.triangles_unculled,
-                   .one_sided = !options->two_sided && !tc_ground_voids(surface->clipmap[0], 1) && view.z_eye > view.z,
-                   .draws_unculled = a.sectors,
-                   .levels_active = view.finest - first + 1,
-                   .levels_fine = s->geometry.levels - 1 - view.finest,
-                   .levels_beyond = first,
-                   .layer_uniforms = (const float(*)[TC_LAYER_UNIFORMS])s->layer_uniforms,
-                   .surface_uniforms = s->surface_uniforms};
+    set_uniforms(frame, &view, layers);
+    frame->strip_draws = a.count, frame->list_draws = 0;
+    frame->triangles = a.triangles, frame->triangles_unculled = a.triangles_unculled;
+    frame->one_sided = !options->two_sided && !tc_ground_voids(tc_rings_clipmap(&view, 0), 1) && view.z_eye > view.z;
+    frame->draws_unculled = a.sectors;
+    frame->levels_active = view.finest - first + 1;
+    frame->levels_fine = s->geometry.levels - 1 - view.finest;
+    frame->levels_beyond = first;
 }
 
 /* ---- Creation ---------------------------------------------------------------------------------------------------- */
@@ -266,64 +271,69 @@ static void rings_frame(tc_surface *surface, const tc_camera *camera, const tc_f
 static void rings_destroy(tc_surface *surface)
 {
     rings_surface *s = (rings_surface *)surface;
-    for (int chart = 0; chart < TC_MAX_CHARTS; chart++)
-        tc_clipmap_destroy(surface->clipmap[chart]);
     free(s->head.geometry.vertices);
     free(s->head.geometry.indices);
     free(s->geometry.ring_first);
-    free(s->draws);
     free(s);
+}
+
+static tc_status rings_windows(const tc_surface *surface, tc_windows *windows_ret, tc_error *error)
+{
+    const rings_surface *s = (const rings_surface *)surface;
+    *windows_ret = (tc_windows){.charts = s->map->charts};
+    tc_status status = TC_OK;
+    for (int chart = 0; chart < s->map->charts && !status; chart++) {
+        const tc_chart *c = &s->map->chart[chart];
+        tc_ground_options options = s->windows;
+        options.wraps = c->wraps;
+        options.spacing_x = c->dx * s->map->body.radius, options.spacing_y = c->dy * s->map->body.radius;
+        status = tc_ground_create(c->field, &options, &windows_ret->clipmap[chart], error);
+    }
+    if (status)
+        tc_windows_destroy(windows_ret);
+    return status;
 }
 
 /* A window holds at least twice the n_phi / 2 samples that the disc of its ring is wide, less one: enough up to the
  * latitude where caps take over. Grids whose coarsest even width is larger need larger ones. */
-static tc_status make_clipmaps(rings_surface *s, const tc_rings_options *o, tc_error *error)
+static int window_size(const rings_surface *s, int least)
 {
     int n = 63;
-    while (n < TC_CLIPMAP_MAX_N && (n + 1 < s->geometry.n_phi || n < o->n))
+    while (n < TC_CLIPMAP_MAX_N && (n + 1 < s->geometry.n_phi || n < least))
         n = 2 * n + 1;
-    if (s->map->chart[0].wraps && n < 255)
-        n = 255; /* > TC_MOST_ODD */
+    return s->map->chart[0].wraps && n < 255 ? 255 : n; /* > TC_MOST_ODD */
+}
+
+/* Of all charts on all levels. */
+static void set_heights(rings_surface *s)
+{
     s->z_lo = INFINITY, s->z_hi = -INFINITY;
     for (int chart = 0; chart < s->map->charts; chart++) {
-        const tc_chart *c = &s->map->chart[chart];
-        tc_ground_options clip = {.n = n,
-                                  .max_levels = o->max_levels,
-                                  .normals = o->normals,
-                                  .holes = o->holes,
-                                  .wraps = c->wraps,
-                                  .relief = RELIEF,
-                                  .spacing_x = c->dx * s->map->body.radius,
-                                  .spacing_y = c->dy * s->map->body.radius};
-        tc_status status = tc_ground_create(c->field, &clip, &s->head.clipmap[chart], error);
-        if (status)
-            return status;
-        s->head.charts = chart + 1;
-        for (int l = tc_clipmap_field_level(s->head.clipmap[chart], 1); l <= tc_field_info(c->field)->levels; l++) {
-            tc_level size = tc_field_level(c->field, l);
-            tc_range all = tc_field_range(c->field, l, (tc_rect){0, 0, size.width, size.height});
+        const tc_field *field = s->map->chart[chart].field;
+        for (int l = 1; l <= tc_field_info(field)->levels; l++) {
+            tc_level size = tc_field_level(field, l);
+            tc_range all = tc_field_range(field, l, (tc_rect){0, 0, size.width, size.height});
             s->z_lo = fmin(s->z_lo, all.lo), s->z_hi = fmax(s->z_hi, all.hi);
         }
     }
-    if (tc_rings_partial(s))
+    if (s->map->charts == 1)
         s->z_lo = fmin(s->z_lo, s->outside), s->z_hi = fmax(s->z_hi, s->outside);
-    return TC_OK;
-}
-
-static int most_steps(int n_phi)
-{
-    return (int)fmin(64, TC_RESTART / (n_phi + 64) - 1) & ~1;
 }
 
 int tc_rings_steps(int n_phi)
 {
-    return (int)fmin(fmax(2 * round(n_phi / (8 * M_PI)), 4), most_steps(n_phi));
+    /* Up to 1024 around no more than 16-bit indices count: a step outwards is then at most 1.4 of those around. */
+    int most = n_phi <= 1024 ? (int)fmin(64, UINT16_MAX / (n_phi + 64) - 1) & ~1 : TC_RINGS_MOST_STEPS;
+    return (int)fmin(fmax(2 * round(n_phi / (8 * M_PI)), TC_RINGS_LEAST_STEPS), most);
 }
 
 int tc_rings_n_phi_for(const tc_camera *camera)
 {
-    enum { LEAST = 512, MOST = 1024 }; /* indices leave 2048 too few steps outwards */
-    return (int)fmin(fmax(tc_clipmap_n_for(camera) + 1, LEAST), MOST);
+    enum { LEAST = 512 };
+    int n = tc_clipmap_n_for(camera) + 1;
+    if (n > TC_CLIPMAP_MAX_N && 0.8 * tc_camera_pixel_scale(camera) > n * M_SQRT2) /* the nearest power of two */
+        n *= 2;
+    return n < LEAST ? LEAST : n;
 }
 
 /* Levels of rings down to centimetres. */
@@ -341,18 +351,17 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                                            .beyond = "beyond the horizon",
                                            .outside = "beyond the horizon or outside the view",
                                            .charts = true};
-    static const char *const defines[] = {"SPHERE", NULL};
-    static const char *const vertex_parts[] = {"rings.glsl", "rings.vert", NULL};
-    static const char *const ch06_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.vert", NULL};
-    static const char *const fragment_parts[] = {"rings.glsl", "rings.frag", NULL};
-    static const char *const ch06_fragment_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.frag", NULL};
+    static const char *const defines[] = {"SPHERE", "RELIEF " TEXT_OF(RELIEF), NULL};
+    static const char *const vertex_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.vert", NULL};
+    static const char *const fragment_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.frag", NULL};
     int n_phi = options->n_phi ? options->n_phi : 512;
-    if (n_phi < 64 || n_phi > 2048 || n_phi % 32 != 0)
-        return tc_fail(error, TC_ERR_USAGE, "--n: expected a multiple of 32 from 64 to 2048, found %d", n_phi);
+    if (n_phi < TC_RINGS_LEAST_N_PHI || n_phi > TC_RINGS_MOST_N_PHI || n_phi % 32 != 0)
+        return tc_fail(error, TC_ERR_USAGE, "--n: expected a multiple of 32 from %d to %d, found %d",
+                       TC_RINGS_LEAST_N_PHI, TC_RINGS_MOST_N_PHI, n_phi);
     int m = options->m ? options->m : tc_rings_steps(n_phi);
-    if (m < 4 || m > most_steps(n_phi) || m % 2 != 0)
-        return tc_fail(error, TC_ERR_USAGE, "--steps: expected an even number from 4 to %d, found %d",
-                       most_steps(n_phi), m);
+    if (m < TC_RINGS_LEAST_STEPS || m > TC_RINGS_MOST_STEPS || m % 2 != 0)
+        return tc_fail(error, TC_ERR_USAGE, "--steps: expected an even number from %d to %d, found %d",
+                       TC_RINGS_LEAST_STEPS, TC_RINGS_MOST_STEPS, m);
     if (map->chart[0].class != &tc_chart_lonlat || (map->charts != 1 && map->charts != 3))
         return tc_fail(error, TC_ERR_UNSUPPORTED,
                        "rings: expected a planet in longitude and latitude, found a map of another kind");
@@ -365,28 +374,36 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
     s->outside = -tc_field_info(map->chart[0].field)->z_base;
     s->geometry = (rings_geometry){.levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2};
     /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 4: steps around are up to pi / 2 samples
-     * long, and as long outwards with as many as tc_rings_steps() says. CH06 section 4.2 has n_phi / 8. */
-    s->shift_base = (int)ceil(log2(M_PI / (map->chart[0].dy * n_phi / 4)) - 1e-9);
+     * long, and as long outwards with as many as tc_rings_steps() says. CH06 section 4.2 has n_phi / 8. No more than
+     * windows can hold. */
+    int samples = n_phi <= TC_CLIPMAP_MAX_N ? n_phi : TC_CLIPMAP_MAX_N + 1;
+    s->shift_base = (int)ceil(log2(M_PI / (map->chart[0].dy * samples / 4)) - 1e-9);
     s->head = (tc_surface){.name = ch06 ? "rings-ch06" : "rings",
                            .words = &words,
                            .defines = defines,
-                           .vertex_parts = ch06 ? ch06_parts : vertex_parts,
-                           .fragment_parts = ch06 ? ch06_fragment_parts : fragment_parts,
+                           .vertex_parts = vertex_parts + !ch06,
+                           .fragment_parts = fragment_parts + !ch06,
                            .sky = "globe_sky.frag",
                            .own_haze = true,
                            .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
                            .extent = 2 * map->body.radius,
+                           .field = map->chart[0].field,
+                           .n = window_size(s, options->n),
+                           .view_bytes = sizeof(rings_view),
+                           .make_windows = rings_windows,
+                           .look = tc_rings_look,
                            .wanted = tc_rings_wanted,
-                           .frame = rings_frame,
-                           .drawn_height = tc_rings_drawn_height,
+                           .draws = rings_draws,
+                           .height = tc_rings_drawn_height,
                            .destroy = rings_destroy};
+    s->windows = (tc_ground_options){.n = s->head.n,
+                                     .max_levels = options->max_levels,
+                                     .normals = options->normals,
+                                     .holes = options->holes,
+                                     .relief = RELIEF};
+    set_heights(s);
     tc_status status = tc_rings_geometry(&s->geometry, &s->head.geometry, error);
-    if (!status)
-        status = make_clipmaps(s, options, error);
-    s->capacity = (s->geometry.levels + 1) * s->geometry.sectors;
-    s->draws = calloc((size_t)s->capacity, sizeof *s->draws);
-    if (!status && !s->draws)
-        status = tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
+    s->head.draw_capacity = (s->geometry.levels + 1) * s->geometry.sectors; /* every ring, and the disc */
     if (status) {
         rings_destroy(&s->head);
         return status;

@@ -18,25 +18,27 @@ typedef enum tc_rings_scheme {
                    */
 } tc_rings_scheme;
 
+enum { TC_RINGS_LEAST_N_PHI = 64, TC_RINGS_MOST_N_PHI = 4096, TC_RINGS_LEAST_STEPS = 4, TC_RINGS_MOST_STEPS = 128 };
+
 typedef struct tc_rings_options {
     tc_rings_scheme scheme;
-    int n_phi; /* steps around, a multiple of 32 from 64 to 2048; 0: 512 */
-    int m;     /* steps outwards in a level, even, 4 to 64; 0: as long as those around, tc_rings_steps(n_phi) */
+    int n_phi; /* steps around, a multiple of 32 from 64 to 4096; 0: 512 */
+    int m;     /* steps outwards in a level, even, 4 to 128; 0: as long as those around, tc_rings_steps(n_phi) */
     int n;     /* samples a side of the windows, 2^k - 1, at least; what is more than geometry needs, shading uses */
     int max_levels; /* of each chart; 0: all */
     bool normals, holes;
 } tc_rings_options;
 
-/* Steps outwards that at a level's outer edge are about as long as those around, n_phi / (4 pi); at most what 16-bit
- * indices allow. 40 for 512. */
+/* Steps outwards that at a level's outer edge are about as long as those around, n_phi / (4 pi): 40 for 512; 58 for
+ * 1024, whose rings then do with 16-bit indices, and at most 128. */
 int tc_rings_steps(int n_phi);
 
 /* Steps around for a frame: as many as a window of squares has samples a side (tc_clipmap_n_for(), and one more), but
- * 512 or 1024. So windows are no larger than shading makes them. */
+ * at least 512, and 4096 for frames twice as wide as the widest that windows follow. */
 int tc_rings_n_phi_for(const tc_camera *camera);
 
-/* A surface over a planet, which must outlive it; it makes and owns the clipmaps of the charts. TC_ERR_UNSUPPORTED for
- * a map of other charts than longitude and latitude, alone or with both caps. */
+/* A surface over a planet, which must outlive it. TC_ERR_UNSUPPORTED for a map of other charts than longitude and
+ * latitude, alone or with both caps. */
 tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc_surface **surface_ret,
                           tc_error *error);
 

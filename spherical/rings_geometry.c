@@ -62,18 +62,18 @@ static void vertices(const rings_geometry *g, float (*v)[4])
 }
 
 /* Strips of one sector, from the outside inwards; clockwise from above. disc: the last row is the middle. */
-static uint16_t *strips(const rings_geometry *g, int sector, int rows, bool disc, uint16_t *out)
+static uint32_t strips(const rings_geometry *g, tc_geometry *out, uint32_t at, int sector, int rows, bool disc)
 {
     int columns = g->n_phi / g->sectors, k0 = sector * columns;
     for (int j = 0; j < rows; j++) {
         if (j > 0)
-            *out++ = TC_RESTART;
+            tc_set_index(out, at++, tc_restart(out));
         for (int k = k0; k <= k0 + columns; k++) {
-            *out++ = (uint16_t)(j * g->stride + k);
-            *out++ = (uint16_t)(disc && j == rows - 1 ? rows * g->stride : (j + 1) * g->stride + k);
+            tc_set_index(out, at++, (uint32_t)(j * g->stride + k));
+            tc_set_index(out, at++, (uint32_t)(disc && j == rows - 1 ? rows * g->stride : (j + 1) * g->stride + k));
         }
     }
-    return out;
+    return at;
 }
 
 static uint32_t strip_count(const rings_geometry *g, int rows)
@@ -92,20 +92,21 @@ tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *
     geometry->index_count = (int)(g->ring_count + g->fill_count) * g->sectors;
     float(*v)[4] = calloc((size_t)geometry->vertex_count, sizeof *v);
     geometry->vertices = v;
-    geometry->indices = malloc((size_t)geometry->index_count * sizeof *geometry->indices);
+    geometry->index_bytes = tc_index_bytes((int64_t)(g->m + 1) * g->stride); /* from a ring's first vertex on */
+    geometry->indices = malloc((size_t)geometry->index_count * (size_t)geometry->index_bytes);
     g->ring_first = malloc(2 * (size_t)g->sectors * sizeof *g->ring_first);
     g->fill_first = g->ring_first + g->sectors;
     if (!v || !geometry->indices || !g->ring_first)
         return tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
     vertices(g, v);
-    uint16_t *at = geometry->indices;
+    uint32_t at = 0;
     for (int s = 0; s < g->sectors; s++) {
-        g->ring_first[s] = (uint32_t)(at - geometry->indices);
-        at = strips(g, s, g->m, false, at);
+        g->ring_first[s] = at;
+        at = strips(g, geometry, at, s, g->m, false);
     }
     for (int s = 0; s < g->sectors; s++) {
-        g->fill_first[s] = (uint32_t)(at - geometry->indices);
-        at = strips(g, s, g->fill, true, at);
+        g->fill_first[s] = at;
+        at = strips(g, geometry, at, s, g->fill, true);
     }
     return TC_OK;
 }

@@ -19,6 +19,8 @@ typedef struct rings_geometry {
     uint32_t ring_count, fill_count;   /* indices of a sector */
 } rings_geometry;
 
+enum { RINGS_MAX = 46 }; /* rings, and the disc inside */
+
 tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *error);
 /* First vertex of level i, and of the disc inside it. */
 int tc_rings_level_base(const rings_geometry *g, int i);
@@ -26,6 +28,11 @@ int tc_rings_fill_base(const rings_geometry *g, int i);
 
 /* ---- Where the viewer is (rings_view.c) ---------------------------------------------------------------------------
  */
+
+/* A rectangle of samples. */
+typedef struct rings_extent {
+    double x0, y0, x1, y1;
+} rings_extent;
 
 /* The viewer as seen by one chart. */
 typedef struct rings_place {
@@ -42,18 +49,29 @@ typedef struct rings_near {
     double z, slope[3], steepest;
 } rings_near;
 
+typedef struct rings_range {
+    bool known;
+    double lo, hi; /* lo > hi: none */
+} rings_range;
+
 typedef struct rings_view {
+    tc_view head;
     double theta, sin_theta, cos_theta; /* colatitude */
     double cos_lambda, sin_lambda;
     double z_eye;  /* metres above z_base */
     double radius; /* metres, of what heights are above: z_base added */
     rings_place place[TC_MAX_CHARTS];
-    bool no_morph;     /* levels meet abruptly; set by who asks */
+    /* A part of a globe, or one without caps: chart 0 has sides then, finest samples relative to the viewer; x of them
+     * is none's where the chart wraps. south, north: that one is the pole, to within a sample, beyond which heights go
+     * on. */
+    bool partial, south, north;
+    rings_extent sides;
     double detail;     /* levels by which shading is finer than geometry */
     double horizon;    /* angle from the foot point beyond which nothing can be seen */
     int first, finest; /* levels of the rings to be drawn */
     rings_near near[TC_MAX_CHARTS];
-    double z; /* height drawn at the foot point */
+    double z;                                    /* height drawn at the foot point */
+    rings_range range[RINGS_MAX][TC_MAX_CHARTS]; /* of the charts' heights within pi 2^-i of the foot point */
 } rings_view;
 
 typedef struct rings_surface {
@@ -64,29 +82,25 @@ typedef struct rings_surface {
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
     int shift_base; /* S_0: ring i reads levels S_0 - i (inner edge) to S_0 - i + 1 (outer), counted from the finest */
     double outside; /* height where no chart is, metres above z_base */
-    int capacity;
-    tc_draw *draws;
-    float layer_uniforms[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
-    float surface_uniforms[TC_SURFACE_UNIFORMS];
+    tc_ground_options windows; /* but for what a chart settles */
 } rings_surface;
 
-/* Where the viewer is on the charts and which levels are to be drawn, from the pyramids: the same however the windows
- * stand. `near` is theirs, too, and z is not known. */
-rings_view tc_rings_view(const rings_surface *s, const tc_camera *camera);
-/* The ground as it is drawn, from the clipmaps as they stand: sets near and z. */
-void tc_rings_ground(const rings_surface *s, rings_view *view);
+/* The viewer as a view's: where it is on the charts and which levels are to be drawn. `near` is the pyramids' where it
+ * may be waited for, so that the same view always wants the same windows; else what the windows hold says. z is not
+ * known. */
+void tc_rings_look(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
+                   const tc_frame_options *options, bool wait, tc_view *view_ret);
+/* The ground as it is drawn, from the windows as they stand: sets near and z. */
+void tc_rings_ground(rings_view *view);
 
-/* Rectangle of finest samples, relative to the view's place on the chart, that the disc of `angle` around the viewer
- * covers where the chart is used; empty where x1 < x0. */
-typedef struct rings_extent {
-    double x0, y0, x1, y1;
-} rings_extent;
-rings_extent tc_rings_extent(const rings_surface *s, const rings_view *view, int chart, double angle);
+/* The rectangle of finest samples, relative to the view's place on the chart, that the disc of `angle` around the
+ * viewer covers where the chart is used; empty where x1 < x0. */
+rings_extent tc_rings_extent(const rings_view *view, int chart, double angle);
 
-/* Bounds of all heights within `angle` of the foot point on all levels, metres above z_base. */
-void tc_rings_bounds(const rings_surface *s, const rings_view *view, double angle, double *lo_ret, double *hi_ret);
+/* Bounds of all heights within pi 2^-i of the foot point on all levels, metres above z_base. */
+void tc_rings_bounds(const rings_view *view, int i, double *lo_ret, double *hi_ret);
 
-void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
+void tc_rings_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS]);
 
 /* ---- The map transform in double (rings_map.c) ---------------------------------------------------------------------
  */
@@ -99,29 +113,29 @@ typedef struct rings_sample {
 } rings_sample;
 
 /* Place of direction (s_x, s_y, 1 - h) on a chart, finest samples relative to the view's place there. */
-void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, double s_x, double s_y, double h,
-                  double *du_ret, double *dv_ret);
+void tc_rings_map(const rings_view *view, int chart, double s_x, double s_y, double h, double *du_ret, double *dv_ret);
 /* Shares of the charts there. */
-void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double h,
-                      double weight_ret[TC_MAX_CHARTS]);
+void tc_rings_weights(const rings_view *view, double s_x, double h, double weight_ret[TC_MAX_CHARTS]);
 /* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one. */
-double tc_rings_shift(const rings_surface *s, const rings_view *view, double w);
+double tc_rings_shift(const rings_view *view, double w);
 /* What is held of a level, samples: up to the terrain's end where it reaches it. There the last samples of the level's
  * lattice (x1 and y1 of the second) may lie up to one before, and heights go on as they are. */
 rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);
 rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level);
-/* Whether the planet is a part of a globe, or one without caps: chart 0 has sides then. */
-bool tc_rings_partial(const rings_surface *s);
-/* Those sides, finest samples relative to the view's place; x of them is none's where the chart wraps. south, north:
- * that one is the pole, to within a sample, beyond which heights go on. */
-rings_extent tc_rings_sides(const rings_surface *s, const rings_view *view, bool *south_ret, bool *north_ret);
-rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
-                           double shift);
-double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample);
+rings_sample tc_rings_find(const rings_view *view, int chart, double du, double dv, double shift);
+double tc_rings_sample_height(const rings_view *view, int chart, const rings_sample *sample);
 /* Height of a vertex, metres above z_base. */
-double tc_rings_height(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h, double w);
+double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w);
 /* The same at longitude and latitude. */
-bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
-                           double y, double *z_ret);
+bool tc_rings_drawn_height(const tc_view *view, double x, double y, double *z_ret);
+
+static inline const rings_surface *tc_rings_of(const rings_view *view)
+{
+    return (const rings_surface *)view->head.surface;
+}
+static inline const tc_clipmap *tc_rings_clipmap(const rings_view *view, int chart)
+{
+    return view->head.windows->clipmap[chart];
+}
 
 #endif

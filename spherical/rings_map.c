@@ -23,17 +23,15 @@ static double rise(const rings_view *v, double s_x, double h)
     return -v->sin_theta * s_x - v->cos_theta * h;
 }
 
-void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, double s_x, double s_y, double h,
-                  double *du_ret, double *dv_ret)
+void tc_rings_map(const rings_view *view, int chart, double s_x, double s_y, double h, double *du_ret, double *dv_ret)
 {
-    const tc_chart *c = &s->map->chart[chart];
+    const tc_chart *c = &tc_rings_of(view)->map->chart[chart];
     double dx, dy;
     if (c->class == &tc_chart_lonlat) {
         relative_angles(view, s_x, s_y, h, &dx, &dy);
         dy = -dy;
-        if (tc_rings_partial(s) && !c->wraps) { /* the way round on which it is nearer */
-            bool poles[2];
-            rings_extent r = tc_rings_sides(s, view, &poles[0], &poles[1]);
+        if (view->partial && !c->wraps) { /* the way round on which it is nearer */
+            rings_extent r = view->sides;
             dx += 2 * M_PI * rint((0.5 * (r.x0 + r.x1) * c->dx - dx) / (2 * M_PI));
         }
     } else {
@@ -48,22 +46,20 @@ void tc_rings_map(const rings_surface *s, const rings_view *view, int chart, dou
     *dv_ret = dy / c->dy;
 }
 
-void tc_rings_weights(const rings_surface *s, const rings_view *view, double s_x, double h,
-                      double weight_ret[TC_MAX_CHARTS])
+void tc_rings_weights(const rings_view *view, double s_x, double h, double weight_ret[TC_MAX_CHARTS])
 {
-    tc_map_shares(s->map, view->cos_theta + rise(view, s_x, h), weight_ret);
+    tc_map_shares(tc_rings_of(view)->map, view->cos_theta + rise(view, s_x, h), weight_ret);
 }
 
-double tc_rings_shift(const rings_surface *s, const rings_view *view, double w)
+double tc_rings_shift(const rings_view *view, double w)
 {
-    double shift = fmax(0, s->shift_base + 1 - w);
-    return view->no_morph ? floor(shift) : shift;
+    double shift = fmax(0, tc_rings_of(view)->shift_base + 1 - w);
+    return view->head.options.no_morph ? floor(shift) : shift;
 }
 
-rings_sample tc_rings_find(const rings_surface *s, const rings_view *view, int chart, double du, double dv,
-                           double shift)
+rings_sample tc_rings_find(const rings_view *view, int chart, double du, double dv, double shift)
 {
-    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_clipmap *clipmap = tc_rings_clipmap(view, chart);
     const rings_place *at = &view->place[chart];
     int levels = tc_clipmap_levels(clipmap), finest = tc_clipmap_level(clipmap, levels)->shift;
     int k = (int)fmin(fmax(floor(shift), finest), finest + levels - 1);
@@ -104,39 +100,23 @@ rings_extent tc_rings_held(const tc_clipmap *clipmap, int level)
     return r;
 }
 
-bool tc_rings_partial(const rings_surface *s)
-{
-    return s->map->charts == 1;
-}
-
-rings_extent tc_rings_sides(const rings_surface *s, const rings_view *view, bool *south_ret, bool *north_ret)
-{
-    const tc_chart *c = &s->map->chart[0];
-    tc_level size = tc_field_level(c->field, tc_field_info(c->field)->levels);
-    double x = view->place[0].x, y = view->place[0].y, rows = (double)(size.height - 1);
-    *south_ret = c->y0 - 1.01 * c->dy < -M_PI / 2;
-    *north_ret = c->y0 + (rows + 1.01) * c->dy > M_PI / 2;
-    return (rings_extent){-x, -y, (double)(size.width - 1) - x, rows - y};
-}
-
 /* Brings a place beside a part of a globe to its side; the share of the height there that is left, since what is
  * outside comes down to the sphere within about a cell of the mesh. */
-static double come_inside(const rings_surface *s, const rings_view *view, double h, double *du, double *dv)
+static double come_inside(const rings_view *view, double h, double *du, double *dv)
 {
-    const tc_chart *c = &s->map->chart[0];
-    bool south, north;
-    rings_extent r = tc_rings_sides(s, view, &south, &north);
+    const tc_chart *c = &tc_rings_of(view)->map->chart[0];
+    rings_extent r = view->sides;
     double u = c->wraps ? *du : fmin(fmax(*du, r.x0), r.x1), v = fmin(fmax(*dv, r.y0), r.y1);
     double across = (*du - u) * c->dx * view->sin_theta, along = (*dv - v) * c->dy;
-    if (along > 0 ? north : south)
+    if (along > 0 ? view->north : view->south)
         along = 0;
     *du = u, *dv = v;
     return across != 0 || along != 0 ? fmax(0, 1 - hypot(across, along) / (0.05 * sqrt(2 * h))) : 1;
 }
 
-double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sample *sample)
+double tc_rings_sample_height(const rings_view *view, int chart, const rings_sample *sample)
 {
-    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_clipmap *clipmap = tc_rings_clipmap(view, chart);
     int64_t mask = tc_clipmap_n(clipmap);
     rings_extent r = tc_rings_lattice(clipmap, sample->level);
     double i = fmax(fmin(floor(sample->u), r.x1 - 1), r.x0), j = fmax(fmin(floor(sample->v), r.y1 - 1), r.y0);
@@ -150,29 +130,29 @@ double tc_rings_sample_height(const rings_surface *s, int chart, const rings_sam
     return south + t[1] * (north - south);
 }
 
-double tc_rings_height(const rings_surface *s, const rings_view *view, double s_x, double s_y, double h, double w)
+double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w)
 {
-    double weight[TC_MAX_CHARTS], z = 0, shift = tc_rings_shift(s, view, w);
-    tc_rings_weights(s, view, s_x, h, weight);
-    for (int chart = 0; chart < s->head.charts; chart++) {
+    double weight[TC_MAX_CHARTS], z = 0, outside = tc_rings_of(view)->outside, shift = tc_rings_shift(view, w);
+    tc_rings_weights(view, s_x, h, weight);
+    for (int chart = 0; chart < view->head.windows->charts; chart++) {
         if (weight[chart] <= 0)
             continue;
         double du, dv;
-        tc_rings_map(s, view, chart, s_x, s_y, h, &du, &dv);
-        double share = tc_rings_partial(s) ? come_inside(s, view, h, &du, &dv) : 1;
-        rings_sample at = share > 0 ? tc_rings_find(s, view, chart, du, dv, shift) : (rings_sample){0};
-        double there = at.level ? tc_rings_sample_height(s, chart, &at) : s->outside;
-        z += weight[chart] * (s->outside + share * (there - s->outside));
+        tc_rings_map(view, chart, s_x, s_y, h, &du, &dv);
+        double share = view->partial ? come_inside(view, h, &du, &dv) : 1;
+        rings_sample at = share > 0 ? tc_rings_find(view, chart, du, dv, shift) : (rings_sample){0};
+        double there = at.level ? tc_rings_sample_height(view, chart, &at) : outside;
+        z += weight[chart] * (outside + share * (there - outside));
     }
     return z;
 }
 
 /* Vertex of the drawn mesh at row r (fractions of a level inwards: w) and column k, from the planet's middle. */
-static void mesh_vertex(const rings_surface *s, const rings_view *view, double theta, double w, int k, double p[3])
+static void mesh_vertex(const rings_view *view, double theta, double w, int k, double p[3])
 {
-    double phi = 2 * M_PI * k / s->geometry.n_phi, half = sin(theta / 2), h = 2 * half * half;
+    double phi = 2 * M_PI * k / tc_rings_of(view)->geometry.n_phi, half = sin(theta / 2), h = 2 * half * half;
     double sx = sin(theta) * cos(phi), sy = sin(theta) * sin(phi);
-    double r = view->radius + tc_rings_height(s, view, sx, sy, h, w);
+    double r = view->radius + tc_rings_height(view, sx, sy, h, w);
     p[0] = r * sx, p[1] = r * sy, p[2] = r * (1 - h);
 }
 
@@ -193,13 +173,12 @@ static double meet(const double d[3], const double a[3], const double b[3], cons
     return 1 / sum;
 }
 
-bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
-                           double y, double *z_ret)
+bool tc_rings_drawn_height(const tc_view *head, double x, double y, double *z_ret)
 {
-    const rings_surface *s = (const rings_surface *)surface;
+    const rings_view *view = (const rings_view *)head;
+    const rings_surface *s = tc_rings_of(view);
     const rings_geometry *g = &s->geometry;
-    rings_view view = tc_rings_view(s, camera);
-    view.no_morph = options && options->no_morph;
+    const tc_camera *camera = &head->camera;
     /* Polar coordinates around the viewer, by half angles. */
     double dlat = y - camera->y, dlon = x - camera->x, sl = sin(dlon / 2), sp = sin(dlat / 2);
     double h = 2 * (sp * sp + cos(y) * cos(camera->y) * sl * sl);
@@ -211,23 +190,23 @@ bool tc_rings_drawn_height(tc_surface *surface, const tc_camera *camera, const t
     int column = (int)fmin(floor(phi / (2 * M_PI) * g->n_phi), g->n_phi - 1);
     int i = theta > 0 ? (int)fmax(0, fmin(floor(log2(M_PI / theta)), 1000)) : 1000;
     double outer, inner, w0, w1;
-    if (i > view.finest) { /* within the disc */
-        double edge = ldexp(M_PI, -view.finest - 1);
+    if (i > view->finest) { /* within the disc */
+        double edge = ldexp(M_PI, -view->finest - 1);
         double q = fmin(floor((1 - theta / edge) * g->fill), g->fill - 1);
         outer = edge * (1 - q / g->fill), inner = edge * (1 - (q + 1) / g->fill);
-        w0 = w1 = view.finest + 1;
+        w0 = w1 = view->finest + 1;
     } else {
         double edge = ldexp(M_PI, -i), j = fmin(fmax(floor((1 - theta / edge) * 2 * g->m), 0), g->m - 1);
         outer = edge * (1 - 0.5 * j / g->m), inner = edge * (1 - 0.5 * (j + 1) / g->m);
         w0 = i + j / g->m, w1 = i + (j + 1) / g->m;
     }
     double p[4][3], in[2];
-    mesh_vertex(s, &view, outer, w0, column, p[0]);
-    mesh_vertex(s, &view, inner, w1, column, p[1]);
-    mesh_vertex(s, &view, outer, w0, column + 1, p[2]);
-    mesh_vertex(s, &view, inner, w1, column + 1, p[3]);
+    mesh_vertex(view, outer, w0, column, p[0]);
+    mesh_vertex(view, inner, w1, column, p[1]);
+    mesh_vertex(view, outer, w0, column + 1, p[2]);
+    mesh_vertex(view, inner, w1, column + 1, p[3]);
     double r0 = meet(d, p[0], p[1], p[2], &in[0]);
     double r1 = inner > 0 ? meet(d, p[1], p[3], p[2], &in[1]) : (in[1] = -INFINITY, 0);
-    *z_ret = (in[0] >= in[1] ? r0 : r1) - view.radius + tc_field_info(s->map->chart[0].field)->z_base;
+    *z_ret = (in[0] >= in[1] ? r0 : r1) - view->radius + tc_field_info(s->map->chart[0].field)->z_base;
     return isfinite(*z_ret);
 }

@@ -2,6 +2,7 @@
  */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common/base/rect.h"
 #include "common/view/camera.h"
@@ -12,14 +13,25 @@
 
 /* ---- On the charts --------------------------------------------------------------------------------------------- */
 
-static rings_place place_lonlat(const rings_surface *s, int chart, const tc_camera *camera)
+/* Turns by which a chart's windows are to begin anew. Numbers of columns go on with a viewer who goes around; before
+ * there are so many turns that they lose digits, windows are read again in the first two. An even number: so is the
+ * first column of every window. */
+static int64_t turns_back(const tc_chart *c, double x)
 {
-    const tc_chart *c = &s->map->chart[chart];
+    enum { MOST = 16 };
+    int64_t turns = 2 * (int64_t)floor(x * c->dx / (4 * M_PI));
+    return llabs(turns) > MOST ? turns : 0;
+}
+
+static rings_place place_lonlat(const rings_view *v, int chart)
+{
+    const tc_camera *camera = &v->head.camera;
+    const tc_chart *c = &tc_rings_of(v)->map->chart[chart];
     rings_place at = {.x = (camera->x - c->x0) / c->dx, .y = (camera->y - c->y0) / c->dy, .near = true};
     tc_level size = tc_field_level(c->field, tc_field_info(c->field)->levels);
     double middle = 0.5 * (double)(size.width - 1), period = 2 * M_PI / c->dx;
     if (c->wraps) { /* the number of the viewer's column that is next to what is held already */
-        const tc_clip_level *l = tc_clipmap_level(s->head.clipmap[chart], 1);
+        const tc_clip_level *l = tc_clipmap_level(tc_rings_clipmap(v, chart), 1);
         middle = ldexp(0.5 * (double)(l->clip.x0 + l->clip.x1), l->shift);
         period = (double)size.width;
         /* So short that all its numbers, for dozens of turns, are exact: pictures do not depend on which one it is.
@@ -28,12 +40,14 @@ static rings_place place_lonlat(const rings_surface *s, int chart, const tc_came
         at.x = rint((at.x - period * floor(at.x / period)) / grain) * grain;
     }
     at.x += period * rint((middle - at.x) / period);
+    if (c->wraps)
+        at.x -= period * (double)turns_back(c, at.x);
     return at;
 }
 
-static rings_place place_cap(const rings_surface *s, int chart, const rings_view *v)
+static rings_place place_cap(const rings_view *v, int chart)
 {
-    const tc_chart *c = &s->map->chart[chart];
+    const tc_chart *c = &tc_rings_of(v)->map->chart[chart];
     bool north = c->class == &tc_chart_north_cap;
     double theta = north ? v->theta : M_PI - v->theta, t = tan(theta / 2);
     rings_place at = {.near = theta <= M_PI / 2};
@@ -53,29 +67,45 @@ static double finer_detail(const rings_surface *s, double latitude)
 {
     const double limit = TC_CAP_BLEND_END * DEGREE;
     double lat = fabs(latitude), fits = 0.97 * cos(fmin(lat, limit));
-    if (s->head.charts > 1 && lat > limit) /* on to the caps, where all directions are alike */
+    if (s->map->charts > 1 && lat > limit) /* on to the caps, where all directions are alike */
         fits += (0.93 - fits) * fmin(1, (lat - limit) / (16 * DEGREE));
     double samples = ldexp(M_PI / s->map->chart[0].dy, -s->shift_base); /* of a ring in the level that it reads */
-    return fmax(0, log2(0.5 * (tc_clipmap_n(s->head.clipmap[0]) - 11) * fits / (1.07 * samples)));
+    return fmax(0, log2(0.5 * (s->head.n - 11) * fits / (1.07 * samples)));
 }
 
-static rings_view place(const rings_surface *s, const tc_camera *camera)
+/* Sides of chart 0, once its place is known. */
+static void set_sides(rings_view *v)
 {
-    double z_base = tc_field_info(s->map->chart[0].field)->z_base;
-    rings_view v = {.theta = M_PI / 2 - camera->y, .radius = s->map->body.radius + z_base, .z_eye = camera->z - z_base};
-    v.sin_theta = fmax(cos(camera->y), 0), v.cos_theta = sin(camera->y);
-    v.detail = finer_detail(s, camera->y);
-    v.cos_lambda = cos(camera->x), v.sin_lambda = sin(camera->x);
-    for (int chart = 0; chart < s->head.charts; chart++)
-        v.place[chart] =
-            s->map->chart[chart].class == &tc_chart_lonlat ? place_lonlat(s, chart, camera) : place_cap(s, chart, &v);
+    const tc_map *map = tc_rings_of(v)->map;
+    const tc_chart *c = &map->chart[0];
+    tc_level size = tc_field_level(c->field, tc_field_info(c->field)->levels);
+    double x = v->place[0].x, y = v->place[0].y, rows = (double)(size.height - 1);
+    v->partial = map->charts == 1;
+    v->south = c->y0 - 1.01 * c->dy < -M_PI / 2;
+    v->north = c->y0 + (rows + 1.01) * c->dy > M_PI / 2;
+    v->sides = (rings_extent){-x, -y, (double)(size.width - 1) - x, rows - y};
+}
+
+static void place(rings_view *v)
+{
+    const rings_surface *s = tc_rings_of(v);
+    const tc_camera *camera = &v->head.camera;
+    double z_base = tc_field_info(s->head.field)->z_base;
+    v->theta = M_PI / 2 - camera->y;
+    v->radius = s->map->body.radius + z_base;
+    v->z_eye = camera->z - z_base;
+    v->sin_theta = fmax(cos(camera->y), 0), v->cos_theta = sin(camera->y);
+    v->detail = finer_detail(s, camera->y);
+    v->cos_lambda = cos(camera->x), v->sin_lambda = sin(camera->x);
+    for (int chart = 0; chart < s->map->charts; chart++)
+        v->place[chart] = s->map->chart[chart].class == &tc_chart_lonlat ? place_lonlat(v, chart) : place_cap(v, chart);
     double weight[TC_MAX_CHARTS];
-    tc_rings_weights(s, &v, 0, 0, weight);
-    for (int chart = 0; chart < s->head.charts; chart++) {
-        v.place[chart].weight = weight[chart];
-        v.near[chart].shift = -1;
+    tc_rings_weights(v, 0, 0, weight);
+    for (int chart = 0; chart < s->map->charts; chart++) {
+        v->place[chart].weight = weight[chart];
+        v->near[chart].shift = -1;
     }
-    return v;
+    set_sides(v);
 }
 
 /* ---- Ground ---------------------------------------------------------------------------------------------------- */
@@ -106,15 +136,15 @@ static rings_near near_of(const float *z, int64_t w, int64_t h, int64_t stride, 
 }
 
 /* The ground around the viewer on a chart, from its pyramid. */
-static rings_near read_near(const rings_surface *s, const rings_view *v, int chart)
+static rings_near read_near(const rings_view *v, int chart)
 {
-    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
     const tc_field *field = tc_clipmap_field(clipmap);
     int levels = tc_clipmap_levels(clipmap), shift = tc_clipmap_level(clipmap, levels)->shift;
     int level = tc_clipmap_field_level(clipmap, levels);
     double x = ldexp(v->place[chart].x, -shift), y = ldexp(v->place[chart].y, -shift);
     tc_level size = tc_field_level(field, level);
-    bool wraps = s->map->chart[chart].wraps;
+    bool wraps = tc_rings_of(v)->map->chart[chart].wraps;
     tc_rect r = {(int64_t)floor(x) - AROUND + 1, (int64_t)floor(y) - AROUND + 1, (int64_t)floor(x) + AROUND + 1,
                  (int64_t)floor(y) + AROUND + 1};
     tc_rect there = tc_rect_intersect(r, (tc_rect){wraps ? r.x0 : 0, 0, wraps ? r.x1 : size.width, size.height});
@@ -125,29 +155,53 @@ static rings_near read_near(const rings_surface *s, const rings_view *v, int cha
                    shift);
 }
 
-void tc_rings_ground(const rings_surface *s, rings_view *v)
+/* The ground around a sample at the viewer's place, from its window. */
+static rings_near held_near(const rings_view *v, int chart, const rings_sample *at)
 {
-    double shift = tc_rings_shift(s, v, v->finest + 1);
+    const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
+    rings_extent r = tc_rings_lattice(clipmap, at->level);
+    int64_t i = (int64_t)floor(at->u), j = (int64_t)floor(at->v), mask = tc_clipmap_n(clipmap);
+    tc_rect there = {tc_max64(i - AROUND + 1, (int64_t)r.x0), tc_max64(j - AROUND + 1, (int64_t)r.y0),
+                     tc_min64(i + AROUND, (int64_t)r.x1) + 1, tc_min64(j + AROUND, (int64_t)r.y1) + 1};
+    float z[BLOCK * BLOCK];
+    for (int64_t y = there.y0; y < there.y1; y++)
+        for (int64_t x = there.x0; x < there.x1; x++)
+            z[(y - there.y0) * BLOCK + x - there.x0] =
+                tc_ground_heights(clipmap, at->level)[(y & mask) * (mask + 1) + (x & mask)][0];
+    return near_of(z, there.x1 - there.x0, there.y1 - there.y0, BLOCK, at->u - (double)there.x0,
+                   at->v - (double)there.y0, tc_clipmap_level(clipmap, at->level)->shift);
+}
+
+/* The same as read_near() without reading: unknown where the finest level is not held around the viewer. */
+static rings_near finest_near(const rings_view *v, int chart)
+{
+    const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
+    const tc_clip_level *l = tc_clipmap_level(clipmap, tc_clipmap_levels(clipmap));
+    rings_sample at = {.level = tc_clipmap_levels(clipmap),
+                       .u = ldexp(v->place[chart].x, -l->shift),
+                       .v = ldexp(v->place[chart].y, -l->shift)};
+    int64_t i = (int64_t)floor(at.u), j = (int64_t)floor(at.v);
+    tc_rect around =
+        tc_rect_intersect(l->extent, (tc_rect){i - AROUND + 1, j - AROUND + 1, i + AROUND + 1, j + AROUND + 1});
+    if (!v->place[chart].near || tc_rect_empty(around) || !tc_rect_within(around, l->clip))
+        return (rings_near){.shift = -1};
+    return held_near(v, chart, &at);
+}
+
+void tc_rings_ground(rings_view *v)
+{
+    double shift = tc_rings_shift(v, v->finest + 1);
     v->z = 0;
-    for (int chart = 0; chart < s->head.charts; chart++) {
-        const tc_clipmap *clipmap = s->head.clipmap[chart];
-        rings_sample at = tc_rings_find(s, v, chart, 0, 0, shift);
+    for (int chart = 0; chart < v->head.windows->charts; chart++) {
+        const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
+        rings_sample at = tc_rings_find(v, chart, 0, 0, shift);
         /* Beside the terrain, and on its last fraction of a cell, no slopes hold. */
-        v->near[chart] = (rings_near){.shift = -1, .z = s->outside};
+        v->near[chart] = (rings_near){.shift = -1, .z = tc_rings_of(v)->outside};
         if (at.level && v->place[chart].near) {
             rings_extent r = tc_rings_lattice(clipmap, at.level);
-            int64_t i = (int64_t)floor(at.u), j = (int64_t)floor(at.v), mask = tc_clipmap_n(clipmap);
-            tc_rect there = {tc_max64(i - AROUND + 1, (int64_t)r.x0), tc_max64(j - AROUND + 1, (int64_t)r.y0),
-                             tc_min64(i + AROUND, (int64_t)r.x1) + 1, tc_min64(j + AROUND, (int64_t)r.y1) + 1};
-            float z[BLOCK * BLOCK];
-            for (int64_t y = there.y0; y < there.y1; y++)
-                for (int64_t x = there.x0; x < there.x1; x++)
-                    z[(y - there.y0) * BLOCK + x - there.x0] =
-                        tc_ground_heights(clipmap, at.level)[(y & mask) * (mask + 1) + (x & mask)][0];
-            v->near[chart] = near_of(z, there.x1 - there.x0, there.y1 - there.y0, BLOCK, at.u - (double)there.x0,
-                                     at.v - (double)there.y0, tc_clipmap_level(clipmap, at.level)->shift);
-            v->near[chart].z = tc_rings_sample_height(s, chart, &at);
-            if (at.alpha > 0 || i + 1 > (int64_t)r.x1 || j + 1 > (int64_t)r.y1)
+            v->near[chart] = held_near(v, chart, &at);
+            v->near[chart].z = tc_rings_sample_height(v, chart, &at);
+            if (at.alpha > 0 || (int64_t)floor(at.u) + 1 > (int64_t)r.x1 || (int64_t)floor(at.v) + 1 > (int64_t)r.y1)
                 v->near[chart].shift = -1; /* a mixture of two levels, which no slopes describe */
         }
         v->z += v->place[chart].weight * v->near[chart].z;
@@ -171,11 +225,11 @@ static double reach(const rings_view *v, double angle, double south, double nort
     return c >= 1 ? 0 : c <= -1 ? M_PI : acos(c);
 }
 
-rings_extent tc_rings_extent(const rings_surface *s, const rings_view *v, int chart, double angle)
+rings_extent tc_rings_extent(const rings_view *v, int chart, double angle)
 {
-    const tc_chart *c = &s->map->chart[chart];
+    const tc_chart *c = &tc_rings_of(v)->map->chart[chart];
     const rings_place *at = &v->place[chart];
-    bool caps = s->head.charts > 1;
+    bool caps = !v->partial;
     double lat = M_PI / 2 - v->theta;
     if (c->class == &tc_chart_lonlat) {
         double limit = caps ? TC_CAP_BLEND_END * DEGREE : M_PI / 2;
@@ -211,11 +265,15 @@ static void widen(double *lo, double *hi, double a, double b)
     *hi = fmax(*hi, b);
 }
 
-/* Bounds of a chart's heights over an extent, on all levels that may be drawn there. */
-static void chart_bounds(const rings_surface *s, const rings_view *v, int chart, rings_extent e, double *lo, double *hi)
+/* Range of a chart's heights within `angle` of the foot point, on all levels that may be drawn there. */
+static rings_range chart_range(const rings_view *v, int chart, double angle)
 {
-    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
     const tc_field *field = tc_clipmap_field(clipmap);
+    rings_extent e = tc_rings_extent(v, chart, angle);
+    rings_range range = {true, INFINITY, -INFINITY};
+    if (e.x1 < e.x0)
+        return range;
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
         int shift = tc_clipmap_level(clipmap, level)->shift;
         if (ldexp(fmax(e.x1 - e.x0, e.y1 - e.y0), -shift) > 2.0 * tc_clipmap_n(clipmap))
@@ -223,67 +281,124 @@ static void chart_bounds(const rings_surface *s, const rings_view *v, int chart,
         double x = v->place[chart].x, y = v->place[chart].y;
         tc_rect r = {(int64_t)floor(ldexp(x + e.x0, -shift)) - 1, (int64_t)floor(ldexp(y + e.y0, -shift)) - 1,
                      (int64_t)ceil(ldexp(x + e.x1, -shift)) + 2, (int64_t)ceil(ldexp(y + e.y1, -shift)) + 2};
-        tc_range range = tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
-        widen(lo, hi, range.lo, range.hi);
+        tc_range there = tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
+        widen(&range.lo, &range.hi, there.lo, there.hi);
     }
+    return range;
 }
 
-void tc_rings_bounds(const rings_surface *s, const rings_view *v, double angle, double *lo_ret, double *hi_ret)
+/* Beyond it, radians, all heights of the planet may be seen. */
+static const double LOCAL = 0.3;
+
+/* What is left of a range when that of the planet and what is beside a part of a globe are looked at. */
+static void settle(const rings_view *v, double *lo, double *hi)
 {
-    *lo_ret = s->z_lo, *hi_ret = s->z_hi;
-    if (angle > 0.3)
+    const rings_surface *s = tc_rings_of(v);
+    if (v->partial)
+        widen(lo, hi, s->outside, s->outside);
+    *lo = fmax(*lo, s->z_lo), *hi = fmin(*hi, s->z_hi);
+}
+
+/* keep: of ring i's charts, filled in where they are asked for. */
+static void bounds(const rings_view *v, int i, rings_range keep[TC_MAX_CHARTS], double *lo_ret, double *hi_ret)
+{
+    double angle = ldexp(M_PI, -i);
+    *lo_ret = tc_rings_of(v)->z_lo, *hi_ret = tc_rings_of(v)->z_hi;
+    if (angle > LOCAL)
         return;
     double lo = INFINITY, hi = -INFINITY;
-    for (int chart = 0; chart < s->head.charts; chart++) {
+    for (int chart = 0; chart < v->head.windows->charts; chart++) {
         const rings_near *near = &v->near[chart];
-        rings_extent e = tc_rings_extent(s, v, chart, angle);
+        rings_extent e = {0};
+        double cells = INFINITY;
+        if (near->shift >= 0) {
+            e = tc_rings_extent(v, chart, angle);
+            cells = ldexp(fmax(fmax(e.x1, -e.x0), fmax(e.y1, -e.y0)), -near->shift);
+        }
         if (e.x1 < e.x0)
             continue;
-        double cells = ldexp(fmax(fmax(e.x1, -e.x0), fmax(e.y1, -e.y0)), -near->shift);
-        if (near->shift >= 0 && cells <= NEAR)
+        if (cells <= NEAR) {
             widen(&lo, &hi, near->z - 2 * cells * near->steepest, near->z + 2 * cells * near->steepest);
-        else
-            chart_bounds(s, v, chart, e, &lo, &hi);
+        } else {
+            if (!keep[chart].known)
+                keep[chart] = chart_range(v, chart, angle);
+            widen(&lo, &hi, keep[chart].lo, keep[chart].hi);
+        }
     }
-    if (tc_rings_partial(s))
-        widen(&lo, &hi, s->outside, s->outside);
-    *lo_ret = fmax(lo, s->z_lo), *hi_ret = fmin(hi, s->z_hi);
+    settle(v, &lo, &hi);
+    *lo_ret = lo, *hi_ret = hi;
+}
+
+void tc_rings_bounds(const rings_view *v, int i, double *lo_ret, double *hi_ret)
+{
+    rings_range keep[TC_MAX_CHARTS];
+    memcpy(keep, v->range[i], sizeof keep);
+    bounds(v, i, keep, lo_ret, hi_ret);
 }
 
 /* ---- Levels ----------------------------------------------------------------------------------------------------- */
 
-static void set_levels(const rings_surface *s, const tc_camera *camera, rings_view *v)
+/* Equation 6: the angle from which on all that is no higher than `high` is hidden by ground of `low`, and the mesh's
+ * chords below it, on all of the way. */
+static double horizon_of(const rings_view *v, double low, double high)
 {
-    const rings_geometry *g = &s->geometry;
-    /* Equation 6, with the lowest ground, and the mesh's chords below it, as what hides and the highest as what is
-     * hidden. */
+    const rings_geometry *g = &tc_rings_of(v)->geometry;
     double sag = cos(fmax(M_PI / g->n_phi, M_PI / (8 * g->m)));
-    double low = fmax((v->radius + s->z_lo) * sag, 0), top = v->radius + s->z_hi, eye = v->radius + v->z_eye;
-    v->horizon = acos(fmin(1, low / fmax(eye, low))) + acos(fmin(1, low / fmax(top, low)));
+    double hides = fmax((v->radius + low) * sag, 0), top = v->radius + high, eye = v->radius + v->z_eye;
+    return acos(fmin(1, hides / fmax(eye, hides))) + acos(fmin(1, hides / fmax(top, hides)));
+}
+
+/* With the planet's lowest and highest ground first. What lies within that horizon is hidden by, and is, no other
+ * ground than that within it: so its own bounds give a nearer one, within which the same holds. */
+static void set_horizon(rings_view *v)
+{
+    enum { TIMES = 3 };
+    v->horizon = horizon_of(v, tc_rings_of(v)->z_lo, tc_rings_of(v)->z_hi);
+    for (int k = 0; k < TIMES && v->horizon <= LOCAL; k++) {
+        double lo = INFINITY, hi = -INFINITY;
+        for (int chart = 0; chart < v->head.windows->charts; chart++) {
+            rings_range r = chart_range(v, chart, v->horizon);
+            widen(&lo, &hi, r.lo, r.hi);
+        }
+        settle(v, &lo, &hi);
+        v->horizon = fmin(v->horizon, horizon_of(v, lo, hi));
+    }
+}
+
+static void set_levels(rings_view *v, bool wait)
+{
+    const rings_surface *s = tc_rings_of(v);
+    const rings_geometry *g = &s->geometry;
+    set_horizon(v);
     while (v->first < g->levels - 1 && ldexp(M_PI, -v->first - 1) > v->horizon)
         v->first++;
     /* Equation 8: the steps of the finest level are about a pixel. */
-    double scale = tc_camera_pixel_scale(camera);
+    double scale = tc_camera_pixel_scale(&v->head.camera);
     bool read = false;
     for (v->finest = v->first; v->finest < g->levels - 1; v->finest++) {
         double angle = ldexp(M_PI, -v->finest), lo, hi;
         if (!read && v->finest > s->shift_base + 3) { /* within a few of the finest samples: see what they are */
-            for (int chart = 0; chart < s->head.charts; chart++)
-                v->near[chart] = read_near(s, v, chart);
+            for (int chart = 0; chart < v->head.windows->charts; chart++)
+                v->near[chart] = wait ? read_near(v, chart) : finest_near(v, chart);
             read = true;
         }
-        tc_rings_bounds(s, v, angle, &lo, &hi);
+        bounds(v, v->finest, v->range[v->finest], &lo, &hi);
         double step = angle * v->radius * fmax(0.5 / g->m, 2 * M_PI / g->n_phi);
         if (step * scale <= v->z_eye - hi)
             break;
     }
+    double lo, hi;
+    for (int i = v->finest; i <= v->finest + 1; i++) /* and of the disc */
+        bounds(v, i, v->range[i], &lo, &hi);
 }
 
-rings_view tc_rings_view(const rings_surface *s, const tc_camera *camera)
+void tc_rings_look(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
+                   const tc_frame_options *options, bool wait, tc_view *view_ret)
 {
-    rings_view v = place(s, camera);
-    set_levels(s, camera, &v);
-    return v;
+    rings_view *v = (rings_view *)view_ret;
+    *v = (rings_view){.head = tc_view_of(surface, windows, camera, options)};
+    place(v);
+    set_levels(v, wait);
 }
 
 /* Samples at a window's sides in which it passes over to the coarser level: none of them may be in view where a window
@@ -314,67 +429,42 @@ static tc_rect window(const rings_place *at, rings_extent e, int shift, int n, t
 }
 
 /* Whether any vertex drawn may read a chart: also those beyond the horizon that belong to triangles before it. */
-static bool in_reach(const rings_surface *s, const rings_view *v, int chart)
+static bool in_reach(const rings_view *v, int chart)
 {
     const double margin = 1.001; /* what float makes of it */
-    rings_extent e = tc_rings_extent(s, v, chart, fmin(ldexp(M_PI, -v->first) * margin, M_PI));
+    rings_extent e = tc_rings_extent(v, chart, fmin(ldexp(M_PI, -v->first) * margin, M_PI));
     return e.x1 >= e.x0;
 }
 
-/* Turns by which a chart's windows are to begin anew. Numbers of columns go on with a viewer who goes around; before
- * there are so many turns that they lose digits, windows are read again in the first two. An even number: so is the
- * first column of every window. */
-static int64_t turns_back(const rings_surface *s, const rings_view *v, int chart)
+void tc_rings_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
 {
-    enum { MOST = 16 };
-    const tc_chart *c = &s->map->chart[chart];
-    if (!c->wraps)
-        return 0;
-    int64_t turns = 2 * (int64_t)floor(v->place[chart].x * c->dx / (4 * M_PI));
-    return llabs(turns) > MOST ? turns : 0;
-}
-
-/* Moves windows, where they are wanted, back by so many turns. */
-static void turn_back(const tc_clipmap *clipmap, int64_t turns, tc_rect *wanted)
-{
-    for (int level = 1; level <= tc_clipmap_levels(clipmap) && turns != 0; level++) {
-        tc_level size = tc_field_level(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, level));
-        tc_rect *r = &wanted[level - 1];
-        if (!tc_rect_empty(*r))
-            r->x0 -= turns * size.width, r->x1 -= turns * size.width;
-    }
-}
-
-void tc_rings_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS])
-{
-    const rings_surface *s = (const rings_surface *)surface;
-    rings_view v = tc_rings_view(s, camera);
-    for (int chart = 0; chart < surface->charts; chart++) {
-        const tc_clipmap *clipmap = surface->clipmap[chart];
+    const rings_view *v = (const rings_view *)view;
+    const rings_surface *s = tc_rings_of(v);
+    for (int chart = 0; chart < view->windows->charts; chart++) {
+        const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
         int levels = tc_clipmap_levels(clipmap), n = tc_clipmap_n(clipmap);
-        bool read = in_reach(s, &v, chart);
+        bool read = in_reach(v, chart);
         for (int level = 1; level <= levels; level++) {
             const tc_clip_level *l = tc_clipmap_level(clipmap, level);
             /* The ring coordinate from which on outwards this level is not read any more. */
-            double w = s->shift_base - l->shift - v.detail, i = floor(fmax(w, 0));
+            double w = s->shift_base - l->shift - v->detail, i = floor(fmax(w, 0));
             double angle = w <= 0 ? M_PI : ldexp(M_PI, -(int)i) * (1 - 0.5 * (w - i));
             wanted[chart][level - 1] = (tc_rect){0, 0, 0, 0};
             if (!read)
                 continue;
             if (level == 1 && l->extent.x0 < 0) { /* once around, and about the next level's window to half a sample */
                 int64_t width = l->clip.x1 - l->clip.x0;
-                int64_t x0 = ((int64_t)floor(ldexp(v.place[chart].x, -l->shift) + 0.5) - width / 2) & ~(int64_t)1;
+                int64_t x0 = ((int64_t)floor(ldexp(v->place[chart].x, -l->shift) + 0.5) - width / 2) & ~(int64_t)1;
                 wanted[chart][0] = (tc_rect){x0, l->extent.y0, x0 + width, l->extent.y1};
                 continue;
             }
-            if (level > 1 && w >= v.finest + 1)
+            if (level > 1 && w >= v->finest + 1)
                 continue;
-            rings_extent e = tc_rings_extent(s, &v, chart, fmin(angle, v.horizon * 1.02 + 1e-9));
+            rings_extent e = tc_rings_extent(v, chart, fmin(angle, v->horizon * 1.02 + 1e-9));
             if (level == 1)
                 wanted[chart][0] = l->extent;
             else if (e.x1 >= e.x0)
-                wanted[chart][level - 1] = window(&v.place[chart], e, l->shift, n, l->extent);
+                wanted[chart][level - 1] = window(&v->place[chart], e, l->shift, n, l->extent);
         }
-        turn_back(clipmap, turns_back(s, &v, chart), wanted[chart]);
     }
 }

@@ -37,9 +37,9 @@ static void add(tc_left_out *list, const char *format, ...)
 static void count_layers(const tc_renderer_use *use, int *unseen_ret, int *all_ret)
 {
     *unseen_ret = *all_ret = 0;
-    for (int chart = 0; chart < use->surface->charts; chart++) {
+    for (int chart = 0; chart < use->windows->charts; chart++) {
         *unseen_ret += use->textures->layers.held[chart] == 0;
-        *all_ret += tc_clipmap_levels(use->surface->clipmap[chart]);
+        *all_ret += tc_clipmap_levels(use->windows->clipmap[chart]);
     }
 }
 
@@ -54,7 +54,7 @@ static void add_frame(const tc_renderer_use *use, tc_left_out *list)
         add(list, "%d of %d %s: %s", f->levels_beyond, levels, words->levels, words->beyond);
     add(list, "%d of %d %s: %s", f->levels_fine, levels, words->levels, words->fine);
     if (unseen > 0)
-        add(list, "%d of %d charts: not in sight so far", unseen, use->surface->charts);
+        add(list, "%d of %d charts: not in sight so far", unseen, use->windows->charts);
     if (use->textures->depth < layers)
         add(list, "%d of %d layers of vertex textures: no view has asked for them", layers - use->textures->depth,
             layers);
@@ -71,7 +71,7 @@ void tc_explain_left_out(const tc_renderer *renderer, tc_left_out *list)
     list->lines[0] = NULL;
     for (int i = 0; i < count; i++)
         add(list, "%s", needless[i]);
-    if (use.surface->closers && !tc_scene_closers(use.surface))
+    if (use.surface->closers && !tc_scene_closers(use.surface, use.windows))
         add(list, "crack closers: one level");
     add_frame(&use, list);
     for (int i = 0; i < LIBRARIES; i++)
@@ -93,17 +93,17 @@ static void print_textures(const tc_level_textures *t, FILE *file)
 
 static void print_frame(const tc_renderer_use *use, FILE *file)
 {
-    const tc_surface *surface = use->surface;
+    const tc_windows *windows = use->windows;
     const tc_frame_stats *f = use->frame;
-    const tc_surface_words *words = surface->words;
+    const tc_surface_words *words = use->surface->words;
     int held = 0, all = 0;
-    for (int chart = 0; chart < surface->charts; chart++)
-        for (int level = 1; level <= tc_clipmap_levels(surface->clipmap[chart]); level++, all++)
+    for (int chart = 0; chart < windows->charts; chart++)
+        for (int level = 1; level <= tc_clipmap_levels(windows->clipmap[chart]); level++, all++)
             held += level <= use->textures->layers.held[chart] &&
-                    !tc_rect_empty(tc_clipmap_level(surface->clipmap[chart], level)->clip);
-    for (int chart = 0; words->charts && chart < surface->charts; chart++)
+                    !tc_rect_empty(tc_clipmap_level(windows->clipmap[chart], level)->clip);
+    for (int chart = 0; words->charts && chart < windows->charts; chart++)
         fprintf(file, "uses: chart %d: %d of %d levels have room\n", chart, use->textures->layers.held[chart],
-                tc_clipmap_levels(surface->clipmap[chart]));
+                tc_clipmap_levels(windows->clipmap[chart]));
     fprintf(file, "uses: levels: %d of %d hold samples\n", held, all);
     fprintf(file, "uses: %s: %d of %d drawn\n", words->levels, f->levels_active,
             f->levels_active + f->levels_fine + f->levels_beyond);

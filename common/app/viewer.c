@@ -54,7 +54,8 @@ static double ground_height(void *context, double x, double y)
 {
     const tc_viewer *v = context;
     double z = 0, drawn;
-    bool shown = v->surface && v->surface->drawn_height(v->surface, &v->camera, &v->scene.frame, x, y, &drawn);
+    const tc_view *view = v->renderer ? tc_renderer_view(v->renderer) : NULL;
+    bool shown = view && view->surface->height(view, x, y, &drawn);
     if (shown && tc_viewer_interactive(&v->options))
         return drawn;
     if (tc_viewer_interactive(&v->options))
@@ -132,7 +133,8 @@ static bool lift(tc_viewer *v)
 {
     double z;
     const tc_camera *c = &v->camera;
-    if (!v->surface->drawn_height(v->surface, c, &v->scene.frame, c->x, c->y, &z) || c->z >= z + v->least_height)
+    const tc_view *view = tc_renderer_view(v->renderer);
+    if (!view || !view->surface->height(view, c->x, c->y, &z) || c->z >= z + v->least_height)
         return false;
     say_lifted(v, z - c->z);
     v->camera.z = z + 2 * v->least_height;

@@ -16,12 +16,12 @@ struct tc_drawer {
     const tc_scheme *scheme;
     tc_draw_options options;
     tc_scene_options scene;
+    tc_surface *surface;
     tc_scene_objects *objects;
 };
 
 struct tc_eye {
     tc_drawer *drawer;
-    tc_surface *surface;
     tc_renderer *renderer;
 };
 
@@ -36,14 +36,14 @@ static const tc_scheme *find_scheme(const tc_map *map, const char *name)
     return NULL;
 }
 
-static tc_status make_surface(const tc_drawer *d, tc_surface **surface_ret, tc_error *error)
+static tc_status make_surface(tc_drawer *d, tc_error *error)
 {
     const int width = d->options.width > 0 ? d->options.width : 1920;
     const tc_camera camera = {.fov = M_PI / 2, .width = width, .height = width};
     const tc_scene_needs needs = tc_scene_needs_of(&d->scene, tc_field_info(tc_map_field(d->map, 0)));
     const tc_surface_request request = {
         .n = d->options.n, .levels = d->options.levels, .needs = &needs, .camera = &camera};
-    return d->scheme->create(d->map, &request, surface_ret, error);
+    return d->scheme->create(d->map, &request, &d->surface, error);
 }
 
 static void release(tc_drawer *d)
@@ -51,23 +51,19 @@ static void release(tc_drawer *d)
     if (!d || --d->users > 0)
         return;
     tc_scene_objects_release(&d->gl, d->objects);
+    if (d->surface)
+        d->surface->destroy(d->surface);
     tc_map_destroy(d->map);
     free(d);
 }
 
-/* What all eyes share, made for a surface of its own, in whose place theirs come. */
 static tc_status make_objects(tc_drawer *d, tc_error *error)
 {
-    tc_surface *surface;
     tc_draw_state host;
-    tc_status status = make_surface(d, &surface, error);
-    if (status != TC_OK)
-        return status;
     tc_draw_state_get(&d->gl, &host);
     tc_draw_state_for_uploads(&d->gl);
-    status = tc_scene_objects_create(&d->gl, surface, NULL, &d->objects, error);
+    tc_status status = tc_scene_objects_create(&d->gl, d->surface, &d->objects, error);
     tc_draw_state_give_back(&d->gl, &host);
-    surface->destroy(surface);
     return status;
 }
 
@@ -92,6 +88,8 @@ tc_status tc_drawer_create(tc_map *map, const tc_draw_options *options, void *(*
     d->options.scheme = scheme->name;
     tc_status status = tc_gl_load(&d->gl, get_proc, error);
     if (status == TC_OK)
+        status = make_surface(d, error);
+    if (status == TC_OK)
         status = make_objects(d, error);
     if (status == TC_OK)
         *drawer_ret = d;
@@ -114,10 +112,7 @@ tc_status tc_eye_create(tc_drawer *drawer, tc_eye **eye_ret, tc_error *error)
         return tc_fail(error, TC_ERR_MEMORY, "eye: not enough memory");
     eye->drawer = drawer;
     drawer->users++;
-    tc_status status = make_surface(drawer, &eye->surface, error);
-    if (status == TC_OK)
-        status =
-            tc_renderer_create_with(&drawer->gl, drawer->objects, eye->surface, &drawer->scene, &eye->renderer, error);
+    tc_status status = tc_renderer_create_with(&drawer->gl, drawer->objects, &drawer->scene, &eye->renderer, error);
     if (status == TC_OK)
         *eye_ret = eye;
     else
@@ -130,8 +125,6 @@ void tc_eye_destroy(tc_eye *eye)
     if (!eye)
         return;
     tc_renderer_destroy(eye->renderer);
-    if (eye->surface)
-        eye->surface->destroy(eye->surface);
     release(eye->drawer);
     free(eye);
 }
@@ -181,6 +174,6 @@ tc_status tc_eye_draw_through(tc_eye *eye, const tc_target_place *target, const 
         status = tc_sight_check(camera, error);
     if (status != TC_OK)
         return status;
-    const tc_sight sight = tc_sight_through(camera, target->depth, eye->surface->near_plane);
+    const tc_sight sight = tc_sight_through(camera, target->depth, eye->drawer->surface->near_plane);
     return draw(eye, target, &sight, wait, stats_ret, error);
 }

@@ -5,13 +5,13 @@
 #include <string.h>
 
 /* Where each layer's window lies in its textures. */
-static void set_windows(tc_frame_uniforms *u, const tc_surface *surface, const tc_layers *layers)
+static void set_windows(tc_frame_uniforms *u, const tc_windows *windows, const tc_layers *layers)
 {
-    int64_t torus = 2 * (tc_clipmap_n(surface->clipmap[0]) + 1);
+    int64_t torus = 2 * (tc_clipmap_n(windows->clipmap[0]) + 1);
     int layer = 0;
-    for (int chart = 0; chart < surface->charts; chart++)
+    for (int chart = 0; chart < windows->charts; chart++)
         for (int l = 1; l <= layers->held[chart]; l++) {
-            tc_rect c = tc_clipmap_level(surface->clipmap[chart], l)->clip;
+            tc_rect c = tc_clipmap_level(windows->clipmap[chart], l)->clip;
             float window[4] = {(float)(c.x0 & (torus - 1)), (float)(c.y0 & (torus - 1)), (float)(c.x1 - 1 - c.x0),
                                (float)(c.y1 - 1 - c.y0)};
             memcpy(u->window[layer++], window, sizeof window);
@@ -58,20 +58,20 @@ static void set_air(tc_frame_uniforms *u, const tc_surface *surface, const tc_pa
     memcpy(u->zenith, palette->zenith, sizeof palette->zenith);
 }
 
-void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_surface *surface, const tc_palette *palette,
-                           const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
-                           const tc_layers *layers)
+void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_palette *palette, const tc_sight *sight,
+                           const tc_target_place *place, const tc_frame *frame, const tc_layers *layers)
 {
-    const tc_terrain_info *info = tc_field_info(tc_clipmap_field(surface->clipmap[0]));
+    const tc_terrain_info *info = tc_field_info(view->surface->field);
     double eye = sight->camera.z - info->z_base;
     memcpy(u->view_projection, sight->matrix, sizeof u->view_projection);
-    memcpy(u->surface, frame->surface_uniforms, sizeof u->surface);
-    memcpy(u->layer, frame->layer_uniforms, sizeof u->layer);
-    set_windows(u, surface, layers);
+    memcpy(u->surface, frame->surface, sizeof u->surface);
+    memcpy(u->layer, frame->layer, sizeof u->layer);
+    memcpy(u->whole, frame->integers, sizeof u->whole);
+    set_windows(u, view->windows, layers);
     u->eye[0] = (float)eye;
     u->eye[1] = (float)(eye - (double)(float)eye);
     set_rays(u, sight, place);
     memcpy(u->heights, palette->heights, sizeof u->heights);
-    set_air(u, surface, palette, eye - info->z_min, sight->inverse);
+    set_air(u, view->surface, palette, eye - info->z_min, sight->inverse);
     u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
 }

@@ -10,8 +10,8 @@
 
 typedef struct tc_frame_uniforms {
     float view_projection[16];
-    float surface[TC_SURFACE_UNIFORMS];
-    float layer[TC_MAX_LAYERS][TC_LAYER_UNIFORMS];
+    float surface[TC_SURFACE_VECTORS][4];
+    float layer[TC_MAX_LAYERS][TC_LAYER_VECTORS][4];
     float window[TC_MAX_LAYERS][4];
     float eye[4];
     float ray[3][4];
@@ -22,10 +22,11 @@ typedef struct tc_frame_uniforms {
     float lens[4];
     float pixel[3][4];
     float beyond[4];
+    int32_t whole[TC_SURFACE_INTEGERS][4];
 } tc_frame_uniforms;
 
 /* Light, air and camera of a frame; nothing in it depends on anything but the view. */
-void tc_frame_uniforms_set(tc_frame_uniforms *uniforms, const tc_surface *surface, const tc_palette *palette,
+void tc_frame_uniforms_set(tc_frame_uniforms *uniforms, const tc_view *view, const tc_palette *palette,
                            const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
                            const tc_layers *layers);
 

@@ -19,8 +19,8 @@
 
 struct tc_renderer {
     const tc_gl *gl;
-    const tc_field *field;
-    tc_surface *surface;
+    const tc_surface *surface;
+    tc_windows windows;
     tc_scene_options options;
     tc_scene_needs needs; /* of the options as they are */
     tc_scene_objects *objects;
@@ -30,28 +30,50 @@ struct tc_renderer {
     tc_frame_uniforms values;
     tc_frame_stats last; /* frame drawn */
     tc_rect wanted[TC_MAX_CHARTS][TC_MAX_LEVELS];
+    tc_view *view; /* of that frame; without a surface: none yet */
+    tc_frame frame;
 };
 
 /* ---- Creation ------------------------------------------------------------------------------------------------ */
 
-static tc_status create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options, tc_scene_objects *shared,
-                        tc_renderer **renderer_ret, tc_error *error)
+static tc_status make_own(tc_renderer *r, tc_error *error)
+{
+    r->view = tc_view_allocate(r->surface);
+    if (!r->view || !tc_frame_allocate(r->surface, &r->frame))
+        return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
+    return r->surface->make_windows(r->surface, &r->windows, error);
+}
+
+static tc_status build_programs(tc_renderer *r, const tc_scene_needs *needs, tc_error *error)
+{
+    return tc_scene_programs_build(r->gl, r->surface, tc_scene_closers(r->surface, &r->windows), needs,
+                                   &r->objects->programs, error);
+}
+
+static tc_status make_objects(tc_renderer *r, tc_error *error)
+{
+    tc_status status = tc_scene_objects_create(r->gl, r->surface, &r->objects, error);
+    return status == TC_OK ? build_programs(r, &r->needs, error) : status;
+}
+
+static tc_status create(const tc_gl *gl, const tc_surface *surface, const tc_scene_options *options,
+                        tc_scene_objects *shared, tc_renderer **renderer_ret, tc_error *error)
 {
     tc_renderer *r = calloc(1, sizeof *r);
     if (!r)
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
     r->gl = gl;
-    r->field = tc_clipmap_field(surface->clipmap[0]);
     r->surface = surface;
     r->options = *options;
     r->picture = (tc_picture){.target.class = &tc_picture_class, .samples = options->samples};
-    r->needs = tc_scene_needs_of(options, tc_field_info(r->field));
-    tc_status status = shared ? tc_scene_objects_share(shared, surface, error)
-                              : tc_scene_objects_create(gl, surface, &r->needs, &shared, error);
-    if (status == TC_OK) {
-        r->objects = shared;
-        status = tc_frame_slots_create(gl, surface, shared, &r->slots, error);
-    }
+    r->needs = tc_scene_needs_of(options, tc_field_info(surface->field));
+    if (shared)
+        r->objects = tc_scene_objects_share(shared);
+    tc_status status = make_own(r, error);
+    if (status == TC_OK && !shared)
+        status = make_objects(r, error);
+    if (status == TC_OK)
+        status = tc_frame_slots_create(gl, surface, r->objects, &r->slots, error);
     if (status == TC_OK)
         *renderer_ret = r;
     else
@@ -59,16 +81,16 @@ static tc_status create(const tc_gl *gl, tc_surface *surface, const tc_scene_opt
     return status;
 }
 
-tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
+tc_status tc_renderer_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_options *options,
                              tc_renderer **renderer_ret, tc_error *error)
 {
     return create(gl, surface, options, NULL, renderer_ret, error);
 }
 
-tc_status tc_renderer_create_with(const tc_gl *gl, tc_scene_objects *objects, tc_surface *surface,
-                                  const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error)
+tc_status tc_renderer_create_with(const tc_gl *gl, tc_scene_objects *objects, const tc_scene_options *options,
+                                  tc_renderer **renderer_ret, tc_error *error)
 {
-    return create(gl, surface, options, objects, renderer_ret, error);
+    return create(gl, objects->surface, options, objects, renderer_ret, error);
 }
 
 tc_scene_objects *tc_renderer_objects(const tc_renderer *renderer)
@@ -85,6 +107,9 @@ void tc_renderer_destroy(tc_renderer *renderer)
     tc_frame_slots_destroy(r->gl, &r->slots);
     tc_scene_objects_release(r->gl, r->objects);
     tc_canvas_destroy(r->gl, &r->picture.canvas);
+    tc_windows_destroy(&r->windows);
+    tc_frame_free(&r->frame);
+    free(r->view);
     free(r);
 }
 
@@ -94,7 +119,7 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
     renderer->options.wireframe = options->wireframe;
     renderer->options.frame = options->frame;
     renderer->options.budget = options->budget;
-    renderer->needs = tc_scene_needs_of(&renderer->options, tc_field_info(renderer->field));
+    renderer->needs = tc_scene_needs_of(&renderer->options, tc_field_info(renderer->surface->field));
 }
 
 /* ---- Drawing ------------------------------------------------------------------------------------------------- */
@@ -133,18 +158,18 @@ static void bind_textures(const tc_renderer *r)
 static void draw_terrain(const tc_renderer *r, const GLuint programs[2], const tc_frame *frame)
 {
     const tc_gl *gl = r->gl;
+    const GLenum index = r->objects->index_type;
     gl->UseProgram(programs[0]);
     gl->PolygonMode(GL_FRONT_AND_BACK, r->options.wireframe ? GL_LINE : GL_FILL);
     if (frame->one_sided && !r->options.wireframe)
         gl->Enable(GL_CULL_FACE);
     if (frame->strip_draws)
-        gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, frame->strip_draws, 0);
+        gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, index, NULL, frame->strip_draws, 0);
     gl->Disable(GL_CULL_FACE);
     if (frame->list_draws && !r->options.wireframe) {
         gl->UseProgram(programs[1]);
-        gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
-                                      (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)), frame->list_draws,
-                                      0);
+        gl->MultiDrawElementsIndirect(GL_TRIANGLES, index, (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)),
+                                      frame->list_draws, 0);
     }
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
@@ -175,37 +200,41 @@ static void draw(const tc_renderer *r, const tc_scene_needs *needs, const tc_tar
 static tc_status hold_levels(tc_renderer *r, tc_error *error)
 {
     int levels[TC_MAX_CHARTS];
-    for (int chart = 0; chart < r->surface->charts; chart++) {
-        int l = tc_clipmap_levels(r->surface->clipmap[chart]), least = r->options.frame.no_cull ? 1 : 0;
+    for (int chart = 0; chart < r->windows.charts; chart++) {
+        int l = tc_clipmap_levels(r->windows.clipmap[chart]), least = r->options.frame.no_cull ? 1 : 0;
         while (l > least && tc_rect_empty(r->wanted[chart][l - 1]))
             l--;
         levels[chart] = l;
     }
-    return tc_level_textures_hold(r->gl, &r->textures, r->surface->clipmap, r->surface->charts, levels, error);
+    return tc_level_textures_hold(r->gl, &r->textures, r->windows.clipmap, r->windows.charts, levels, error);
 }
 
-/* Moves the windows towards what the camera wants and uploads what is new. */
-static tc_status update(tc_renderer *r, const tc_camera *camera, bool finish, tc_frame_stats *stats, tc_error *error)
+/* Moves the windows towards what the view wants and uploads what is new. */
+static tc_status update(tc_renderer *r, const tc_sight *sight, bool finish, tc_frame_stats *stats, tc_error *error)
 {
     double start = tc_clock_ms();
-    tc_surface *surface = r->surface;
-    int64_t n = tc_clipmap_n(surface->clipmap[0]), budget = r->options.budget ? r->options.budget : n * n;
-    surface->wanted(surface, camera, r->wanted);
-    for (int chart = 0; chart < surface->charts; chart++) { /* each gets at least what makes progress */
+    const tc_surface *surface = r->surface;
+    int64_t n = surface->n, budget = r->options.budget ? r->options.budget : n * n;
+    tc_frame_options options = r->options.frame;
+    if (!options.cull_camera && !sight->through)
+        options.cull_camera = &sight->around;
+    surface->look(surface, &r->windows, &sight->camera, &options, finish, r->view);
+    surface->wanted(r->view, r->wanted);
+    for (int chart = 0; chart < r->windows.charts; chart++) { /* each gets at least what makes progress */
         int64_t share = budget < 0 ? -1 : tc_max64(n, budget - stats->samples_updated);
         stats->samples_updated +=
-            tc_clipmap_update(surface->clipmap[chart], r->wanted[chart], share, finish, 1e-3 * start);
-        stats->resident &= tc_clipmap_resident(surface->clipmap[chart]);
-        stats->failed |= tc_clipmap_failed(surface->clipmap[chart]) != TC_OK;
+            tc_clipmap_update(r->windows.clipmap[chart], r->wanted[chart], share, finish, 1e-3 * start);
+        stats->resident &= tc_clipmap_resident(r->windows.clipmap[chart]);
+        stats->failed |= tc_clipmap_failed(r->windows.clipmap[chart]) != TC_OK;
     }
     tc_draw_state_for_uploads(r->gl);
     tc_status status = hold_levels(r, error);
     if (status == TC_OK) {
         /* All of what was filled now, and as much again of what another reader had filled before; for a picture, all.
          */
-        stats->bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, surface->clipmap, surface->charts,
+        stats->bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, r->windows.clipmap, r->windows.charts,
                                                          finish || budget < 0 ? -1 : stats->samples_updated + budget);
-        for (int chart = 0; chart < surface->charts; chart++)
+        for (int chart = 0; chart < r->windows.charts; chart++)
             stats->resident &= r->textures.layers.ready[chart] == r->textures.layers.held[chart];
     }
     stats->update_ms = tc_clock_ms() - start;
@@ -257,32 +286,28 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     if (status)
         return status;
     const tc_scene_needs needs = frame_needs(r, &target->place, sight);
-    status = tc_scene_programs_build(gl, r->surface, &needs, &r->objects->programs, error);
+    status = build_programs(r, &needs, error);
     if (status == TC_OK)
-        status = update(r, &sight->camera, finish, stats, error);
+        status = update(r, sight, finish, stats, error);
     if (status)
         return status;
     double updated = tc_clock_ms();
-    tc_frame_options options = r->options.frame;
-    if (!options.cull_camera && !sight->through)
-        options.cull_camera = &sight->around;
-    tc_frame frame;
     const tc_frame_slot *slot;
-    r->surface->frame(r->surface, &sight->camera, &options, &r->textures.layers, &frame);
-    tc_frame_uniforms_set(&r->values, r->surface, &r->objects->palette, sight, &target->place, &frame,
+    r->surface->draws(r->view, &r->textures.layers, &r->frame);
+    tc_frame_uniforms_set(&r->values, r->view, &r->objects->palette, sight, &target->place, &r->frame,
                           &r->textures.layers);
-    status = tc_frame_slots_fill(gl, &r->slots, &r->values, &frame, &slot, error);
+    status = tc_frame_slots_fill(gl, &r->slots, &r->values, &r->frame, &slot, error);
     if (status)
         return status;
     tc_draw_state_for_frame(gl, &target->place, target->whole, sight->mirrored);
-    draw(r, &needs, &target->place, slot, &frame);
+    draw(r, &needs, &target->place, slot, &r->frame);
     tc_frame_slots_drawn(gl, &r->slots);
     if (target->class && target->class->end)
         status = target->class->end(target, gl, error);
     if (finish)
         gl->Finish();
     stats->draw_ms = tc_clock_ms() - updated;
-    count(&frame, stats);
+    count(&r->frame, stats);
     return status;
 }
 
@@ -332,18 +357,17 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
     const tc_scene_objects *o = renderer->objects;
     const tc_level_textures *t = &renderer->textures;
     size_t heights = 0, normals = 0, fields = 0;
-    for (int chart = 0; chart < renderer->surface->charts; chart++) {
+    for (int chart = 0; chart < renderer->windows.charts; chart++) {
         size_t h, n;
-        tc_ground_bytes(renderer->surface->clipmap[chart], &h, &n);
+        tc_ground_bytes(renderer->windows.clipmap[chart], &h, &n);
         heights += h, normals += n;
-        fields += tc_field_tell(tc_clipmap_field(renderer->surface->clipmap[chart])).bytes;
+        fields += tc_field_tell(tc_clipmap_field(renderer->windows.clipmap[chart])).bytes;
     }
-    *stats_ret =
-        (tc_memory_stats){.geometry = o->vertex_bytes + o->index_bytes + tc_frame_slots_bytes(&renderer->slots),
-                          .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
-                                     tc_level_texture_of(t, &tc_voids_content).bytes + heights,
-                          .normals = tc_level_texture_of(t, &tc_normals_content).bytes + normals,
-                          .field = fields};
+    *stats_ret = (tc_memory_stats){.geometry = o->bytes + tc_frame_slots_bytes(&renderer->slots),
+                                   .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
+                                              tc_level_texture_of(t, &tc_voids_content).bytes + heights,
+                                   .normals = tc_level_texture_of(t, &tc_normals_content).bytes + normals,
+                                   .field = fields};
 }
 
 tc_renderer_use tc_renderer_used(const tc_renderer *renderer)
@@ -352,5 +376,11 @@ tc_renderer_use tc_renderer_used(const tc_renderer *renderer)
                              .needs = &renderer->needs,
                              .programs = &renderer->objects->programs,
                              .textures = &renderer->textures,
+                             .windows = &renderer->windows,
                              .frame = &renderer->last};
+}
+
+const tc_view *tc_renderer_view(const tc_renderer *renderer)
+{
+    return renderer->view->surface ? renderer->view : NULL;
 }

@@ -30,13 +30,13 @@ typedef struct tc_memory_stats {
 
 typedef struct tc_renderer tc_renderer;
 
-/* The surface and its clipmaps must outlive the renderer. gl must be current. */
-tc_status tc_renderer_create(const tc_gl *gl, tc_surface *surface, const tc_scene_options *options,
+/* A viewer of a surface, which must outlive it, with windows of its own. gl must be current. */
+tc_status tc_renderer_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_options *options,
                              tc_renderer **renderer_ret, tc_error *error);
-/* Another view of the same map: it shares geometry, colours and programs with all others of the same objects, which may
- * be destroyed before it. Its surface is one of its own, of the same scheme and windows. */
-tc_status tc_renderer_create_with(const tc_gl *gl, tc_scene_objects *objects, tc_surface *surface,
-                                  const tc_scene_options *options, tc_renderer **renderer_ret, tc_error *error);
+/* Another viewer of the surface of these objects: it shares geometry, colours and programs with all others of them,
+ * which may be destroyed before it. */
+tc_status tc_renderer_create_with(const tc_gl *gl, tc_scene_objects *objects, const tc_scene_options *options,
+                                  tc_renderer **renderer_ret, tc_error *error);
 tc_scene_objects *tc_renderer_objects(const tc_renderer *renderer);
 void tc_renderer_destroy(tc_renderer *renderer);
 
@@ -71,8 +71,12 @@ typedef struct tc_renderer_use {
     const tc_scene_needs *needs;
     const tc_scene_programs *programs;
     const tc_level_textures *textures;
+    const tc_windows *windows;
     const tc_frame_stats *frame;
 } tc_renderer_use;
 tc_renderer_use tc_renderer_used(const tc_renderer *renderer);
+
+/* The view of the last frame: heights in it are those drawn, and nothing is read for them. NULL: there was none yet. */
+const tc_view *tc_renderer_view(const tc_renderer *renderer);
 
 #endif

@@ -7,21 +7,21 @@
 
 typedef struct tc_scene_objects {
     int users;
+    const tc_surface *surface;
     GLuint vertices, indices; /* of the support geometry; draws select parts of them */
-    size_t vertex_bytes, index_bytes;
-    int n; /* of the windows that the programs are made for */
-    const char *scheme;
+    GLenum index_type;
+    size_t bytes; /* of both */
     GLuint ramp;
     tc_palette palette;
     tc_scene_programs programs;
 } tc_scene_objects;
 
-/* For one user, with the programs that the needs call for; NULL: none so far. */
-tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,
-                                  tc_scene_objects **objects_ret, tc_error *error);
+/* For one user, without programs so far. The surface outlives them. */
+tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, tc_scene_objects **objects_ret,
+                                  tc_error *error);
 
-/* Takes one more user in, whose surface must be of the same scheme, geometry and windows. */
-tc_status tc_scene_objects_share(tc_scene_objects *objects, const tc_surface *surface, tc_error *error);
+/* The same for one more user. */
+tc_scene_objects *tc_scene_objects_share(tc_scene_objects *objects);
 
 /* Of one of its users; the last one destroys it. */
 void tc_scene_objects_release(const tc_gl *gl, tc_scene_objects *objects);

@@ -6,7 +6,7 @@
 
 #include "common/gl/program.h"
 
-enum { MAX_PARTS = 16, DEFINES = TC_SCENE_DEFINES + 256 };
+enum { MAX_PARTS = 16, SCENE = TC_SCENE_DEFINES + 256, DEFINES = TC_FRAME_DEFINES + SCENE };
 
 static const char *const sky_vertex[] = {"frame.glsl", "sky.vert", NULL};
 
@@ -23,24 +23,39 @@ static void list_parts(const char *parts[MAX_PARTS], const char *const *surface,
     parts[count] = NULL;
 }
 
+void tc_scene_frame_defines(char text[TC_FRAME_DEFINES])
+{
+    snprintf(text, TC_FRAME_DEFINES,
+             "#define LAYERS %d\n#define LAYER_VECTORS %d\n#define SURFACE_VECTORS %d\n#define SURFACE_INTEGERS %d\n",
+             TC_MAX_LAYERS, TC_LAYER_VECTORS, TC_SURFACE_VECTORS, TC_SURFACE_INTEGERS);
+}
+
+/* Those before the lines of a scene. */
+static void add_sizes(const char *scene, char defines[DEFINES])
+{
+    tc_scene_frame_defines(defines);
+    const size_t used = strlen(defines);
+    snprintf(defines + used, DEFINES - used, "%s", scene);
+}
+
 /* Defines of the strips' program, or of the crack closers': across a triangle without area nothing can be interpolated,
  * so theirs takes all from one corner. Where a pixel has several samples each is shaded by itself: at the middle of one
  * that is covered in part, outside of the triangle, there is no ground (nor at a centroid, where drivers have none). */
-static void list_defines(const tc_surface *surface, const tc_scene_needs *needs, bool closers, char defines[DEFINES])
+static void list_defines(const tc_surface *surface, const tc_scene_needs *needs, bool closers, char defines[SCENE])
 {
     char scene[TC_SCENE_DEFINES];
     tc_scene_needs_defines(needs, scene);
-    snprintf(defines, DEFINES,
+    snprintf(defines, SCENE,
              "#define WINDOW_MASK %d\n#define INTERPOLATED %s\n#define NEARNESS gl_FragCoord.%s\n"
              "#define NEARNESS_AT(p) (p.%s / p.w)\n%s%s",
-             tc_clipmap_n(surface->clipmap[0]),
+             surface->n,
              closers               ? "flat"
              : needs->multisampled ? "sample"
                                    : "centroid",
              needs->by_w ? "w" : "z", needs->by_w ? "w / p.w" : "z", closers ? "#define CLOSERS\n" : "", scene);
     for (const char *const *own = surface->defines; own && *own; own++) {
         size_t used = strlen(defines);
-        snprintf(defines + used, DEFINES - used, "#define %s\n", *own);
+        snprintf(defines + used, SCENE - used, "#define %s\n", *own);
     }
 }
 
@@ -52,34 +67,38 @@ static const char *sky_defines(const tc_scene_needs *needs)
     return defines[needs->linear][needs->land];
 }
 
-bool tc_scene_closers(const tc_surface *surface)
+bool tc_scene_closers(const tc_surface *surface, const tc_windows *windows)
 {
-    return surface->closers && tc_clipmap_levels(surface->clipmap[0]) > 1;
+    return surface->closers && tc_clipmap_levels(windows->clipmap[0]) > 1;
 }
 
 static tc_status build_terrain(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs, bool closers,
                                GLuint *program_ret, tc_error *error)
 {
-    char defines[DEFINES];
+    char scene[SCENE], defines[DEFINES];
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
-    list_defines(surface, needs, closers, defines);
+    list_defines(surface, needs, closers, scene);
+    add_sizes(scene, defines);
     list_parts(vertex, surface->vertex_parts, false, "renderer.vert");
     list_parts(fragment, surface->fragment_parts, true, "renderer.frag");
     return tc_program_build(gl, vertex, fragment, surface->texts, defines, program_ret, error);
 }
 
-tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,
-                                  tc_scene_programs *programs, tc_error *error)
+tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, bool with_closers,
+                                  const tc_scene_needs *needs, tc_scene_programs *programs, tc_error *error)
 {
     GLuint *terrain = programs->terrain[tc_program_variant(needs)];
     tc_status status = TC_OK;
-    for (int closers = 0; closers <= (tc_scene_closers(surface) ? 1 : 0) && !status; closers++)
+    for (int closers = 0; closers <= (with_closers ? 1 : 0) && !status; closers++)
         if (!terrain[closers])
             status = build_terrain(gl, surface, needs, closers, &terrain[closers], error);
     GLuint *sky = &programs->sky[needs->linear];
-    if (!status && !*sky && needs->sky)
+    if (!status && !*sky && needs->sky) {
+        char defines[DEFINES];
+        add_sizes(sky_defines(needs), defines);
         status = tc_program_build(gl, sky_vertex, (const char *[]){"frame.glsl", "encode.glsl", surface->sky, NULL},
-                                  surface->texts, sky_defines(needs), sky, error);
+                                  surface->texts, defines, sky, error);
+    }
     return status;
 }
 
@@ -118,7 +137,7 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
     list_parts(vertex, surface->vertex_parts, false, "renderer.vert");
     list_parts(fragment, surface->fragment_parts, true, "renderer.frag");
     for (int closers = 0; closers < 2; closers++) {
-        char defines[DEFINES];
+        char defines[SCENE];
         if (!programs->terrain[tc_program_variant(needs)][closers])
             continue;
         fprintf(file, "uses: shaders: %s: ", closers ? "crack closers" : "terrain");

@@ -23,13 +23,17 @@ static inline int tc_program_variant(const tc_scene_needs *needs)
            (needs->by_w ? 8 : 0);
 }
 
-/* Builds what the needs as they are call for and is not there yet. */
-tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, const tc_scene_needs *needs,
+/* Builds what the needs as they are call for and is not there yet. closers: also of triangles between levels. */
+tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, bool closers, const tc_scene_needs *needs,
                                   tc_scene_programs *programs, tc_error *error);
 void tc_scene_programs_destroy(const tc_gl *gl, tc_scene_programs *programs);
 
 /* Whether triangles between levels are ever drawn. */
-bool tc_scene_closers(const tc_surface *surface);
+bool tc_scene_closers(const tc_surface *surface, const tc_windows *windows);
+
+/* Lines that the text of every stage begins with: sizes of what frame.glsl has. */
+enum { TC_FRAME_DEFINES = 160 };
+void tc_scene_frame_defines(char text[TC_FRAME_DEFINES]);
 
 /* Prints what was compiled, as --explain tells it: lines "uses: ...". */
 void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *needs,

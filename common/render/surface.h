@@ -1,8 +1,9 @@
-/* surface.h - what a scheme (square grids, rings, hexagons, ...) hands the shared clipmap and renderer.
+/* surface.h - what a scheme (square grids, rings, hexagons, ...) hands the shared windows and renderer.
  *
- * A surface is: static support geometry; a map transform in GLSL (vertex_parts); the windows of the map that a camera
- * wants; the visible parts of the geometry for a camera; and the surface so drawn in C double (drawn_height), the
- * oracle of tests. Everything else is shared. No GL in it. */
+ * A surface is a map transform with its static support geometry: parts of shaders, and what C needs to choose windows
+ * and draws. It never changes once it is made; any number of viewers, each with windows of its own, may look at it at
+ * once, from several threads. look() makes a view once a frame; which windows are wanted, what is drawn and how high
+ * the ground is are then only read from it. No GL in it. */
 #ifndef TC_SURFACE_H
 #define TC_SURFACE_H
 
@@ -10,20 +11,59 @@
 #include "common/terraclip.h"
 #include "common/content/ground.h"
 
-/* Static support geometry: vertices and indices of triangle strips or triangles. TC_RESTART ends a strip and begins the
- * next. */
-enum { TC_RESTART = 0xffff };
+/* ---- Geometry ---------------------------------------------------------------------------------------------------- */
+
 typedef enum tc_vertex_format {
     TC_VERTEX_UINT16_2, /* GLSL: ivec2 */
     TC_VERTEX_FLOAT_4   /* GLSL: vec4 */
 } tc_vertex_format;
+
+/* Static support geometry: vertices, and indices of triangle strips or triangles. The largest index that the type has
+ * ends a strip and begins the next. */
 typedef struct tc_geometry {
     tc_vertex_format format;
     void *vertices;
     int vertex_count;
-    uint16_t *indices;
+    void *indices;
     int index_count;
+    int index_bytes; /* each: 2 or 4 */
 } tc_geometry;
+
+/* Bytes of an index where so many vertices are counted from a draw's first one. */
+static inline int tc_index_bytes(int64_t vertices)
+{
+    return vertices <= UINT16_MAX ? 2 : 4;
+}
+static inline uint32_t tc_restart(const tc_geometry *g)
+{
+    return g->index_bytes == 2 ? UINT16_MAX : UINT32_MAX;
+}
+static inline uint32_t tc_index(const tc_geometry *g, size_t at)
+{
+    return g->index_bytes == 2 ? ((const uint16_t *)g->indices)[at] : ((const uint32_t *)g->indices)[at];
+}
+static inline void tc_set_index(tc_geometry *g, size_t at, uint32_t index)
+{
+    if (g->index_bytes == 2)
+        ((uint16_t *)g->indices)[at] = (uint16_t)index;
+    else
+        ((uint32_t *)g->indices)[at] = index;
+}
+
+/* ---- Windows ----------------------------------------------------------------------------------------------------- */
+
+/* Charts of a map that a surface can draw. */
+enum { TC_MAX_CHARTS = 3 };
+
+/* What one viewer holds of a map: a clipmap for each chart, all of one size n and with the same contents. */
+typedef struct tc_windows {
+    int charts;
+    tc_clipmap *clipmap[TC_MAX_CHARTS];
+} tc_windows;
+
+void tc_windows_destroy(tc_windows *windows);
+
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 /* One indirect draw, laid out as OpenGL wants it (DrawElementsIndirectCommand). */
 typedef struct tc_draw {
@@ -37,12 +77,15 @@ typedef struct tc_instance {
     int32_t v[4];
 } tc_instance;
 
-/* Charts of a map that a surface can draw. */
-enum { TC_MAX_CHARTS = 3 };
-
 /* A layer of the vertex textures is a level of a chart: first those of chart 0, coarse to fine, then those of chart 1.
- * Levels and charts that are not in use need not have one. */
-enum { TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS, TC_LAYER_UNIFORMS = 12, TC_SURFACE_UNIFORMS = 52 };
+ * Levels and charts that are not in use need not have one. What shaders know of a surface, vectors of four; frame.glsl
+ * is told these sizes. */
+enum {
+    TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS,
+    TC_LAYER_VECTORS = 3,
+    TC_SURFACE_VECTORS = 13,
+    TC_SURFACE_INTEGERS = 3 /* vectors of integers */
+};
 
 /* The layers that there are: levels of each chart, from the coarsest on, that have one; and of them, from the coarsest
  * on, those whose layer is up to date. The others are drawn by coarser ones. */
@@ -50,10 +93,10 @@ typedef struct tc_layers {
     int held[TC_MAX_CHARTS], ready[TC_MAX_CHARTS];
 } tc_layers;
 
-/* What one frame draws. Arrays are the surface's own and stay valid until its next frame. */
+/* What one frame draws. Belongs to who draws, and is used again from frame to frame. */
 typedef struct tc_frame {
-    const tc_draw *draws;         /* strips first, then triangle lists */
-    const tc_instance *instances; /* one a draw, where the surface has them */
+    tc_draw *draws;         /* strips first, then triangle lists; the surface's draw_capacity of them */
+    tc_instance *instances; /* one a draw, where the surface has them */
     int strip_draws, list_draws;
     bool one_sided;             /* no back of a strip's triangle (counter-clockwise from the eye) can be seen */
     int64_t triangles;          /* that cover area: without joints and without crack closers */
@@ -62,8 +105,9 @@ typedef struct tc_frame {
     int levels_active;          /* drawn; and not: */
     int levels_fine;   /* too fine for the height above ground, or not where the viewer is; finer than a pixel */
     int levels_beyond; /* beyond the horizon */
-    const float (*layer_uniforms)[TC_LAYER_UNIFORMS]; /* one a layer: GLSL `vec4 layer[3 * ...]` */
-    const float *surface_uniforms;                    /* TC_SURFACE_UNIFORMS floats */
+    float layer[TC_MAX_LAYERS][TC_LAYER_VECTORS][4];
+    float surface[TC_SURFACE_VECTORS][4];
+    int32_t integers[TC_SURFACE_INTEGERS][4];
 } tc_frame;
 
 /* How a frame is drawn; zero is the default. */
@@ -76,6 +120,8 @@ typedef struct tc_frame_options {
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
 } tc_frame_options;
 
+/* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
+
 /* What a surface calls what it is made of, where that is told (--explain, left_out of --stats). */
 typedef struct tc_surface_words {
     const char *levels, *blocks; /* "levels", "blocks" */
@@ -86,6 +132,17 @@ typedef struct tc_surface_words {
 } tc_surface_words;
 
 typedef struct tc_surface tc_surface;
+
+/* The head of what a surface makes of a camera; what follows is its own. */
+typedef struct tc_view {
+    const tc_surface *surface;
+    const tc_windows *windows;
+    tc_camera camera;
+    tc_camera culled; /* for */
+    bool frozen;      /* which is another one */
+    tc_frame_options options;
+} tc_view;
+
 struct tc_surface {
     const char *name; /* as in figures: "square", "rings", ... */
     const tc_surface_words *words;
@@ -101,20 +158,37 @@ struct tc_surface {
     double near_plane; /* metres, for positions relative to the eye */
     double extent;     /* metres, of all that there is to see */
     tc_geometry geometry;
-    int charts;
-    tc_clipmap *clipmap[TC_MAX_CHARTS]; /* of each chart; all of one window size n. The surface's own */
-    /* Windows wanted at each level for this camera: wanted[chart][level - 1]; empty for levels too fine for it, and for
-     * all levels of a chart that no vertex reads. */
-    void (*wanted)(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS]);
-    /* What is visible of the clipmaps as they stand. */
-    void (*frame)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                  const tc_layers *layers, tc_frame *frame_ret);
-    /* Height drawn at map position (x, y), in the camera's units, for this camera, by the same rules as the GLSL, in
-     * double: metres absolute. False where nothing is drawn. */
-    bool (*drawn_height)(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options, double x,
-                         double y, double *z_ret);
+    const tc_field *field; /* of chart 0 */
+    int n;                 /* size of the windows */
+    int draw_capacity;     /* the most draws that a frame can have */
+    size_t view_bytes;     /* of what look() makes */
+    /* Windows for one more viewer, to be destroyed with tc_windows_destroy(). */
+    tc_status (*make_windows)(const tc_surface *surface, tc_windows *windows_ret, tc_error *error);
+    /* Looks at the surface through a camera: fills in *view_ret, view_bytes of the caller's. All that follows is valid
+     * while the windows exist; no memory is allocated. wait: whatever is needed of the fields may be read and decoded
+     * now; else only what windows hold counts. */
+    void (*look)(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
+                 const tc_frame_options *options, bool wait, tc_view *view_ret);
+    /* Windows wanted at each level: wanted[chart][level - 1]; empty for levels too fine for the view, and for all
+     * levels of a chart that no vertex reads. */
+    void (*wanted)(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS]);
+    /* What is visible of the windows as they stand. */
+    void (*draws)(const tc_view *view, const tc_layers *layers, tc_frame *frame);
+    /* Height drawn at map position (x, y), in the camera's units, by the same rules as the GLSL, in double: metres
+     * absolute. False where nothing is drawn. */
+    bool (*height)(const tc_view *view, double x, double y, double *z_ret);
     void (*destroy)(tc_surface *surface);
 };
+
+/* A view's head. */
+tc_view tc_view_of(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
+                   const tc_frame_options *options);
+
+/* Memory for views of a surface, and for its frames; freed with free() and tc_frame_free(). NULL and false: there is
+ * not enough. */
+tc_view *tc_view_allocate(const tc_surface *surface);
+bool tc_frame_allocate(const tc_surface *surface, tc_frame *frame);
+void tc_frame_free(tc_frame *frame);
 
 /* The layer of a chart's level 1; of the chart behind the last: how many layers there are. */
 static inline int tc_first_layer(const tc_layers *layers, int chart)

@@ -234,12 +234,19 @@ static bool fill(tc_clipmap *c, int level, tc_rect rect, double now)
     return !status;
 }
 
+tc_status tc_clipmap_check_n(int n, tc_error *error)
+{
+    if (n < 15 || n > TC_CLIPMAP_MAX_N || (n & (n + 1)) != 0)
+        return tc_fail(error, TC_ERR_USAGE, "n: expected 2^k - 1 from 15 to 2047, found %d", n);
+    return TC_OK;
+}
+
 tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *options, tc_clipmap **clipmap_ret,
                             tc_error *error)
 {
     int n = options->n ? options->n : 255;
-    if (n < 15 || n > TC_CLIPMAP_MAX_N || (n & (n + 1)) != 0)
-        return tc_fail(error, TC_ERR_USAGE, "n: expected 2^k - 1 from 15 to 2047, found %d", n);
+    if (tc_clipmap_check_n(n, error) != TC_OK)
+        return TC_ERR_USAGE;
     const tc_terrain_info *info = tc_field_info(field);
     tc_level top = tc_field_level(field, info->levels);
     int first = info->levels;

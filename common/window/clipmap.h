@@ -87,6 +87,9 @@ void tc_clipmap_destroy(tc_clipmap *clipmap);
  * setting (n = 255 for a frame of 640 pixels and 90 degrees), 2^k - 1 from 63 to 2047. */
 int tc_clipmap_n_for(const tc_camera *camera);
 
+/* TC_ERR_USAGE where n is no window's size. */
+tc_status tc_clipmap_check_n(int n, tc_error *error);
+
 int tc_clipmap_n(const tc_clipmap *clipmap);
 int tc_clipmap_levels(const tc_clipmap *clipmap);
 const tc_field *tc_clipmap_field(const tc_clipmap *clipmap);

@@ -30,9 +30,11 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
 {
     tc_frame frame;
     tc_frame_options options = {0};
-    s->surface->frame(s->surface, camera, &options, &tc_renderer_used(s->renderer).textures->layers, &frame);
+    if (!tc_frame_allocate(s->surface, &frame))
+        exit(1);
+    s->surface->draws(scene_look(s, camera, &options), &tc_renderer_used(s->renderer).textures->layers, &frame);
     const tc_geometry *g = &s->surface->geometry;
-    square_viewer viewer = tc_square_viewer(s->clipmap, camera);
+    square_viewer viewer = tc_square_viewer(s->clipmap, camera, true);
     int count = frame.strip_draws + frame.list_draws;
     int64_t mask = tc_clipmap_n(s->clipmap);
     tc_level finest = tc_field_level(s->field, tc_field_info(s->field)->levels);
@@ -47,12 +49,12 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
         draws[d] = frame.draws[d];
         draws[d].base_vertex = (int32_t)used;
         draws[d].base_instance = 0;
-        int last = 0;
+        uint32_t last = 0;
         for (uint32_t k = 0; k < draws[d].count; k++) {
-            int index = g->indices[draws[d].first_index + k];
-            last = index > last && index != TC_RESTART ? index : last;
+            uint32_t index = tc_index(g, draws[d].first_index + k);
+            last = index > last && index != tc_restart(g) ? index : last;
         }
-        for (int k = 0; k <= last; k++) {
+        for (uint32_t k = 0; k <= last; k++) {
             const uint16_t *vertex = (const uint16_t *)g->vertices + 2 * k;
             int64_t rx = v[0] + ((int64_t)vertex[0] << l->shift), ry = v[1] + ((int64_t)vertex[1] << l->shift);
             int64_t i = (rx + viewer.snap_x) >> l->shift, j = (ry + viewer.snap_y) >> l->shift;
@@ -68,6 +70,7 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
                  frame.strip_draws, frame.list_draws);
     free(positions);
     free(draws);
+    tc_frame_free(&frame);
 }
 
 static double scene_frame(scene *s, const tc_camera *camera)

@@ -37,18 +37,25 @@ static struct {
 
 /* Levels: as from the ground. Charts: a few samples of each level of those out of sight, so that all of them have
  * layers. */
-static void forced_wanted(tc_surface *surface, const tc_camera *camera, tc_rect (*wanted)[TC_MAX_LEVELS])
+static void forced_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
 {
-    tc_camera c = *camera;
     double ground = 0;
     if (forced.what == ALL_LEVELS) {
-        c.z = tc_field_info(tc_clipmap_field(surface->clipmap[0]))->z_base;
-        if (forced.own.drawn_height(surface, camera, &(tc_frame_options){0}, c.x, c.y, &ground))
+        tc_view *low = tc_view_allocate(view->surface);
+        tc_camera c = view->camera;
+        c.z = tc_field_info(view->surface->field)->z_base;
+        if (forced.own.height(view, c.x, c.y, &ground))
             c.z = ground;
+        if (!low)
+            exit(99);
+        forced.own.look(view->surface, view->windows, &c, &view->options, true, low);
+        forced.own.wanted(low, wanted);
+        free(low);
+    } else {
+        forced.own.wanted(view, wanted);
     }
-    forced.own.wanted(surface, &c, wanted);
-    for (int chart = 0; chart < surface->charts && forced.what == ALL_CHARTS; chart++) {
-        tc_clipmap *clipmap = surface->clipmap[chart];
+    for (int chart = 0; chart < view->windows->charts && forced.what == ALL_CHARTS; chart++) {
+        const tc_clipmap *clipmap = view->windows->clipmap[chart];
         bool unseen = true;
         for (int l = 1; l <= tc_clipmap_levels(clipmap); l++)
             unseen &= tc_rect_empty(wanted[chart][l - 1]);
@@ -61,30 +68,33 @@ static void forced_wanted(tc_surface *surface, const tc_camera *camera, tc_rect 
 }
 
 /* The draws of rings beyond the horizon are the last ones of a frame where nothing is culled. */
-static void forced_frame(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                         const tc_layers *layers, tc_frame *frame_ret)
+static void forced_draws(const tc_view *view, const tc_layers *layers, tc_frame *frame)
 {
-    forced.own.frame(surface, camera, options, layers, frame_ret);
+    const tc_surface *surface = view->surface;
+    forced.own.draws(view, layers, frame);
     if (forced.what != BEYOND_HORIZON && forced.what != OUTSIDE_VIEW)
         return;
-    int count = frame_ret->strip_draws, beyond = 0;
+    int count = frame->strip_draws, beyond = 0;
     if (surface->words->charts)
-        beyond = frame_ret->levels_beyond * ((const rings_surface *)surface)->geometry.sectors;
-    if (forced.what == BEYOND_HORIZON)
-        memcpy(forced.draws, frame_ret->draws, (size_t)tc_min64(count, MOST_DRAWS) * sizeof *forced.draws);
-    tc_frame_options all = *options;
-    all.no_cull = true;
-    forced.own.frame(surface, camera, &all, layers, frame_ret);
-    if (forced.what == OUTSIDE_VIEW) {
-        frame_ret->strip_draws -= beyond;
-        return;
-    }
-    if (count + beyond > MOST_DRAWS)
+        beyond = frame->levels_beyond * ((const rings_surface *)surface)->geometry.sectors;
+    if (count > MOST_DRAWS)
         exit(99);
-    memcpy(forced.draws + count, frame_ret->draws + frame_ret->strip_draws - beyond,
-           (size_t)beyond * sizeof *forced.draws);
-    frame_ret->draws = forced.draws;
-    frame_ret->strip_draws = count + beyond;
+    memcpy(forced.draws, frame->draws, (size_t)count * sizeof *forced.draws);
+    tc_view *all = tc_view_allocate(surface);
+    if (!all)
+        exit(99);
+    memcpy(all, view, surface->view_bytes);
+    all->options.no_cull = true;
+    forced.own.draws(all, layers, frame);
+    free(all);
+    frame->strip_draws -= beyond;
+    if (forced.what == OUTSIDE_VIEW)
+        return;
+    if (count + beyond > surface->draw_capacity)
+        exit(99);
+    memmove(frame->draws + count, frame->draws + frame->strip_draws, (size_t)beyond * sizeof *frame->draws);
+    memcpy(frame->draws, forced.draws, (size_t)count * sizeof *forced.draws);
+    frame->strip_draws = count + beyond;
 }
 
 /* ---- Pairs ------------------------------------------------------------------------------------------------------ */
@@ -140,7 +150,7 @@ static void open_side(side *s, const tc_scene_options *options, const tc_scene_n
         forced.what = what;
         forced.own = *s->scene.surface;
         s->scene.surface->wanted = forced_wanted;
-        s->scene.surface->frame = forced_frame;
+        s->scene.surface->draws = forced_draws;
     }
     scene_draw(&s->scene, &bench.camera, true);
 }
@@ -156,9 +166,9 @@ static void close_side(side *s)
 static int64_t bytes_of(const side *s)
 {
     int64_t bytes = gl_record_bytes(&s->record) + (int64_t)s->record.text_bytes;
-    for (int chart = 0; chart < s->scene.surface->charts; chart++) {
+    for (int chart = 0; chart < tc_renderer_used(s->scene.renderer).windows->charts; chart++) {
         size_t heights, normals;
-        tc_ground_bytes(s->scene.surface->clipmap[chart], &heights, &normals);
+        tc_ground_bytes(tc_renderer_used(s->scene.renderer).windows->clipmap[chart], &heights, &normals);
         bytes += (int64_t)(heights + normals);
     }
     return bytes;
@@ -237,7 +247,7 @@ static void measure_extents(const tc_scene_options *own)
     const tc_renderer_use use = tc_renderer_used(bench.as_is.scene.renderer);
     const tc_frame_stats *f = use.frame;
     int unseen = 0;
-    for (int chart = 0; chart < use.surface->charts; chart++)
+    for (int chart = 0; chart < use.windows->charts; chart++)
         unseen += use.textures->layers.held[chart] == 0;
     if (f->blocks < f->blocks_unculled)
         measure_pair("triangles outside the view", own, NULL, NULL, NULL, OUTSIDE_VIEW);

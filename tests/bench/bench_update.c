@@ -164,27 +164,25 @@ static void uploads(bench *b, const tc_context *context, step *upload, step *who
     for (int i = 0; i < b->runs; i++) {
         tc_field *p = terrain_open(b->path);
         tc_clipmap *c = clipmap_of(p, true);
-        tc_surface *surface;
         tc_level_textures textures = {0};
         tc_error error;
-        terrain_must(tc_square_create(c, &surface, &error), &error);
         int m = tc_clipmap_levels(c), all[TC_MAX_CHARTS] = {m};
-        terrain_must(tc_level_textures_hold(gl, &textures, surface->clipmap, surface->charts, all, &error), &error);
+        terrain_must(tc_level_textures_hold(gl, &textures, &c, 1, all, &error), &error);
         tc_rect r = place(b, tc_field_level(p, tc_field_info(p)->levels), i);
         tc_rect coarser = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x1 / 2 + 3, r.y1 / 2 + 3};
         tc_clipmap_fill(c, m - 1, coarser);
-        tc_level_textures_upload(gl, &textures, surface->clipmap, surface->charts, -1);
+        tc_level_textures_upload(gl, &textures, &c, 1, -1);
         gl->Finish();
         double start = now_us();
         tc_clipmap_fill(c, m, r);
         double filled = now_us();
-        tc_level_textures_upload(gl, &textures, surface->clipmap, surface->charts, -1);
+        tc_level_textures_upload(gl, &textures, &c, 1, -1);
         gl->Finish();
         double end = now_us();
         note(b, upload, end - filled);
         note(b, whole, end - start);
         tc_level_textures_destroy(gl, &textures);
-        surface->destroy(surface);
+        tc_clipmap_destroy(c);
         tc_field_destroy(p);
     }
 }

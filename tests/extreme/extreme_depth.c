@@ -73,13 +73,12 @@ static const tc_scene_options options = {
 static void draw_into(const tc_gl *gl, scene *s, const tc_camera *camera, double distance, keeping how, const target *t)
 {
     scene_draw(s, camera, true);
-    tc_frame frame;
-    s->surface->frame(s->surface, camera, &options.frame, &tc_renderer_used(s->renderer).textures->layers, &frame);
+    int strips = tc_renderer_used(s->renderer).frame->blocks;
     if (how != AS_RENDERED)
         set_projection(gl, camera, distance, how == CONVENTIONAL);
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
     gl->DepthFunc(how == CONVENTIONAL ? GL_LESS : GL_GREATER);
-    gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, frame.strip_draws, 0);
+    gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, strips, 0);
     gl->DepthFunc(GL_GREATER);
 }
 

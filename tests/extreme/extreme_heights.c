@@ -287,7 +287,8 @@ static void look_at_windows(const terrain *t, const tc_field *p)
     char first[200] = "nothing broken";
     for (int v = 0; v < 3; v++) {
         tc_camera c = view(&r, p);
-        tc_square_wanted(clipmap, &c, wanted);
+        square_viewer viewer = tc_square_viewer(clipmap, &c, true);
+        tc_square_wanted(clipmap, &viewer, wanted);
         tc_clipmap_update(clipmap, wanted, -1, true, 0);
         for (int l = 1; l <= tc_clipmap_levels(clipmap); l++, looked++) {
             const char *what = content_broken(clipmap, l, v, 5);
@@ -328,7 +329,7 @@ static void draw(const tc_context *context, const terrain *t, const tc_field *p,
         }
         scene_draw(&s, &c, true); /* what is open on purpose has no cracks */
         drawn_vertices(&d, &c, &options.frame, &f);
-        differ += masks_differ(s.surface->clipmap[0], z);
+        differ += masks_differ(s.clipmap, z);
     }
     if (options.holes) {
         extreme_at_most(name, "voids of the windows that differ, samples", (double)differ, 0, "in %d views", VIEWS + 1);

@@ -41,7 +41,7 @@ static journey journey_start(const char *name, const tc_field *p, int n, int64_t
     journey j = {.name = name, .field = p, .budget = budget};
     if (context) {
         j.scene = scene_create(context, p, n, &lit);
-        j.clipmap = j.scene.surface->clipmap[0];
+        j.clipmap = j.scene.clipmap;
     } else if (tc_ground_create(p, &(tc_ground_options){.n = n, .normals = true}, &j.clipmap, NULL)) {
         exit(99);
     }
@@ -83,7 +83,8 @@ static const char *window_astray(const journey *j, const tc_camera *camera)
 
 static void move_to(journey *j, const tc_camera *camera, bool look_at_heights)
 {
-    tc_square_wanted(j->clipmap, camera, j->wanted);
+    square_viewer viewer = tc_square_viewer(j->clipmap, camera, true);
+    tc_square_wanted(j->clipmap, &viewer, j->wanted);
     int64_t samples = tc_clipmap_update(j->clipmap, j->wanted, j->budget, true, 0);
     j->updates++, j->samples += samples, j->most = tc_max64(j->most, samples);
     broken(j, window_astray(j, camera), &j->astray);
@@ -243,11 +244,12 @@ static double largest_jump(const tc_clipmap *clipmap, const tc_camera *before, c
                            const tc_frame_options *options, double spacing, double *heights, bool first)
 {
     enum { ACROSS = 24 };
+    square_viewer viewer = tc_square_viewer(clipmap, after, true);
     double most = 0, side = 1.3 * tc_clipmap_n(clipmap) * spacing;
     for (int k = 0; k < ACROSS * ACROSS; k++) {
         double x = before->x + side * ((k % ACROSS + 0.37) / ACROSS - 0.5), z;
         double y = before->y + side * ((k / ACROSS + 0.41) / ACROSS - 0.5);
-        if (!tc_square_drawn_height(clipmap, after, options, x, y, &z))
+        if (!tc_square_height(clipmap, &viewer, options, x, y, &z))
             z = NAN;
         if (!first && !(isnan(z) && isnan(heights[k])))
             most = fmax(most, isnan(z) || isnan(heights[k]) ? INFINITY : fabs(z - heights[k]));

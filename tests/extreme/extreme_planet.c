@@ -72,7 +72,7 @@ static void look_for_holes(globe_scene *globe, const tc_camera *camera, sight *s
 {
     tc_camera c = *camera;
     c.width = 160, c.height = 120;
-    scene drawn = {.clipmap = globe->surface->clipmap[0], .surface = globe->surface, .renderer = globe->renderer};
+    scene drawn = {.surface = globe->surface, .renderer = globe->renderer};
     globe_scene_frame(globe, &c, true);
     globe_holes h = globe_holes_of(&drawn, &c, 200);
     s->terrain += h.terrain, s->sure += h.sure, s->holes += h.holes;

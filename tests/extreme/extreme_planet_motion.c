@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/view/flight.h"
@@ -20,6 +21,8 @@ enum { WIDTH = 2048, CHECKED = 400 };
 /* A planet's surface, and what has been seen of it. */
 typedef struct journey {
     tc_surface *surface;
+    tc_windows windows;
+    tc_view *view;
     int64_t updates, checks, samples, broken, not_finite;
     char first[240]; /* that was broken */
 } journey;
@@ -27,6 +30,29 @@ typedef struct journey {
 static tc_surface *surface_of(const tc_map *atlas)
 {
     return planet_rings(atlas, &(tc_rings_options){.n_phi = 128, .m = 8}, &(tc_scene_options){.unlit = true});
+}
+
+static journey journey_start(const tc_map *atlas)
+{
+    journey j = {.surface = surface_of(atlas)};
+    tc_error error;
+    j.view = tc_view_allocate(j.surface);
+    if (!j.view || j.surface->make_windows(j.surface, &j.windows, &error))
+        exit(99);
+    return j;
+}
+
+static void journey_end(journey *j)
+{
+    tc_windows_destroy(&j->windows);
+    free(j->view);
+    j->surface->destroy(j->surface);
+}
+
+static const rings_view *look_at(journey *j, const tc_camera *c)
+{
+    j->surface->look(j->surface, &j->windows, c, &(tc_frame_options){0}, true, j->view);
+    return (const rings_view *)j->view;
 }
 
 static void look(journey *j, const char *broken)
@@ -44,18 +70,19 @@ static void move(journey *j, const tc_camera *c, int64_t budget)
 {
     static tc_rect wanted[TC_MAX_CHARTS][TC_MAX_LEVELS];
     tc_surface *s = j->surface;
-    s->wanted(s, c, wanted);
-    for (int chart = 0; chart < s->charts; chart++) {
-        j->samples += tc_clipmap_update(s->clipmap[chart], wanted[chart], budget, true, 0);
-        const char *broken = regions_broken(s->clipmap[chart]);
+    look_at(j, c);
+    s->wanted(j->view, wanted);
+    for (int chart = 0; chart < j->windows.charts; chart++) {
+        j->samples += tc_clipmap_update(j->windows.clipmap[chart], wanted[chart], budget, true, 0);
+        const char *broken = regions_broken(j->windows.clipmap[chart]);
         look(j, broken);
         if (j->updates % CHECKED == CHECKED - 1)
-            look(j, heights_broken(s->clipmap[chart]));
+            look(j, heights_broken(j->windows.clipmap[chart]));
     }
     j->updates++;
     double z;
     if (j->updates % CHECKED == 0)
-        j->not_finite += !s->drawn_height(s, c, &(tc_frame_options){0}, c->x, c->y, &z) || !isfinite(z);
+        j->not_finite += !s->height(j->view, c->x, c->y, &z) || !isfinite(z);
 }
 
 static void row(const char *name, const journey *j)
@@ -74,7 +101,7 @@ static tc_camera camera_at(double longitude, double latitude, double z)
 
 static void antipodes(const tc_map *atlas, int64_t budget, const char *name)
 {
-    journey j = {.surface = surface_of(atlas)};
+    journey j = journey_start(atlas);
     test_random r = {11};
     for (int k = 0; k < 1500; k++) {
         double x = test_random_range(&r, -M_PI, M_PI), y = asin(test_random_range(&r, -1, 1)), z = 6000;
@@ -85,14 +112,14 @@ static void antipodes(const tc_map *atlas, int64_t budget, const char *name)
         move(&j, &there, budget);
     }
     row(name, &j);
-    j.surface->destroy(j.surface);
+    journey_end(&j);
 }
 
 /* A great circle, `step` metres at a time, from the point where it is farthest north. */
 static void great_circle(const tc_map *atlas, double north, double step, double z, int updates, const char *name)
 {
-    journey j = {.surface = surface_of(atlas)};
-    int64_t n = tc_clipmap_n(j.surface->clipmap[0]);
+    journey j = journey_start(atlas);
+    int64_t n = j.surface->n;
     for (int k = 0; k < updates; k++) {
         double t = fmod(k * (step / RADIUS), 2 * M_PI), s = sin(t), c = cos(t);
         double p[3] = {c * cos(north), s, c * sin(north)};
@@ -100,13 +127,13 @@ static void great_circle(const tc_map *atlas, double north, double step, double 
         move(&j, &at, n * n);
     }
     row(name, &j);
-    j.surface->destroy(j.surface);
+    journey_end(&j);
 }
 
 static void over_a_pole(const tc_map *atlas)
 {
-    journey j = {.surface = surface_of(atlas)};
-    int64_t n = tc_clipmap_n(j.surface->clipmap[0]);
+    journey j = journey_start(atlas);
+    int64_t n = j.surface->n;
     test_random r = {12};
     for (int k = 0; k < 25000;
          k++) { /* from one side to the other, on another meridian each time, often exactly on it */
@@ -118,55 +145,51 @@ static void over_a_pole(const tc_map *atlas)
         move(&j, &c, k % 5 ? n * n : test_random_int(&r, n, n * n));
     }
     row("over the poles and exactly on them", &j);
-    j.surface->destroy(j.surface);
+    journey_end(&j);
 }
 
 static void antimeridian(const tc_map *atlas)
 {
-    journey j = {.surface = surface_of(atlas)};
-    int64_t n = tc_clipmap_n(j.surface->clipmap[0]);
+    journey j = journey_start(atlas);
+    int64_t n = j.surface->n;
     for (int k = 0; k < 25000; k++) {
         double off = pow(10, -1 - k % 12), side = k & 1 ? 1 : -1;
         tc_camera c = camera_at(side * (M_PI - (k % 7 ? off : 0)), 0.9 * sin(0.001 * k), 6000 + 100 * (k % 50));
         move(&j, &c, n * n);
     }
     row("across the antimeridian with every step", &j);
-    j.surface->destroy(j.surface);
+    journey_end(&j);
 }
 
 /* ---- Around and around ------------------------------------------------------------------------------------------- */
 
 /* What the viewer's column is on chart 0, and what is drawn around the viewer, of a surface that has been around and of
  * one that has not. */
-static void compare(const rings_surface *been, const tc_map *atlas, const tc_camera *c, double *columns_ret,
-                    double *metres_ret)
+static void compare(journey *been, const tc_map *atlas, const tc_camera *c, double *columns_ret, double *metres_ret)
 {
-    tc_surface *fresh = surface_of(atlas), *s = (tc_surface *)&been->head;
-    journey j = {.surface = fresh};
-    move(&j, c, -1);
-    rings_view a = tc_rings_view(been, c), b = tc_rings_view((rings_surface *)fresh, c);
-    *columns_ret = fmax(*columns_ret, fabs(remainder(a.place[0].x, WIDTH) - remainder(b.place[0].x, WIDTH)));
+    journey fresh = journey_start(atlas);
+    move(&fresh, c, -1);
+    const rings_view *a = look_at(been, c), *b = look_at(&fresh, c);
+    *columns_ret = fmax(*columns_ret, fabs(remainder(a->place[0].x, WIDTH) - remainder(b->place[0].x, WIDTH)));
     for (int k = 0; k < 200; k++) {
         double x = c->x + 0.01 * cos(k), y = fmax(-M_PI / 2, fmin(M_PI / 2, c->y + 0.01 * sin(k))), za, zb;
-        bool both = s->drawn_height(s, c, &(tc_frame_options){0}, x, y, &za) &&
-                    fresh->drawn_height(fresh, c, &(tc_frame_options){0}, x, y, &zb);
+        bool both = been->surface->height(been->view, x, y, &za) && fresh.surface->height(fresh.view, x, y, &zb);
         *metres_ret = fmax(*metres_ret, both ? fabs(za - zb) : INFINITY);
     }
-    fresh->destroy(fresh);
+    journey_end(&fresh);
 }
 
 static void thousand_turns(const tc_map *atlas, int direction)
 {
     enum { TURNS = 1000, STEPS = 24, MOST = 18 };
-    journey j = {.surface = surface_of(atlas)};
-    const rings_surface *s = (rings_surface *)j.surface;
+    journey j = journey_start(atlas);
     double columns = 0, metres = 0, farthest = 0;
     for (int k = 0; k <= TURNS * STEPS; k++) {
         tc_camera c = camera_at(remainder(direction * 2 * M_PI * (k + 0.123) / STEPS, 2 * M_PI), 0.3, 60000);
         move(&j, &c, -1);
-        farthest = fmax(farthest, fabs(tc_rings_view(s, &c).place[0].x) / WIDTH);
+        farthest = fmax(farthest, fabs(look_at(&j, &c)->place[0].x) / WIDTH);
         if (k % (TURNS * STEPS / 40 - 1) == 0)
-            compare(s, atlas, &c, &columns, &metres);
+            compare(&j, atlas, &c, &columns, &metres);
     }
     const char *way = direction > 0 ? "east" : "west";
     char name[80];
@@ -179,16 +202,16 @@ static void thousand_turns(const tc_map *atlas, int direction)
     snprintf(name, sizeof name, "1000 times around to the %s: heights", way);
     extreme_at_most(name, "drawn heights off those of a viewer who has not been around, metres", metres, 1e-6,
                     "200 in each of 41 places, in double");
-    j.surface->destroy(j.surface);
+    journey_end(&j);
 }
 
 /* One height of a window changed by a metre is found. */
 static void spoiled(const tc_map *atlas)
 {
-    journey j = {.surface = surface_of(atlas)};
+    journey j = journey_start(atlas);
     tc_camera c = camera_at(3.1, -0.4, 6000);
     move(&j, &c, -1);
-    const tc_clipmap *clipmap = j.surface->clipmap[0];
+    const tc_clipmap *clipmap = j.windows.clipmap[0];
     int level = tc_clipmap_levels(clipmap), n = tc_clipmap_n(clipmap);
     tc_rect r = tc_clipmap_level(clipmap, level)->clip;
     float *z = (float *)tc_ground_heights(clipmap, level)[((r.y0 + r.y1) / 2 & n) * (n + 1) + ((r.x0 + r.x1) / 2 & n)];
@@ -196,7 +219,7 @@ static void spoiled(const tc_map *atlas)
     *z += 1;
     extreme_at_most("a height of a window spoiled", "not found", !(sound && heights_broken(clipmap)), 0,
                     "%lld x %lld held", (long long)(r.x1 - r.x0), (long long)(r.y1 - r.y0));
-    j.surface->destroy(j.surface);
+    journey_end(&j);
 }
 
 static double flat_ground(void *context, double x, double y)

@@ -42,13 +42,14 @@ static tc_grid grid_of(int64_t width, int64_t height)
 /* Whether a viewer could be made; else the row says why it was refused. */
 static tc_status try_scene(const tc_field *p, int n, tc_error *error)
 {
-    tc_clipmap *clipmap = NULL;
+    tc_windows windows = {0};
     tc_surface *surface = NULL;
-    tc_status status = tc_ground_create(p, &(tc_ground_options){.n = n}, &clipmap, error);
-    if (!status)
-        status = tc_square_create(clipmap, &surface, error);
-    if (!status)
-        surface->destroy(surface);
+    tc_status status = tc_square_create(p, &(tc_ground_options){.n = n}, &surface, error);
+    if (status)
+        return status;
+    status = surface->make_windows(surface, &windows, error);
+    tc_windows_destroy(&windows);
+    surface->destroy(surface);
     return status;
 }
 
@@ -82,7 +83,7 @@ static void draw(const char *name, const tc_field *p, int n, double highest)
     }
     extreme_at_most(name, "cracks, pixels", extreme_of(f.terrain, (double)f.cracks), 0,
                     "%lld pixels of terrain in %d views, %d levels", (long long)f.terrain, f.views,
-                    tc_clipmap_levels(s.surface->clipmap[0]));
+                    tc_clipmap_levels(s.clipmap));
     extreme_at_most(name, "vertices off, pixels", extreme_of(f.vertices, f.vertex_px), 0.02, "of %lld",
                     (long long)f.vertices);
     extreme_at_most(name, "depth off the surface, pixels", extreme_of(f.depths, f.depth_px), 0.5, "of %lld pixels",

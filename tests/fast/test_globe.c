@@ -2,6 +2,7 @@
 #include "tests/support/test.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/view/flight.h"
@@ -86,8 +87,16 @@ static void whole_views(void **state)
 static int64_t drawn(tc_surface *s, const tc_camera *camera, const tc_camera *culled)
 {
     tc_frame_options options = {.cull_camera = culled};
+    tc_windows windows;
     tc_frame frame;
-    s->frame(s, camera, &options, &(tc_layers){0}, &frame); /* nothing is held; for counting that is all one */
+    tc_view *view = tc_view_allocate(s);
+    assert_true(view && tc_frame_allocate(s, &frame));
+    assert_int_equal(s->make_windows(s, &windows, NULL), TC_OK);
+    s->look(s, &windows, camera, &options, true, view);
+    s->draws(view, &(tc_layers){0}, &frame); /* nothing is held; for counting that is all one */
+    tc_windows_destroy(&windows);
+    tc_frame_free(&frame);
+    free(view);
     return frame.triangles;
 }
 

@@ -43,8 +43,9 @@ static void look(walk *w, const double *alpha_step, bool no_morph, double *drawn
 {
     tc_frame_options options = {.no_morph = no_morph};
     tc_level finest = tc_field_level(w->field, tc_field_info(w->field)->levels);
+    square_viewer viewer = tc_square_viewer(w->clipmap, &w->camera, true);
     for (int k = 0; k < POINTS; k++) {
-        assert_true(tc_square_drawn_height(w->clipmap, &w->camera, &options, w->x[k], w->y[k], &drawn[k]));
+        assert_true(tc_square_height(w->clipmap, &viewer, &options, w->x[k], w->y[k], &drawn[k]));
         slack[k] = 0;
         for (int l = tc_clipmap_levels(w->clipmap); l >= 1 && slack[k] == 0; l--)
             slack[k] =
@@ -55,7 +56,8 @@ static void look(walk *w, const double *alpha_step, bool no_morph, double *drawn
 static void settle(walk *w)
 {
     tc_rect wanted[TC_MAX_LEVELS];
-    tc_square_wanted(w->clipmap, &w->camera, wanted);
+    square_viewer viewer = tc_square_viewer(w->clipmap, &w->camera, true);
+    tc_square_wanted(w->clipmap, &viewer, wanted);
     tc_clipmap_update(w->clipmap, wanted, -1, true, 0);
     assert_true(tc_clipmap_resident(w->clipmap));
 }

@@ -91,18 +91,19 @@ static void rings_are_as_fine_as_the_frame_calls_for(void **state)
 static void steps_follow_from_the_frame(void **state)
 {
     (void)state;
-    for (int n = 64; n <= 2048; n += 32) {
-        int m = tc_rings_steps(n);
-        assert_true(m >= 4 && m <= 64 && m % 2 == 0 && (m + 1) * (n + 64) <= 65535);
-        assert_true(fabs(m - n / (4 * M_PI)) <= 1 || (m + 3) * (n + 64) > 65535 || m == 64);
+    for (int n = 64; n <= 4096; n += 32) {
+        int m = tc_rings_steps(n), most = n <= 1024 ? 64 : 128;
+        assert_true(m >= 4 && m <= most && m % 2 == 0 && (n > 1024 || (m + 1) * (n + 64) <= 65535));
+        assert_true(fabs(m - n / (4 * M_PI)) <= 1 || (n <= 1024 && (m + 3) * (n + 64) > 65535) || m == most);
     }
     assert_int_equal(tc_rings_steps(512), 40);
     static const struct {
         int width;
         double fov;
         int n_phi;
-    } frame[] = {{160, 90, 512}, {640, 90, 512}, {640, 60, 512}, {1280, 75, 512}, {1920, 75, 1024}, {3840, 40, 1024}};
-    for (int i = 0; i < 6; i++) {
+    } frame[] = {{160, 90, 512},   {640, 90, 512},   {640, 60, 512},  {1280, 75, 512},
+                 {1920, 75, 1024}, {3840, 75, 2048}, {3840, 40, 4096}};
+    for (int i = 0; i < 7; i++) {
         tc_camera c = {.fov = frame[i].fov * M_PI / 180, .width = frame[i].width, .height = 480};
         assert_int_equal(tc_rings_n_phi_for(&c), frame[i].n_phi);
     }

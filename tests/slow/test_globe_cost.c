@@ -178,10 +178,9 @@ static void flat_map_and_globe_agree(void **state)
                    j = j0 + d * sin(a), z0, z1;
             float z[16];
             int64_t x = (int64_t)floor(i), y = (int64_t)floor(j);
-            assert_true(flat.surface->drawn_height(flat.surface, &f, &options.frame, i * size.spacing_x,
-                                                   j * size.spacing_y, &z0));
-            assert_true(round.surface->drawn_height(round.surface, &g, &options.frame, chart->x0 + i * chart->dx,
-                                                    chart->y0 + j * chart->dy, &z1));
+            assert_true(scene_height(&flat, &f, &options.frame, i * size.spacing_x, j * size.spacing_y, &z0));
+            assert_true(
+                scene_height(&round, &g, &options.frame, chart->x0 + i * chart->dx, chart->y0 + j * chart->dy, &z1));
             assert_int_equal(tc_field_read(chart->field, m, (tc_rect){x - 1, y - 1, x + 3, y + 3}, z, NULL, 4), TC_OK);
             /* What the mesh, of triangles up to a cell or so wide, can make of the samples around. */
             double bend = 0;

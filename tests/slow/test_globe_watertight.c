@@ -57,15 +57,13 @@ typedef struct totals {
     int64_t terrain_pixels, sure_pixels; /* sure: surely terrain */
 } totals;
 
-static void (*sound_frame)(tc_surface *, const tc_camera *, const tc_frame_options *, const tc_layers *, tc_frame *);
+static void (*sound_draws)(const tc_view *, const tc_layers *, tc_frame *);
 
-static void frame_without_a_draw(tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
-                                 const tc_layers *layers, tc_frame *frame)
+static void all_draws_but_one(const tc_view *view, const tc_layers *layers, tc_frame *frame)
 {
-    sound_frame(surface, camera, options, layers, frame);
-    tc_draw *draws = ((rings_surface *)surface)->draws;
+    sound_draws(view, layers, frame);
     if (frame->strip_draws > 0)
-        draws[frame->strip_draws / 2].count = 0;
+        frame->draws[frame->strip_draws / 2].count = 0;
 }
 
 static void break_surface(rings_surface *s, fault f)
@@ -73,11 +71,11 @@ static void break_surface(rings_surface *s, fault f)
     rings_geometry *g = &s->geometry;
     float(*v)[4] = s->head.geometry.vertices;
     if (f == DRAW_MISSING) {
-        sound_frame = s->head.frame;
-        s->head.frame = frame_without_a_draw;
+        sound_draws = s->head.draws;
+        s->head.draws = all_draws_but_one;
     }
     for (int k = 0; f == TRIANGLE_MISSING && k < g->sectors; k++)
-        s->head.geometry.indices[g->ring_first[k] + 4] = TC_RESTART;
+        tc_set_index(&s->head.geometry, g->ring_first[k] + 4, tc_restart(&s->head.geometry));
     for (int r = 0; f == MERIDIAN_OPEN && r <= g->levels * g->m; r++)
         v[r * g->stride + g->n_phi][1] -= 0.02f * v[r * g->stride + g->n_phi][0];
     for (int i = 0; f == DISC_SMALL && i < g->levels; i++)
@@ -89,7 +87,7 @@ static void break_surface(rings_surface *s, fault f)
 static void look(scene *s, const tc_camera *c, bool lagging, fault f, int view, totals *t)
 {
     double z;
-    if (s->surface->drawn_height(s->surface, c, &(tc_frame_options){0}, c->x, c->y, &z) && z >= c->z) {
+    if (scene_height(s, c, NULL, c->x, c->y, &z) && z >= c->z) {
         t->below_surface++; /* a level that lags may stand higher than the eye */
         t->too_low += !lagging;
         return;

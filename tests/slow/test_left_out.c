@@ -196,11 +196,12 @@ static extent extent_of(const char *name)
     e.draws = r.draws;
     e.layers = gl_record_texture(&r, GL_RG32F)->depth;
     assert_int_equal(gl_record_texture(&r, GL_RGBA8_SNORM)->depth, e.layers);
-    for (int chart = 0; chart < s.surface->charts; chart++) {
+    const tc_windows *windows = tc_renderer_used(s.renderer).windows;
+    for (int chart = 0; chart < windows->charts; chart++) {
         e.charts += tc_renderer_used(s.renderer).textures->layers.held[chart] > 0;
-        e.of += tc_clipmap_levels(s.surface->clipmap[chart]);
-        for (int level = 2; level <= tc_clipmap_levels(s.surface->clipmap[chart]); level++) {
-            tc_rect clip = tc_clipmap_level(s.surface->clipmap[chart], level)->clip;
+        e.of += tc_clipmap_levels(windows->clipmap[chart]);
+        for (int level = 2; level <= tc_clipmap_levels(windows->clipmap[chart]); level++) {
+            tc_rect clip = tc_clipmap_level(windows->clipmap[chart], level)->clip;
             e.updated += clip.x1 > clip.x0;
         }
     }

@@ -263,7 +263,7 @@ static void items_add_up(void **state)
         assert_true(m.field == tc_field_tell(own).bytes);
         assert_true(m.imagery == 0);
         const tc_geometry *g = &s.surface->geometry;
-        size_t mesh = 4 * (size_t)g->vertex_count + 2 * (size_t)g->index_count;
+        size_t mesh = 4 * (size_t)g->vertex_count + (size_t)g->index_bytes * (size_t)g->index_count;
         printf("memory: geometry: %zu vertices and indices, %zu with the draws\n", mesh, m.geometry);
         assert_true(m.geometry >= mesh && m.geometry < mesh + (1 << 18));
         /* What our code holds is in the items, but for lists of draws and of changes, which no terrain makes longer. */

@@ -198,7 +198,7 @@ static void drawn_depth_is_the_surface(void **state)
             if (depth[i] == 0)
                 continue;
             tc_view_unproject(&c, s.surface->near_plane, 0, i % WIDTH + 0.5, i / WIDTH + 0.5, depth[i], p);
-            if (!s.surface->drawn_height(s.surface, &c, &options.frame, p[0], p[1], &z))
+            if (!scene_height(&s, &c, &options.frame, p[0], p[1], &z))
                 continue; /* a pixel on the very rim */
             double d = sqrt(pow(p[0] - c.x, 2) + pow(p[1] - c.y, 2) + pow(p[2] - c.z, 2));
             worst = fmax(worst, fabs(p[2] - z) / d * WIDTH / (2 * tan(c.fov / 2)));

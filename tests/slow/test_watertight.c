@@ -44,8 +44,7 @@ static void run(const tc_context *context, const tc_field *p, int n, int views, 
         }
         scene_draw(&s, &camera, !lagging);
         double z;
-        if (watertight_over(p, &camera) &&
-            s.surface->drawn_height(s.surface, &camera, &options.frame, camera.x, camera.y, &z) &&
+        if (watertight_over(p, &camera) && scene_height(&s, &camera, &options.frame, camera.x, camera.y, &z) &&
             z >=
                 camera.z) { /* a level that lags may stand higher than the eye: it looks up at the surface from below */
             t->below_surface++;

@@ -14,16 +14,9 @@
 
 drawn drawn_create(const tc_context *context, scene *s)
 {
-    char defines[100];
-    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n",
-             tc_clipmap_n(s->surface->clipmap[0]));
-    const char *parts[8] = {"frame.glsl"};
-    int count = 1;
-    for (const char *const *p = s->surface->vertex_parts; *p && count < 6; p++)
-        parts[count++] = *p;
-    parts[count] = "renderer.vert";
     const tc_gl *gl = tc_context_gl(context);
-    return (drawn){gl, s, feedback_program(gl, defines, parts, "", (const char *[]){"gl_Position", NULL})};
+    const char *const varyings[] = {"gl_Position", NULL};
+    return (drawn){gl, s, feedback_program(gl, s->surface, "", "renderer.vert", "", varyings)};
 }
 
 void drawn_destroy(drawn *d)
@@ -47,9 +40,10 @@ static bool surface_near(scene *s, const tc_camera *camera, const tc_frame_optio
                          double away)
 {
     double lo = INFINITY, hi = -INFINITY, z;
+    const tc_view *view = scene_look(s, camera, options);
     for (int k = 0; k < 9; k++) {
         double turn = M_PI / 4 * k, out = k < 8 ? away : 0;
-        if (!s->surface->drawn_height(s->surface, camera, options, p[0] + out * cos(turn), p[1] + out * sin(turn), &z))
+        if (!s->surface->height(view, p[0] + out * cos(turn), p[1] + out * sin(turn), &z))
             return true; /* on the very rim */
         lo = fmin(lo, z - away), hi = fmax(hi, z + away);
     }
@@ -70,7 +64,7 @@ void drawn_depths(scene *s, const tc_camera *camera, const tc_frame_options *opt
         }
         double x = (double)(i % camera->width) + 0.5, y = (double)(i / camera->width) + 0.5;
         tc_view_unproject(camera, s->surface->near_plane, 0, x, y, depth[i], p);
-        if (!s->surface->drawn_height(s->surface, camera, options, p[0], p[1], &z))
+        if (!scene_height(s, camera, options, p[0], p[1], &z))
             continue; /* on the very rim */
         double d = hypot(hypot(p[0] - camera->x, p[1] - camera->y), p[2] - camera->z);
         while (off < MOST_PIXELS && !surface_near(s, camera, options, p, off * d / scale))
@@ -89,21 +83,18 @@ static void count_number(double value, drawn_figures *f)
     f->not_finite += !isfinite(value);
 }
 
-/* Of the uniform block (frame.glsl) what is a number; some are integers in a float's place. */
+/* Of the uniform block (frame.glsl) what is a number. */
 static void look_at_uniforms(const drawn *d, drawn_figures *f)
 {
-    enum { MATRIX = 16, LAYERS = MATRIX + TC_SURFACE_UNIFORMS, WINDOWS = LAYERS + TC_MAX_LAYERS * TC_LAYER_UNIFORMS };
+    enum { MATRIX = 16, LAYERS = MATRIX + 4 * TC_SURFACE_VECTORS };
+    enum { WINDOWS = LAYERS + TC_MAX_LAYERS * TC_LAYER_VECTORS * 4 };
     enum { EYE = WINDOWS + 4 * TC_MAX_LAYERS, ALL = EYE + 4 * 9 };
     static float value[ALL];
     GLint buffer;
     d->gl->GetIntegerv(GL_UNIFORM_BUFFER_BINDING, &buffer);
     d->gl->GetNamedBufferSubData((GLuint)buffer, 0, sizeof value, value);
-    for (int i = 0; i < ALL; i++) {
-        bool surface = i >= MATRIX && i < LAYERS, layer = i >= LAYERS && i < WINDOWS;
-        if ((surface && i >= MATRIX + 4) || (layer && (i - LAYERS) % TC_LAYER_UNIFORMS >= 10))
-            continue; /* where the terrain ends; the level's shift */
+    for (int i = 0; i < ALL; i++)
         count_number(value[i], f);
-    }
 }
 
 static void look_at_heights(const tc_clipmap *clipmap, drawn_figures *f)
@@ -183,22 +174,22 @@ static double off_by(const tc_camera *camera, double near_plane, const long doub
 void drawn_vertices(drawn *d, const tc_camera *camera, const tc_frame_options *options, drawn_figures *figures)
 {
     scene *s = d->scene;
-    const tc_clipmap *clipmap = s->surface->clipmap[0];
+    const tc_clipmap *clipmap = s->clipmap;
     look_at_uniforms(d, figures);
     look_at_heights(clipmap, figures);
     tc_frame frame;
-    s->surface->frame(s->surface, camera, options, &tc_renderer_used(s->renderer).textures->layers, &frame);
-    if (!frame.strip_draws)
-        return;
-    square_viewer viewer = tc_square_viewer(clipmap, camera);
+    if (!tc_frame_allocate(s->surface, &frame))
+        exit(99);
+    s->surface->draws(scene_look(s, camera, options), &tc_renderer_used(s->renderer).textures->layers, &frame);
+    square_viewer viewer = tc_square_viewer(clipmap, camera, true);
     int count = s->surface->geometry.vertex_count, side = (int)lrint(sqrt(count)) - 1;
     float(*clip)[4] = get((size_t)count * sizeof *clip);
     GLint vao;
     GLuint instances;
     d->gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &vao);
     d->gl->CreateBuffers(1, &instances);
-    d->gl->NamedBufferStorage(instances, (GLsizeiptr)((size_t)frame.strip_draws * sizeof(tc_instance)), frame.instances,
-                              0);
+    d->gl->NamedBufferStorage(instances, (GLsizeiptr)((size_t)(frame.strip_draws + 1) * sizeof(tc_instance)),
+                              frame.instances, 0);
     for (int n = 0; n < frame.strip_draws; n++) {
         block b = block_of(clipmap, &viewer, &frame.draws[n], &frame.instances[n], side);
         square_morph morph = tc_square_morph(clipmap, b.level, &viewer, options);
@@ -220,6 +211,7 @@ void drawn_vertices(drawn *d, const tc_camera *camera, const tc_frame_options *o
             }
     }
     d->gl->DeleteBuffers(1, &instances);
+    tc_frame_free(&frame);
     free(clip);
 }
 

@@ -27,7 +27,7 @@ void drawn_destroy(drawn *d);
 /* Draws the view once all of it is there, and adds what it finds. */
 void drawn_look(drawn *d, const tc_camera *camera, const tc_scene_options *options, drawn_figures *figures);
 
-/* The parts of it. Depths: every `step`th pixel's unprojected depth against drawn_height(): how many pixels away from
+/* The parts of it. Depths: every `step`th pixel's unprojected depth against height(): how many pixels away from
  * the pixel's middle the surface is as near as that at last, in steps of half as much again from 0.01 on. */
 void drawn_depths(scene *s, const tc_camera *camera, const tc_frame_options *options, int step, drawn_figures *figures);
 /* Vertices of the last frame's strips, by transform feedback, and all uniforms and heights that it was drawn with. */

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "common/gl/program.h"
+#include "common/render/scene_programs.h"
 
 static void complain(const char *log)
 {
@@ -12,14 +13,19 @@ static void complain(const char *log)
     exit(99);
 }
 
-GLuint feedback_program(const tc_gl *gl, const char *defines, const char *const *parts, const char *own,
-                        const char *const *varyings)
+GLuint feedback_program(const tc_gl *gl, const tc_surface *surface, const char *scene, const char *last,
+                        const char *own, const char *const *varyings)
 {
-    const char *text[16] = {"#version 450 core\n", defines};
-    int texts = 2, captured = 0;
-    for (; *parts && texts < 15; parts++)
-        if (!(text[texts++] = tc_shader_text(NULL, *parts)))
-            complain(*parts);
+    char defines[TC_FRAME_DEFINES], mask[100];
+    tc_scene_frame_defines(defines);
+    snprintf(mask, sizeof mask, "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n", surface->n);
+    const char *text[16] = {"#version 450 core\n", defines, mask, scene, tc_shader_text(NULL, "frame.glsl")};
+    int texts = 5, captured = 0;
+    for (const char *const *part = surface->vertex_parts; *part && texts < 14; part++)
+        if (!(text[texts++] = tc_shader_text(surface->texts, *part)))
+            complain(*part);
+    if (last)
+        text[texts++] = tc_shader_text(NULL, last);
     text[texts++] = own;
     char log[1024] = "";
     GLint done = GL_FALSE;

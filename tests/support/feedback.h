@@ -5,11 +5,13 @@
 #include <stddef.h>
 
 #include "common/gl/gl.h"
+#include "common/render/surface.h"
 
-/* A program of a vertex stage alone: the shader files `parts` (NULL-terminated) and then the text `own`; `varyings`,
- * NULL-terminated, are captured one after the other. Ends the program with the compiler's complaint on failure. */
-GLuint feedback_program(const tc_gl *gl, const char *defines, const char *const *parts, const char *own,
-                        const char *const *varyings);
+/* A program of a surface's vertex stage alone: its parts, the file `last` where not NULL, and then the text `own`;
+ * `varyings`, NULL-terminated, are captured one after the other. Ends the program with the compiler's complaint on
+ * failure. */
+GLuint feedback_program(const tc_gl *gl, const tc_surface *surface, const char *scene, const char *last,
+                        const char *own, const char *const *varyings);
 
 /* Runs it over vertices first .. first + count - 1 of what is bound, each `floats` floats in out. */
 void feedback_run(const tc_gl *gl, GLuint program, int first, int count, int floats, float *out);

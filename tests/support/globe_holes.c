@@ -79,8 +79,9 @@ static bool ray_within(const rings_surface *s, const tc_camera *c, const double 
 
 /* Whether the ray passes from above to below the drawn surface by more than a quarter of a pixel. From far away a
  * fraction of the way is many of a small planet's radii: a thousandth of what the ray has in front of it at most. */
-static bool ray_crosses(const rings_surface *s, const tc_camera *c, const double d[3])
+static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *c, const double d[3])
 {
+    const tc_view *view = scene_look(scene_, c, NULL);
     double radius = s->map->body.radius, margin = 0.25 / tc_camera_pixel_scale(c), from, to;
     if (!ray_within(s, c, d, &from, &to))
         return false;
@@ -88,7 +89,7 @@ static bool ray_crosses(const rings_surface *s, const tc_camera *c, const double
     for (double t = from; t < to && !(above && below); t += fmin(0.002 * t, 1e-3 * (to - from))) {
         double p[3], from_eye[3] = {t * d[0], t * d[1], t * d[2]}, z;
         tc_view_globe_place(c, radius, from_eye, p);
-        if (!s->head.drawn_height((tc_surface *)&s->head, c, &(tc_frame_options){0}, p[0], p[1], &z))
+        if (!s->head.height(view, p[0], p[1], &z))
             continue;
         above = above || p[2] > z + margin * t;
         below = below || p[2] < z - margin * t;
@@ -110,7 +111,7 @@ globe_holes globe_holes_of(scene *s, const tc_camera *c, int64_t most_suspects)
             h.holes += sure && open;
             if (open && !sure && terrain_above(rgb, c, x, y)) {
                 h.suspects++;
-                h.cracks += h.suspects <= most_suspects && ray_crosses(rings, c, d);
+                h.cracks += h.suspects <= most_suspects && ray_crosses(s, rings, c, d);
             }
         }
     free(rgb);

@@ -216,11 +216,10 @@ scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *
         must(tc_rings_create(atlas, &rings, &surface, &error), &error);
     } else {
         const tc_ground_options clip = {.n = N, .normals = needs->light, .holes = needs->holes};
-        tc_clipmap *clipmap;
-        must(tc_ground_create(field, &clip, &clipmap, &error), &error);
-        must(tc_square_create(clipmap, &surface, &error), &error);
+        must(tc_square_create(field, &clip, &surface, &error), &error);
     }
-    scene made = {.field = field, .clipmap = surface->clipmap[0], .surface = surface};
+    scene made = {.field = field, .surface = surface};
     must(tc_renderer_create(gl, surface, options, &made.renderer, &error), &error);
+    made.clipmap = tc_renderer_used(made.renderer).windows->clipmap[0];
     return made;
 }

@@ -141,9 +141,10 @@ tc_surface *planet_rings(const tc_map *atlas, const tc_rings_options *rings, con
 scene planet_scene_of(const tc_context *context, const tc_map *atlas, tc_surface *surface,
                       const tc_scene_options *options)
 {
-    scene s = {.field = atlas->chart[0].field, .clipmap = surface->clipmap[0], .surface = surface};
+    scene s = {.field = atlas->chart[0].field, .surface = surface};
     tc_error error;
     must(tc_renderer_create(tc_context_gl(context), surface, options, &s.renderer, &error), &error);
+    s.clipmap = tc_renderer_used(s.renderer).windows->clipmap[0];
     return s;
 }
 

@@ -32,17 +32,11 @@ static const char captured_main[] =
 rings_capture rings_capture_create(globe_scene *globe)
 {
     rings_capture c = {.globe = globe};
-    char defines[200];
-    snprintf(defines, sizeof defines, "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n#define SPHERE\n",
-             tc_clipmap_n(globe->surface->clipmap[0]));
-    const char *parts[8] = {"frame.glsl"};
-    int count = 1;
-    for (const char *const *p = globe->surface->vertex_parts; *p && count < 6; p++)
-        parts[count++] = *p;
-    c.program = feedback_program(globe->gl, defines, parts, captured_main,
+    const tc_surface *surface = globe->surface;
+    c.program = feedback_program(globe->gl, surface, "#define SPHERE\n", NULL, captured_main,
                                  (const char *[]){"gl_Position", "c_position", "c_map", NULL});
-    parts[count] = "renderer.vert";
-    c.plain = feedback_program(globe->gl, defines, parts, "", (const char *[]){"gl_Position", NULL});
+    c.plain = feedback_program(globe->gl, surface, "#define SPHERE\n", "renderer.vert", "",
+                               (const char *[]){"gl_Position", NULL});
     size_t vertices = (size_t)globe->surface->geometry.vertex_count;
     c.vertices = calloc(vertices, sizeof *c.vertices);
     c.positions = calloc(vertices, sizeof *c.positions);
@@ -56,6 +50,17 @@ void rings_capture_destroy(rings_capture *c)
     free(c->vertices);
     free(c->positions);
     *c = (rings_capture){0};
+}
+
+/* What the camera sees of the windows as they stand. */
+static rings_view view_of(rings_capture *c, const tc_camera *camera)
+{
+    scene s = {.surface = c->globe->surface, .renderer = c->globe->renderer};
+    rings_view view = *(const rings_view *)scene_look(&s, camera, NULL);
+    for (int chart = 0; chart < view.head.windows->charts; chart++)
+        c->place[chart][0] = view.place[chart].x, c->place[chart][1] = view.place[chart].y;
+    free(s.view);
+    return view;
 }
 
 static double worse(double a, double b)
@@ -74,14 +79,16 @@ static double texel_error(const rings_capture *capture, const captured_vertex *v
 {
     const rings_surface *s = (const rings_surface *)capture->globe->surface;
     const tc_layers *layers = &tc_renderer_used(capture->globe->renderer).textures->layers;
-    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_clipmap *clipmap = tc_renderer_used(capture->globe->renderer).windows->clipmap[chart];
     const tc_chart *c = &s->map->chart[chart];
     int first = tc_first_layer(layers, chart), layer = (int)v->map[chart][2];
     if (layer < 0)
         return 0;
     int shift = tc_clipmap_level(clipmap, layer - first + 1)->shift;
     double torus = 2.0 * (tc_clipmap_n(clipmap) + 1), least = INFINITY;
-    const float *cell = &s->layer_uniforms[layer][4];
+    double cell[2] = {rint(ldexp(capture->place[chart][0], -shift)), rint(ldexp(capture->place[chart][1], -shift))};
+    for (int a = 0; a < 2; a++)
+        cell[a] = (double)((int64_t)cell[a] & ((int64_t)torus - 1));
     double dx = (double)(v->map[chart][0] - ldexpl(o->x[chart], -shift)) + cell[0];
     double dy = (double)(v->map[chart][1] - ldexpl(o->y[chart], -shift)) + cell[1];
     for (int turn = -1; turn <= 1; turn++) /* where it wraps, half a turn from the viewer is on both sides */
@@ -99,7 +106,7 @@ static void add_error(const rings_capture *capture, const tc_camera *camera, con
     for (int i = 0; i < 3; i++)
         d = hypot(d, (double)(v->position[i] - o->position[i]));
     e->over_radius = worse(e->over_radius, d / s->map->body.radius);
-    for (int chart = 0; chart < s->head.charts; chart++)
+    for (int chart = 0; chart < s->map->charts; chart++)
         if (o->weight[chart] > 1e-6L)
             e->texels = worse(e->texels, texel_error(capture, v, o, chart));
     long double pixel[2];
@@ -134,7 +141,7 @@ static void compare(const rings_capture *capture, const rings_view *view, const 
         return;
     }
     double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
-    height = tc_rings_height(s, view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
+    height = tc_rings_height(view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
     e->differ += !(fabs((double)(height - o.height)) <= 1e-12 * s->map->body.radius);
     add_error(capture, camera, v, &o, e);
 }
@@ -144,7 +151,7 @@ void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, 
     const rings_surface *s = (const rings_surface *)c->globe->surface;
     const rings_geometry *g = &s->geometry;
     globe_scene_frame(c->globe, camera, false);
-    rings_view view = tc_rings_view(s, camera);
+    rings_view view = view_of(c, camera);
     int first = tc_rings_level_base(g, view.first), rows = (view.finest - view.first + 1) * g->m + 1;
     int floats = sizeof *c->vertices / sizeof(float);
     feedback_run(c->globe->gl, c->program, first, rows * g->stride, floats, (float *)c->vertices);
@@ -170,7 +177,7 @@ int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, i
     const rings_surface *s = (const rings_surface *)c->globe->surface;
     const rings_geometry *g = &s->geometry;
     globe_scene_frame(c->globe, camera, false);
-    rings_view view = tc_rings_view(s, camera);
+    rings_view view = view_of(c, camera);
     int count = 0, from = view.finest - 4, rows = 5 * g->m;
     feedback_run(c->globe->gl, c->program, tc_rings_level_base(g, from), rows * g->stride,
                  sizeof *c->vertices / sizeof(float), (float *)c->vertices);
@@ -209,7 +216,7 @@ int64_t rings_capture_not_finite(rings_capture *c, const tc_camera *camera)
     const rings_surface *s = (const rings_surface *)c->globe->surface;
     const rings_geometry *g = &s->geometry;
     globe_scene_frame(c->globe, camera, false);
-    rings_view view = tc_rings_view(s, camera);
+    rings_view view = view_of(c, camera);
     int rows = (view.finest - view.first + 1) * g->m + 1;
     return not_finite(c, tc_rings_level_base(g, view.first), rows * g->stride) +
            not_finite(c, tc_rings_fill_base(g, view.finest), g->fill * g->stride + 1);

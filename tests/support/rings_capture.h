@@ -19,6 +19,7 @@ typedef struct rings_capture {
     GLuint program, plain; /* the latter without additions: gl_Position alone */
     captured_vertex *vertices;
     float (*positions)[4];
+    double place[TC_MAX_CHARTS][2]; /* of the viewer looked at last, finest samples */
 } rings_capture;
 
 rings_capture rings_capture_create(globe_scene *globe);

@@ -6,9 +6,9 @@
 static const long double pi = 3.14159265358979323846264338327950288L;
 
 /* Height on a chart at a place in finest samples, by the rules of find_layer() in shaders/rings.glsl. */
-static long double chart_height(const rings_surface *s, int chart, long double x, long double y, long double shift)
+static long double chart_height(const rings_view *view, int chart, long double x, long double y, long double shift)
 {
-    const tc_clipmap *clipmap = s->head.clipmap[chart];
+    const tc_clipmap *clipmap = tc_rings_clipmap(view, chart);
     int levels = tc_clipmap_levels(clipmap), finest = tc_clipmap_level(clipmap, levels)->shift;
     int k = (int)floorl(shift);
     k = k < finest ? finest : k >= finest + levels ? finest + levels - 1 : k;
@@ -34,7 +34,7 @@ static long double chart_height(const rings_surface *s, int chart, long double x
         }
         return z;
     }
-    return s->outside;
+    return tc_rings_of(view)->outside;
 }
 
 oracle_vertex rings_oracle(const rings_surface *s, const rings_view *view, const tc_camera *camera, long double theta,
@@ -46,12 +46,12 @@ oracle_vertex rings_oracle(const rings_surface *s, const rings_view *view, const
     long double p[3] = {up * cp * cl + south * sp * cl - east * sl, up * cp * sl + south * sp * sl + east * cl,
                         up * sp - south * cp};
     long double lo = sinl(TC_CAP_BLEND_START * pi / 180), hi = sinl(TC_CAP_BLEND_END * pi / 180);
-    if (s->head.charts == TC_MAX_CHARTS)
+    if (s->map->charts == TC_MAX_CHARTS)
         for (int cap = 1; cap <= 2; cap++)
             r.weight[cap] = fminl(fmaxl(((cap == 1 ? p[2] : -p[2]) - lo) / (hi - lo), 0), 1);
     r.weight[0] = 1 - r.weight[1] - r.weight[2];
     long double shift = fmaxl(s->shift_base + 1 - w, 0);
-    for (int chart = 0; chart < s->head.charts; chart++) {
+    for (int chart = 0; chart < s->map->charts; chart++) {
         const tc_chart *c = &s->map->chart[chart];
         if (r.weight[chart] <= 0)
             continue;
@@ -64,7 +64,7 @@ oracle_vertex rings_oracle(const rings_surface *s, const rings_view *view, const
             long double period = 2 * pi / c->dx;
             r.x[chart] += period * rintl((view->place[chart].x - r.x[chart]) / period);
         }
-        r.height += r.weight[chart] * chart_height(s, chart, r.x[chart], r.y[chart], shift);
+        r.height += r.weight[chart] * chart_height(view, chart, r.x[chart], r.y[chart], shift);
     }
     long double radius = s->map->body.radius + r.height;
     r.position[0] = radius * east;

@@ -55,9 +55,9 @@ scene scene_create(const tc_context *context, const tc_field *field, int n, cons
     tc_error error;
     const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(field));
     tc_ground_options clip = {.n = n, .normals = needs.light, .holes = needs.holes};
-    must(tc_ground_create(field, &clip, &s.clipmap, &error), &error);
-    must(tc_square_create(s.clipmap, &s.surface, &error), &error);
+    must(tc_square_create(field, &clip, &s.surface, &error), &error);
     must(tc_renderer_create(tc_context_gl(context), s.surface, options, &s.renderer, &error), &error);
+    s.clipmap = tc_renderer_used(s.renderer).windows->clipmap[0];
     return s;
 }
 
@@ -66,6 +66,21 @@ void scene_destroy(scene *s)
     tc_renderer_destroy(s->renderer);
     if (s->surface)
         s->surface->destroy(s->surface);
+    free(s->view);
+}
+
+const tc_view *scene_look(scene *s, const tc_camera *camera, const tc_frame_options *options)
+{
+    const tc_windows *windows = tc_renderer_used(s->renderer).windows;
+    if (!s->view && !(s->view = tc_view_allocate(s->surface)))
+        exit(99);
+    s->surface->look(s->surface, windows, camera, options ? options : &(tc_frame_options){0}, true, s->view);
+    return s->view;
+}
+
+bool scene_height(scene *s, const tc_camera *camera, const tc_frame_options *options, double x, double y, double *z_ret)
+{
+    return s->surface->height(scene_look(s, camera, options), x, y, z_ret);
 }
 
 tc_frame_stats scene_draw(scene *s, const tc_camera *camera, bool resident)

@@ -10,6 +10,7 @@ typedef struct scene {
     tc_clipmap *clipmap;
     tc_surface *surface;
     tc_renderer *renderer;
+    tc_view *view; /* of scene_look() */
 } scene;
 
 /* An offscreen context (OSMesa where there is one: the reference); NULL, with the reason printed, where none can be
@@ -22,6 +23,11 @@ tc_context *scene_context_fastest(void);
 /* Ends the program with the error on failure. n: 0 for the default. */
 scene scene_create(const tc_context *context, const tc_field *field, int n, const tc_scene_options *options);
 void scene_destroy(scene *s);
+
+/* What a camera sees of the scene's windows as they stand; valid until the next call. And the height drawn in it. */
+const tc_view *scene_look(scene *s, const tc_camera *camera, const tc_frame_options *options);
+bool scene_height(scene *s, const tc_camera *camera, const tc_frame_options *options, double x, double y,
+                  double *z_ret);
 
 /* Draws the view; resident: frames until everything it needs is there, else one frame. */
 tc_frame_stats scene_draw(scene *s, const tc_camera *camera, bool resident);

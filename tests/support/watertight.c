@@ -122,10 +122,11 @@ static bool ray_crosses(scene *s, const tc_camera *camera, const tc_frame_option
     if (!ray_within(s->field, camera, d, &from, &to))
         return false;
     bool above = false, below = false;
+    const tc_view *view = scene_look(s, camera, options);
     for (double t = fmax(from, fmin(0.01, 3e-4 * step)); t < to && !(above && below);
          t += fmin(1e-3 * (to - from), fmax(0.002 * t, fmin(0.1 * step, 0.1 * t)))) {
         double p[3] = {camera->x + t * d[0], camera->y + t * d[1], camera->z + t * d[2]}, z;
-        if (!s->surface->drawn_height(s->surface, camera, options, p[0], p[1], &z))
+        if (!s->surface->height(view, p[0], p[1], &z))
             continue;
         above = above || p[2] - z > margin * t;
         below = below || z - p[2] > margin * t;
