@@ -73,8 +73,8 @@ void main()
     c = mix(c, dot(c, vec3(0.4, 0.5, 0.1)) * 2.2 * hues[int(surface_level()) % 6], 0.7);
 #endif
 #ifdef HAZE
-    // A share d^2 / (1 + d^2) of optical depth d.
-    float r2 = surface_haze();
+    // A share d^2 / (1 + d^2) of optical depth d, which has no end where a sample's depth is extrapolated to 0.
+    float r2 = min(surface_haze(), 1e30);
 #ifdef LIT
 #ifdef SPHERE
     vec3 air = haze.rgb * day;

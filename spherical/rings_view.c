@@ -265,6 +265,30 @@ static void widen(double *lo, double *hi, double a, double b)
     *hi = fmax(*hi, b);
 }
 
+/* Range of the coarsest level, which is held as a whole. Few samples are looked at one by one: tiles, which ranges are
+ * kept for, are as large as continents there, and what is in them far away would count as near. */
+static tc_range coarsest_range(const tc_clipmap *clipmap, tc_rect r)
+{
+    enum { FEW = 1024 };
+    const tc_clip_level *l = tc_clipmap_level(clipmap, 1);
+    const tc_field *field = tc_clipmap_field(clipmap);
+    const int field_level = tc_clipmap_field_level(clipmap, 1);
+    const int64_t mask = tc_clipmap_n(clipmap), width = tc_field_level(field, field_level).width;
+    const float(*heights)[2] = tc_ground_heights(clipmap, 1);
+    if (tc_rect_area(r) > FEW)
+        return tc_field_range(field, field_level, r);
+    tc_range all = {INFINITY, -INFINITY, 0};
+    for (int64_t j = tc_max64(r.y0, l->clip.y0); j < tc_min64(r.y1, l->clip.y1); j++)
+        for (int64_t i = r.x0; i < r.x1; i++) {
+            int64_t x = i - (l->wraps ? tc_turn(i - l->clip.x0, width) : 0);
+            if (x < l->clip.x0 || x >= l->clip.x1)
+                continue;
+            float z = heights[(j & mask) * (mask + 1) + (x & mask)][0];
+            all.lo = fminf(all.lo, z), all.hi = fmaxf(all.hi, z);
+        }
+    return all;
+}
+
 /* Range of a chart's heights within `angle` of the foot point, on all levels that may be drawn there. */
 static rings_range chart_range(const rings_view *v, int chart, double angle)
 {
@@ -281,7 +305,8 @@ static rings_range chart_range(const rings_view *v, int chart, double angle)
         double x = v->place[chart].x, y = v->place[chart].y;
         tc_rect r = {(int64_t)floor(ldexp(x + e.x0, -shift)) - 1, (int64_t)floor(ldexp(y + e.y0, -shift)) - 1,
                      (int64_t)ceil(ldexp(x + e.x1, -shift)) + 2, (int64_t)ceil(ldexp(y + e.y1, -shift)) + 2};
-        tc_range there = tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
+        tc_range there =
+            level == 1 ? coarsest_range(clipmap, r) : tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
         widen(&range.lo, &range.hi, there.lo, there.hi);
     }
     return range;
@@ -338,30 +363,46 @@ void tc_rings_bounds(const rings_view *v, int i, double *lo_ret, double *hi_ret)
 
 /* ---- Levels ----------------------------------------------------------------------------------------------------- */
 
-/* Equation 6: the angle from which on all that is no higher than `high` is hidden by ground of `low`, and the mesh's
- * chords below it, on all of the way. */
-static double horizon_of(const rings_view *v, double low, double high)
+/* Angle at which a sphere of ground so high, or the mesh's chords below it, is seen edge-on from a place so high. */
+static double edge_on(const rings_view *v, double ground, double place)
 {
     const rings_geometry *g = &tc_rings_of(v)->geometry;
     double sag = cos(fmax(M_PI / g->n_phi, M_PI / (8 * g->m)));
-    double hides = fmax((v->radius + low) * sag, 0), top = v->radius + high, eye = v->radius + v->z_eye;
-    return acos(fmin(1, hides / fmax(eye, hides))) + acos(fmin(1, hides / fmax(top, hides)));
+    double low = fmax((v->radius + ground) * sag, 0), high = v->radius + place;
+    return acos(fmin(1, low / fmax(high, low)));
 }
 
-/* With the planet's lowest and highest ground first. What lies within that horizon is hidden by, and is, no other
- * ground than that within it: so its own bounds give a nearer one, within which the same holds. */
+/* Heights of all charts within an angle. */
+static void range_within(const rings_view *v, double angle, double *lo_ret, double *hi_ret)
+{
+    *lo_ret = INFINITY, *hi_ret = -INFINITY;
+    for (int chart = 0; chart < v->head.windows->charts; chart++) {
+        rings_range r = chart_range(v, chart, angle);
+        widen(lo_ret, hi_ret, r.lo, r.hi);
+    }
+    settle(v, lo_ret, hi_ret);
+}
+
+/* Equation 6. What hides is the ground up to where the line of sight touches it: the planet's lowest would hide what is
+ * beyond it, so none but that within the angle does, which is higher and is touched nearer, and so on. What may rise
+ * above it is likewise first the planet's highest ground, and then the highest within the horizon that follows. */
 static void set_horizon(rings_view *v)
 {
-    enum { TIMES = 3 };
-    v->horizon = horizon_of(v, tc_rings_of(v)->z_lo, tc_rings_of(v)->z_hi);
-    for (int k = 0; k < TIMES && v->horizon <= LOCAL; k++) {
-        double lo = INFINITY, hi = -INFINITY;
-        for (int chart = 0; chart < v->head.windows->charts; chart++) {
-            rings_range r = chart_range(v, chart, v->horizon);
-            widen(&lo, &hi, r.lo, r.hi);
-        }
-        settle(v, &lo, &hi);
-        v->horizon = fmin(v->horizon, horizon_of(v, lo, hi));
+    enum { TIMES = 4 };
+    double low = tc_rings_of(v)->z_lo, high = tc_rings_of(v)->z_hi, lo, hi;
+    for (int k = 0; k < TIMES; k++) {
+        range_within(v, edge_on(v, low, v->z_eye), &lo, &hi);
+        if (!(lo > low))
+            break;
+        low = lo;
+    }
+    v->horizon = edge_on(v, low, v->z_eye) + edge_on(v, low, high);
+    for (int k = 0; k < TIMES; k++) {
+        range_within(v, v->horizon, &lo, &hi);
+        if (!(hi < high))
+            break;
+        high = hi;
+        v->horizon = edge_on(v, low, v->z_eye) + edge_on(v, low, high);
     }
 }
 
