@@ -69,6 +69,29 @@ tc_status tc_gl_allocated(const tc_gl *gl, const char *what, tc_error *error)
     return tc_fail(error, TC_ERR_CONTEXT, "%s: the driver does not take them (0x%x)", what, wrong);
 }
 
+static bool has_extension(const tc_gl *gl, const char *name)
+{
+    GLint count = 0;
+    gl->GetIntegerv(GL_NUM_EXTENSIONS, &count);
+    for (GLint i = 0; i < count; i++) {
+        const char *found = (const char *)gl->GetStringi(GL_EXTENSIONS, (GLuint)i);
+        if (found && strcmp(found, name) == 0)
+            return true;
+    }
+    return false;
+}
+
+int64_t tc_gl_free_memory(const tc_gl *gl)
+{
+    enum { CURRENT_AVAILABLE_VIDMEM_NVX = 0x9049, TEXTURE_FREE_MEMORY_ATI = 0x87FC };
+    GLint kibibytes[4] = {0}; /* of AMD's four numbers the first is what all pools together have free */
+    if (has_extension(gl, "GL_NVX_gpu_memory_info"))
+        gl->GetIntegerv(CURRENT_AVAILABLE_VIDMEM_NVX, kibibytes);
+    else if (has_extension(gl, "GL_ATI_meminfo"))
+        gl->GetIntegerv(TEXTURE_FREE_MEMORY_ATI, kibibytes);
+    return (int64_t)kibibytes[0] * 1024;
+}
+
 bool tc_gl_software(const char *renderer)
 {
     return strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe") || strstr(renderer, "swrast");

@@ -134,6 +134,34 @@ static void *fake_get_proc(const char *name)
     return pointer;
 }
 
+/* Stand-ins for drivers that tell how much memory is free, or do not. */
+static const char *fake_extension;
+static void fake_memory(GLenum name, GLint *values)
+{
+    if (name == GL_NUM_EXTENSIONS)
+        *values = 2;
+    else if (name == 0x9049)
+        *values = 3 << 20; /* 3 GiB */
+    else if (name == 0x87FC)
+        values[0] = 2 << 20, values[1] = 1, values[2] = 4 << 20, values[3] = 1;
+}
+static const GLubyte *fake_extension_of(GLenum name, GLuint i)
+{
+    return (const GLubyte *)(name == GL_EXTENSIONS && i == 1 ? fake_extension : "GL_ARB_debug_output");
+}
+
+static void free_memory_is_what_the_driver_tells(void **state)
+{
+    (void)state;
+    const tc_gl gl = {.GetIntegerv = fake_memory, .GetStringi = fake_extension_of};
+    fake_extension = "GL_NVX_gpu_memory_info";
+    assert_true(tc_gl_free_memory(&gl) == INT64_C(3) << 30);
+    fake_extension = "GL_ATI_meminfo";
+    assert_true(tc_gl_free_memory(&gl) == INT64_C(2) << 30);
+    fake_extension = "GL_ATI_meminfo_of_another_kind";
+    assert_true(tc_gl_free_memory(&gl) == 0);
+}
+
 static void *no_get_proc(const char *name)
 {
     (void)name;
@@ -178,6 +206,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(egl_gives_4_5_and_reads_back),    cmocka_unit_test(osmesa_gives_4_5_and_reads_back),
         cmocka_unit_test(auto_takes_the_first_that_works), cmocka_unit_test(window_is_not_offscreen),
+        cmocka_unit_test(free_memory_is_what_the_driver_tells),
         cmocka_unit_test(load_says_what_it_found),         cmocka_unit_test(program_names_a_missing_file),
     };
     return cmocka_run_group_tests_name("context", tests, NULL, NULL);
