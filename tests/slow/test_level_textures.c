@@ -209,7 +209,7 @@ static void what_is_not_there_yet_is_drawn_coarser(void **state)
     assert_int_equal(tc_renderer_create(tc_context_gl(context), s.surface, &options, &second, NULL), TC_OK);
     int frames = 0, different = 0;
     for (; !stats.resident; frames++) {
-        assert_true(frames < 100);
+        assert_true(frames < 20 * N); /* some levels, whose windows fill by N samples a frame */
         assert_int_equal(tc_renderer_frame(second, &camera, false, &stats, NULL), TC_OK);
         assert_true(stats.bytes_uploaded <= 2 * 24 * (N + 3) * (N + 3));
         tc_renderer_read(second, late, NULL);
