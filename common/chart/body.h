@@ -21,6 +21,10 @@ struct tc_body_class {
     /* A place in space, and the direction of its height, of length 1. */
     void (*position)(const tc_body *body, const double place[3], double p_ret[3]);
     void (*normal)(const tc_body *body, const double place[3], double n_ret[3]);
+    /* The place of a position; false where none can be told, deep inside. */
+    bool (*place)(const tc_body *body, const double p[3], double place_ret[3]);
+    /* East, north and up there, each of length 1. */
+    void (*axes)(const tc_body *body, const double place[3], double axes_ret[3][3]);
     /* The place so many metres east, north and up, along the axes at `from`. place_ret may be from. */
     void (*beside)(const tc_body *body, const double from[3], const double way[3], double place_ret[3]);
     /* TC_ERR_FORMAT for heights, metres above the body, that leave it no surface. */

@@ -18,6 +18,19 @@ static void normal(const tc_body *body, const double place[3], double n_ret[3])
     n_ret[0] = n_ret[1] = 0, n_ret[2] = 1;
 }
 
+static bool place_of(const tc_body *body, const double p[3], double place_ret[3])
+{
+    position(body, p, place_ret);
+    return true;
+}
+
+static void axes(const tc_body *body, const double place[3], double axes_ret[3][3])
+{
+    static const double own[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    (void)body, (void)place;
+    memcpy(axes_ret, own, sizeof own);
+}
+
 static void beside(const tc_body *body, const double from[3], const double way[3], double place_ret[3])
 {
     (void)body;
@@ -31,8 +44,13 @@ static tc_status check_relief(const tc_body *body, const char *name, double z_mi
     return TC_OK;
 }
 
-const tc_body_class tc_plane_body = {
-    .name = "plane", .position = position, .normal = normal, .beside = beside, .check_relief = check_relief};
+const tc_body_class tc_plane_body = {.name = "plane",
+                                     .position = position,
+                                     .normal = normal,
+                                     .place = place_of,
+                                     .axes = axes,
+                                     .beside = beside,
+                                     .check_relief = check_relief};
 
 /* ---- The chart --------------------------------------------------------------------------------------------------- */
 

@@ -1,6 +1,7 @@
 /* sphere.c - the sphere as a body. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "body.h"
 #include "common/base/status.h"
@@ -18,6 +19,21 @@ static void position(const tc_body *body, const double place[3], double p_ret[3]
     normal(body, place, p_ret);
     for (int i = 0; i < 3; i++)
         p_ret[i] *= body->radius + place[2];
+}
+
+static bool place_of(const tc_body *body, const double p[3], double place_ret[3])
+{
+    double across = hypot(p[0], p[1]), away = hypot(across, p[2]);
+    place_ret[0] = atan2(p[1], p[0]), place_ret[1] = atan2(p[2], across), place_ret[2] = away - body->radius;
+    return away > 0.5 * body->radius;
+}
+
+static void axes(const tc_body *body, const double place[3], double axes_ret[3][3])
+{
+    (void)body;
+    double cl = cos(place[0]), sl = sin(place[0]), cp = cos(place[1]), sp = sin(place[1]);
+    const double own[3][3] = {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
+    memcpy(axes_ret, own, sizeof own);
 }
 
 static void beside(const tc_body *body, const double from[3], const double way[3], double place_ret[3])
@@ -48,6 +64,8 @@ static void describe(const tc_body *body, char *text, size_t size)
 const tc_body_class tc_sphere_body = {.name = "sphere",
                                       .position = position,
                                       .normal = normal,
+                                      .place = place_of,
+                                      .axes = axes,
                                       .beside = beside,
                                       .check_relief = check_relief,
                                       .solid = true,

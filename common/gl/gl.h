@@ -28,8 +28,8 @@ void tc_gl_forget_errors(const tc_gl *gl);
 tc_status tc_gl_allocated(const tc_gl *gl, const char *what, tc_error *error);
 
 /* Bytes of its own memory that a GPU has free at the moment, where its driver tells (GL_NVX_gpu_memory_info,
- * GL_ATI_meminfo); else 0. Such drivers seldom say that there is none left: they begin to use the machine's instead, and
- * frames take many times as long. */
+ * GL_ATI_meminfo); else 0. Such drivers seldom say that there is none left: they begin to use the machine's instead,
+ * and frames take many times as long. */
 int64_t tc_gl_free_memory(const tc_gl *gl);
 
 /* Fills in the table and checks that the current context is OpenGL 4.5 or newer. */

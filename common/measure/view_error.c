@@ -29,13 +29,10 @@ void tc_view_ray(const tc_camera *camera, double x, double y, double ray_ret[3])
         ray_ret[i] /= l;
 }
 
-void tc_view_globe_place(const tc_camera *camera, double radius, const double from_eye[3], double position_ret[3])
+void tc_view_place(const tc_camera *camera, const tc_body *body, const double from_eye[3], double position_ret[3])
 {
-    double s = sin(camera->y), c = cos(camera->y), up = radius + camera->z + from_eye[2];
-    double p[3] = {c * up - s * from_eye[1], from_eye[0], s * up + c * from_eye[1]}; /* of the eye's meridian */
-    position_ret[0] = camera->x + atan2(p[1], p[0]);
-    position_ret[1] = atan2(p[2], hypot(p[0], p[1]));
-    position_ret[2] = length(p) - radius;
+    const double eye[3] = {camera->x, camera->y, camera->z};
+    body->class->beside(body, eye, from_eye, position_ret);
 }
 
 /* Relative to the eye. */
@@ -46,26 +43,15 @@ static void seen(const tc_camera *camera, double near_plane, double x, double y,
         p[i] *= near_plane / (double)depth;
 }
 
-static void place(const tc_camera *camera, double radius, const double from_eye[3], double position[3])
-{
-    if (radius > 0) {
-        tc_view_globe_place(camera, radius, from_eye, position);
-        return;
-    }
-    position[0] = camera->x + from_eye[0];
-    position[1] = camera->y + from_eye[1];
-    position[2] = camera->z + from_eye[2];
-}
-
-void tc_view_unproject(const tc_camera *camera, double near_plane, double radius, double x, double y, float depth,
+void tc_view_unproject(const tc_camera *camera, double near_plane, const tc_body *body, double x, double y, float depth,
                        double position_ret[3])
 {
     double from_eye[3];
     seen(camera, near_plane, x, y, depth, from_eye);
-    place(camera, radius, from_eye, position_ret);
+    tc_view_place(camera, body, from_eye, position_ret);
 }
 
-tc_status tc_view_error_add(const tc_camera *camera, double near_plane, double radius, const float *depth,
+tc_status tc_view_error_add(const tc_camera *camera, double near_plane, const tc_body *body, const float *depth,
                             const tc_truth *truth, tc_error_stats *stats)
 {
     double scale = tc_camera_pixel_scale(camera);
@@ -76,7 +62,7 @@ tc_status tc_view_error_add(const tc_camera *camera, double near_plane, double r
             if (d <= 0)
                 continue;
             seen(camera, near_plane, i + 0.5, j + 0.5, d, from_eye);
-            place(camera, radius, from_eye, p);
+            tc_view_place(camera, body, from_eye, p);
             tc_status status = truth->height(truth->context, p[0], p[1], &z);
             if (status)
                 return status;

@@ -76,8 +76,8 @@ tc_status tc_drawer_create(tc_map *map, const tc_draw_options *options, void *(*
         return tc_fail(error, TC_ERR_USAGE, "drawer: expected a map and a way to OpenGL's functions, found none");
     const tc_scheme *scheme = find_scheme(map, o->scheme);
     if (!scheme)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "drawer: expected a scheme for a %s, found %s",
-                       tc_map_radius(map) > 0 ? "planet" : "flat map", o->scheme ? o->scheme : "none");
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "drawer: expected a scheme for a %s, found %s", map->body.class->name,
+                       o->scheme ? o->scheme : "none");
     tc_drawer *d = calloc(1, sizeof *d);
     if (!d)
         return tc_fail(error, TC_ERR_MEMORY, "drawer: not enough memory");
@@ -161,8 +161,8 @@ tc_status tc_eye_draw(tc_eye *eye, const tc_target_place *target, const double v
     tc_sight sight;
     tc_status status = check_depth(target, error);
     if (status == TC_OK)
-        status = tc_sight_by(view, projection, target->depth, tc_map_radius(eye->drawer->map), target->width,
-                             target->height, &sight, error);
+        status = tc_sight_by(view, projection, target->depth, &eye->drawer->map->body, target->width, target->height,
+                             &sight, error);
     return status == TC_OK ? draw(eye, target, &sight, wait, stats_ret, error) : status;
 }
 

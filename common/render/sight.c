@@ -114,38 +114,26 @@ static tc_status check_projection(const double m[16], tc_depth depth, tc_error *
     return TC_OK;
 }
 
-/* From the body's axes to east, north and up at a place. */
-static void turn_to_place(double longitude, double latitude, double v[3])
-{
-    double cl = cos(longitude), sl = sin(longitude), cp = cos(latitude), sp = sin(latitude);
-    const double axes[3][3] = {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
-    const double turned[3] = {dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)};
-    memcpy(v, turned, sizeof turned);
-}
-
 /* Axes and place of the eye. */
-static tc_status set_eye(tc_sight *s, const double view[16], double radius, tc_error *error)
+static tc_status set_eye(tc_sight *s, const double view[16], const tc_body *body, tc_error *error)
 {
-    double eye[3];
-    for (int i = 0; i < 3; i++) {
-        s->axes.right[i] = at(view, 0, i);
-        s->axes.up[i] = at(view, 1, i);
-        s->axes.forward[i] = -at(view, 2, i);
+    double eye[3], place[3], axes[3][3];
+    for (int i = 0; i < 3; i++)
         eye[i] = -(at(view, 0, i) * at(view, 0, 3) + at(view, 1, i) * at(view, 1, 3) + at(view, 2, i) * at(view, 2, 3));
+    if (!body->class->place(body, eye, place))
+        return tc_fail(error, TC_ERR_USAGE,
+                       "view matrix: expected an eye above the ground, found it %g m from the centre of a body of %g m",
+                       sqrt(dot(eye, eye)), body->radius);
+    body->class->axes(body, place, axes);
+    for (int i = 0; i < 3; i++) {
+        const double row[3][3] = {{at(view, 0, 0), at(view, 0, 1), at(view, 0, 2)},
+                                  {at(view, 1, 0), at(view, 1, 1), at(view, 1, 2)},
+                                  {-at(view, 2, 0), -at(view, 2, 1), -at(view, 2, 2)}};
+        s->axes.right[i] = dot(axes[i], row[0]);
+        s->axes.up[i] = dot(axes[i], row[1]);
+        s->axes.forward[i] = dot(axes[i], row[2]);
     }
-    s->camera.x = eye[0], s->camera.y = eye[1], s->camera.z = eye[2];
-    if (radius > 0) {
-        double across = hypot(eye[0], eye[1]), away = hypot(across, eye[2]);
-        if (!(away > 0.5 * radius))
-            return tc_fail(error, TC_ERR_USAGE,
-                           "view matrix: expected an eye above the ground, found it %g m from the "
-                           "centre of a body of %g m",
-                           away, radius);
-        s->camera.x = atan2(eye[1], eye[0]), s->camera.y = atan2(eye[2], across), s->camera.z = away - radius;
-        turn_to_place(s->camera.x, s->camera.y, s->axes.right);
-        turn_to_place(s->camera.x, s->camera.y, s->axes.up);
-        turn_to_place(s->camera.x, s->camera.y, s->axes.forward);
-    }
+    s->camera.x = place[0], s->camera.y = place[1], s->camera.z = place[2];
     const double *f = s->axes.forward;
     s->camera.heading = atan2(f[0], f[1]);
     s->camera.pitch = atan2(f[2], hypot(f[0], f[1]));
@@ -172,15 +160,15 @@ static tc_camera camera_around(const tc_sight *s)
     return c;
 }
 
-tc_status tc_sight_by(const double view[16], const double projection[16], tc_depth depth, double radius, int width,
-                      int height, tc_sight *sight_ret, tc_error *error)
+tc_status tc_sight_by(const double view[16], const double projection[16], tc_depth depth, const tc_body *body,
+                      int width, int height, tc_sight *sight_ret, tc_error *error)
 {
     tc_sight s = {.camera = {.width = width, .height = height}};
     tc_status status = check_view(view, error);
     if (status == TC_OK)
         status = check_projection(projection, depth, error);
     if (status == TC_OK)
-        status = set_eye(&s, view, radius, error);
+        status = set_eye(&s, view, body, error);
     if (status != TC_OK)
         return status;
     double w = -at(projection, 3, 2), x = at(projection, 0, 0) / w, y = at(projection, 1, 1) / w;

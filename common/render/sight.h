@@ -2,6 +2,7 @@
 #ifndef TC_SIGHT_H
 #define TC_SIGHT_H
 
+#include "common/chart/body.h"
 #include "common/terraclip_draw.h"
 #include "common/view/camera.h"
 
@@ -20,11 +21,11 @@ typedef struct tc_sight {
 tc_sight tc_sight_through(const tc_camera *camera, tc_depth depth, double near_plane);
 
 /* By matrices, column-major as OpenGL has them, from the map's frame: on a plane its metres, of a body those from its
- * centre (x towards longitude and latitude 0, z north). radius: of that body, 0: a plane. width, height: pixels.
+ * centre (x towards longitude and latitude 0, z north). width, height: pixels.
  * TC_ERR_USAGE: numbers that are not finite, a view that is more than turning and moving, a projection that is
  * singular, no perspective, or of another depth. */
-tc_status tc_sight_by(const double view[16], const double projection[16], tc_depth depth, double radius, int width,
-                      int height, tc_sight *sight_ret, tc_error *error);
+tc_status tc_sight_by(const double view[16], const double projection[16], tc_depth depth, const tc_body *body,
+                      int width, int height, tc_sight *sight_ret, tc_error *error);
 
 /* TC_ERR_USAGE for a camera that nothing can be seen through. */
 tc_status tc_sight_check(const tc_camera *camera, tc_error *error);

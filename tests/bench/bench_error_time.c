@@ -65,7 +65,8 @@ static void draw_scene(void *context, bool finish)
 static void add_error(const measured *m, const tc_camera *c, double near_plane, float *depth, tc_error_stats *e)
 {
     const tc_truth truth = measured_truth(m);
-    if (tc_view_error_add(c, near_plane, measured_radius(m), depth, &truth, e))
+    const tc_body body = measured_body(m);
+    if (tc_view_error_add(c, near_plane, &body, depth, &truth, e))
         exit(1);
     free(depth);
 }

@@ -23,7 +23,7 @@ map              base field chart packed/file packed/read
 view             base map
 window           base field view
 content          base field window
-measure          base field map view window content
+measure          base field chart map view window content
 gl               base
 render           base field chart map view window content gl
 planar           base field chart map view window content render

@@ -204,10 +204,10 @@ static void program_names_a_missing_file(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(egl_gives_4_5_and_reads_back),    cmocka_unit_test(osmesa_gives_4_5_and_reads_back),
-        cmocka_unit_test(auto_takes_the_first_that_works), cmocka_unit_test(window_is_not_offscreen),
-        cmocka_unit_test(free_memory_is_what_the_driver_tells),
-        cmocka_unit_test(load_says_what_it_found),         cmocka_unit_test(program_names_a_missing_file),
+        cmocka_unit_test(egl_gives_4_5_and_reads_back),         cmocka_unit_test(osmesa_gives_4_5_and_reads_back),
+        cmocka_unit_test(auto_takes_the_first_that_works),      cmocka_unit_test(window_is_not_offscreen),
+        cmocka_unit_test(free_memory_is_what_the_driver_tells), cmocka_unit_test(load_says_what_it_found),
+        cmocka_unit_test(program_names_a_missing_file),
     };
     return cmocka_run_group_tests_name("context", tests, NULL, NULL);
 }

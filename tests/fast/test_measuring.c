@@ -103,8 +103,9 @@ static int differ(const float *a, const float *b, int count)
 static double error_of(const tc_camera *c, double near_plane, double radius, const float *depth, const tc_truth *truth)
 {
     tc_error_stats e;
+    const tc_body body = tc_body_of(radius);
     assert_int_equal(tc_error_stats_init(&e), TC_OK);
-    assert_int_equal(tc_view_error_add(c, near_plane, radius, depth, truth, &e), TC_OK);
+    assert_int_equal(tc_view_error_add(c, near_plane, &body, depth, truth, &e), TC_OK);
     assert_true(e.count > 1000);
     double p999 = tc_error_stats_percentile(&e, 0.999);
     tc_error_stats_free(&e);

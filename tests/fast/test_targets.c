@@ -151,6 +151,8 @@ static void perspective(const tc_camera *c, tc_depth depth, double near, double 
         m[10] = near / (far - near), m[14] = far * near / (far - near);
 }
 
+static const tc_body flat_body = {&tc_plane_body, 0}, large_body = {&tc_sphere_body, 1e7};
+
 /* The view matrix of a camera; over a planet in its body's axes. */
 static void look_from(const tc_camera *c, double radius, double m[16])
 {
@@ -182,12 +184,13 @@ static void look_from(const tc_camera *c, double radius, double m[16])
 
 static tc_sight sight_of(const tc_camera *c, tc_depth depth, double radius, double near, double far)
 {
+    const tc_body body = tc_body_of(radius);
     double view[16], projection[16];
     tc_sight sight;
     tc_error error;
     look_from(c, radius, view);
     perspective(c, depth, near, far, projection);
-    if (tc_sight_by(view, projection, depth, radius, c->width, c->height, &sight, &error) != TC_OK)
+    if (tc_sight_by(view, projection, depth, &body, c->width, c->height, &sight, &error) != TC_OK)
         fail_msg("%s", error.text);
     return sight;
 }
@@ -309,7 +312,7 @@ static void any_perspective_is_drawn(void **state)
         if (kind == 2) /* the right half, twice as wide */
             p[0] *= 2, p[8] = 1;
         tc_sight sight;
-        if (tc_sight_by(v, p, TC_DEPTH_CONVENTIONAL, 0, WIDTH, HEIGHT, &sight, &error) != TC_OK)
+        if (tc_sight_by(v, p, TC_DEPTH_CONVENTIONAL, &flat_body, WIDTH, HEIGHT, &sight, &error) != TC_OK)
             fail_msg("%s", error.text);
         host h = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
         do
@@ -449,14 +452,14 @@ static void nonsense_matrices_are_refused(void **state)
         tc_error error;
         memcpy(m[0], projection, sizeof m[0]), memcpy(m[1], view, sizeof m[1]);
         m[all[i].of_view][all[i].element] = all[i].value;
-        assert_refused(tc_sight_by(m[1], m[0], TC_DEPTH_CONVENTIONAL, 0, WIDTH, HEIGHT, &sight, &error), TC_ERR_USAGE,
-                       &error, all[i].word);
+        assert_refused(tc_sight_by(m[1], m[0], TC_DEPTH_CONVENTIONAL, &flat_body, WIDTH, HEIGHT, &sight, &error),
+                       TC_ERR_USAGE, &error, all[i].word);
     }
     tc_sight sight;
     tc_error error;
-    assert_refused(tc_sight_by(view, projection, TC_DEPTH_REVERSED, 0, WIDTH, HEIGHT, &sight, &error), TC_ERR_USAGE,
-                   &error, "falls");
-    assert_refused(tc_sight_by(view, projection, TC_DEPTH_CONVENTIONAL, 1e7, WIDTH, HEIGHT, &sight, &error),
+    assert_refused(tc_sight_by(view, projection, TC_DEPTH_REVERSED, &flat_body, WIDTH, HEIGHT, &sight, &error),
+                   TC_ERR_USAGE, &error, "falls");
+    assert_refused(tc_sight_by(view, projection, TC_DEPTH_CONVENTIONAL, &large_body, WIDTH, HEIGHT, &sight, &error),
                    TC_ERR_USAGE, &error, "eye");
 }
 

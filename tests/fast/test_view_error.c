@@ -28,11 +28,12 @@ static int tear_down(void **state)
 static double error_of(scene *s, const measured *m, const tc_camera *c)
 {
     const tc_truth truth = measured_truth(m);
+    const tc_body body = measured_body(m);
     tc_error_stats e;
     assert_int_equal(tc_error_stats_init(&e), TC_OK);
     scene_draw(s, c, true);
     float *depth = planet_depth(s, c);
-    assert_int_equal(tc_view_error_add(c, s->surface->near_plane, measured_radius(m), depth, &truth, &e), TC_OK);
+    assert_int_equal(tc_view_error_add(c, s->surface->near_plane, &body, depth, &truth, &e), TC_OK);
     double p999 = tc_error_stats_percentile(&e, 0.999);
     free(depth), tc_error_stats_free(&e);
     return p999;

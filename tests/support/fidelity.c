@@ -77,6 +77,7 @@ static void cast_row(void *context, int64_t y)
 {
     const casting *k = context;
     const tc_camera *camera = k->camera;
+    const tc_body body = measured_body(k->c->m);
     for (int x = 0; x < camera->width; x++) {
         size_t at = (size_t)y * (size_t)camera->width + (size_t)x;
         double d[3], s, place[3], rgb[3];
@@ -84,10 +85,7 @@ static void cast_row(void *context, int64_t y)
         if (!(k->c->flat ? ray_flat_hit(k->c->flat, camera, d, &s) : ray_globe_hit(k->c->globe, camera, d, &s)))
             continue;
         const double from_eye[3] = {s * d[0], s * d[1], s * d[2]};
-        if (k->c->globe)
-            tc_view_globe_place(camera, measured_radius(k->c->m), from_eye, place);
-        else
-            place[2] = camera->z + from_eye[2];
+        tc_view_place(camera, &body, from_eye, place);
         palette_colour(&k->c->palette, place[2] - k->c->z_base, rgb);
         k->p->distance[at] = s;
         for (int i = 0; i < 3; i++)

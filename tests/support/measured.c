@@ -135,9 +135,9 @@ tc_truth measured_truth(const measured *m)
     return m->round ? (tc_truth){planet_atlas_height, m->planet} : (tc_truth){flat_height, m->field};
 }
 
-double measured_radius(const measured *m)
+tc_body measured_body(const measured *m)
 {
-    return m->round ? m->planet->body.radius : 0;
+    return tc_body_of(m->round ? m->planet->body.radius : 0);
 }
 
 tc_camera measured_camera(const measured *m, int height, int place, int width, int height_px)

@@ -35,7 +35,7 @@ tc_camera measured_camera(const measured *m, int height, int place, int width, i
 
 /* The finest level of *m, which must outlive it. */
 tc_truth measured_truth(const measured *m);
-double measured_radius(const measured *m); /* 0: flat */
+tc_body measured_body(const measured *m);
 
 /* Unlit before a flat background, without a budget. n: of squares or around the rings; rings: NULL for a flat one. */
 scene measured_scene(const tc_context *context, const measured *m, int n, const tc_rings_options *rings,

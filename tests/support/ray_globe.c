@@ -132,7 +132,7 @@ static point at(const ray *r, double s)
 {
     point p = {.s = s};
     const double e[3] = {s * r->d[0], s * r->d[1], s * r->d[2]};
-    tc_view_globe_place(r->camera, r->g->radius, e, p.place);
+    tc_view_place(r->camera, &(tc_body){&tc_sphere_body, r->g->radius}, e, p.place);
     return p;
 }
 
@@ -175,7 +175,7 @@ static double bisect(const ray *r, double clear, double below)
 
 bool ray_globe_hit(const ray_globe *g, const tc_camera *camera, const double d[3], double *distance_ret)
 {
-    /* tc_view_globe_place() counts from the camera's height above a sphere: here that of heights 0. */
+    /* tc_view_place() counts from the camera's height above a sphere: here that of heights 0. */
     tc_camera eye = *camera;
     eye.z -= g->z_base;
     ray r = {g, &eye, d, g->radius + eye.z};
