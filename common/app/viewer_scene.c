@@ -48,10 +48,20 @@ static tc_status make(tc_viewer *v, tc_error *error)
     return status;
 }
 
+/* Whether the textures of all windows, which are as large as the windows, would leave a GPU that tells how much memory
+ * it has free less than a quarter of that. */
+static bool fills_the_gpu(const tc_viewer *v)
+{
+    int64_t free = tc_gl_free_memory(v->gl);
+    tc_memory_stats windows;
+    tc_renderer_memory(v->renderer, &windows);
+    return free > 0 && (int64_t)(windows.heights + windows.normals) > free / 4 * 3;
+}
+
 tc_status tc_viewer_make_surface(tc_viewer *v, tc_error *error)
 {
     tc_status status = make(v, error);
-    while (status == TC_ERR_MEMORY && halve(v))
+    while ((status == TC_ERR_MEMORY || (status == TC_OK && fills_the_gpu(v))) && halve(v))
         status = make(v, error);
     return status;
 }
