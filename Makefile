@@ -198,7 +198,7 @@ LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc al
 LDFLAGS_test_damage := $(LDFLAGS_test_memory)
 LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
 LDFLAGS_test_draw := $(LDFLAGS_test_memory)
-LDFLAGS_test_refused := $(LDFLAGS_test_memory)
+LDFLAGS_test_refused := $(LDFLAGS_test_memory) -Wl,--wrap=strdup
 
 # Replays the fuzzers' seeds through the fuzzers, whose checksums are all 0: no_crc stands before the library.
 SEEDS := $(call obj,tests/fuzz/no_crc tests/fuzz/fuzz_reader tests/fuzz/fuzz_tile)

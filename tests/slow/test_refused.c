@@ -1,5 +1,5 @@
-/* test_refused.c - windows where memory is refused at each point in turn: a clear error, nothing leaked, nothing held
- * that was not filled, and all as ever once there is memory again.
+/* test_refused.c - windows and packed terrains where memory is refused at each point in turn: a clear error, nothing
+ * leaked, nothing held that was not filled, and all as ever once there is memory again.
  *
  * The Makefile links this test with --wrap for the functions that allocate. */
 #include "tests/support/test.h"
@@ -8,18 +8,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/base/rect.h"
 #include "common/content/ground.h"
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
+#include "tests/support/refused.h"
 #include "tests/support/regions.h"
 #include "tests/support/stripes.h"
 
 /* ---- Refusing ---------------------------------------------------------------------------------------------------- */
 
-static long long live_bytes;
-static int calls, refused; /* the call that is refused, from 1 on; 0: none */
+static _Atomic long long live_bytes; /* a thread reads ahead */
+static _Atomic int calls, refused;   /* the call that is refused, from 1 on; 0: none */
 
 void *__real_malloc(size_t size);
 void *__real_calloc(size_t count, size_t size);
@@ -30,6 +32,7 @@ void *__wrap_malloc(size_t size);
 void *__wrap_calloc(size_t count, size_t size);
 void *__wrap_realloc(void *p, size_t size);
 void *__wrap_aligned_alloc(size_t alignment, size_t size);
+char *__wrap_strdup(const char *text);
 void __wrap_free(void *p);
 
 static bool refuses(void)
@@ -62,6 +65,11 @@ void *__wrap_realloc(void *p, size_t size)
     live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
     return given(__real_realloc(p, size));
 }
+char *__wrap_strdup(const char *text)
+{
+    char *copy = __wrap_malloc(strlen(text) + 1);
+    return copy ? memcpy(copy, text, strlen(text) + 1) : NULL;
+}
 void __wrap_free(void *p)
 {
     live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
@@ -70,7 +78,8 @@ void __wrap_free(void *p)
 
 static void refuse(int call)
 {
-    calls = 0, refused = call;
+    calls = 0;
+    refused = call;
 }
 
 /* Whether the call to be refused came. */
@@ -170,12 +179,126 @@ static void updating_from_a_file_of_residuals(void **state)
     updating(TC_CODEC_LH04);
 }
 
+/* ---- Packed terrains --------------------------------------------------------------------------------------------- */
+
+enum { SIDE = 500 };
+
+static const char *pack_one(bool wraps)
+{
+    const packing p = {.width = SIDE, .height = SIDE / 2, .voids = PACKING_LAKES, .error = 1, .wraps = wraps};
+    tc_pack_result result;
+    assert_int_equal(packing_write(&p, made_path("refused.tclip"), &result, NULL), TC_OK);
+    return made_path("refused.tclip");
+}
+
+/* Allocations of opening, each refused once. */
+static int refuse_opening(const char *path)
+{
+    for (int call = 1;; call++) {
+        tc_map *map = NULL;
+        tc_error error = {TC_OK, ""};
+        long long before = live_bytes;
+        refuse(call);
+        tc_status status = tc_map_open(path, NULL, &map, &error);
+        bool came = was_refused();
+        if (status == TC_OK)
+            tc_map_destroy(map);
+        else
+            assert_refused(status, TC_ERR_MEMORY, &error, "memory");
+        assert_true(live_bytes == before);
+        if (!came) {
+            assert_int_equal(status, TC_OK);
+            return call - 1;
+        }
+        assert_int_equal(status, TC_ERR_MEMORY);
+    }
+}
+
+static void opening(void **state)
+{
+    (void)state;
+    int flat = refuse_opening(pack_one(false)), planet = refuse_opening("tests/fast/old/v2-planet.tclip");
+    printf("opening packed maps: %d and %d allocations, each refused once\n", flat, planet);
+    assert_true(flat > 10 && planet > 2 * flat);
+}
+
+/* Reading and bounds: what is refused is not half held, and the next reading has the same bits. */
+static void reading(void **state)
+{
+    (void)state;
+    static float truth[SIDE * SIDE], z[SIDE * SIDE];
+    static uint8_t voids[SIDE * SIDE];
+    const char *path = pack_one(true);
+    tc_rect all = {0, 0, SIDE, SIDE / 2};
+    long long usual = 0;
+    int refusals = 0;
+    for (int call = 0;; call++) {
+        long long before = live_bytes;
+        tc_field *f;
+        assert_int_equal(tc_field_open(path, NULL, &f, NULL), TC_OK);
+        int l = tc_field_info(f)->levels;
+        refuse(call);
+        tc_status status = tc_field_read(f, l, all, call ? z : truth, voids, SIDE);
+        bool came = was_refused();
+        assert_true(status == TC_OK || (came && status == TC_ERR_MEMORY));
+        assert_int_equal(tc_field_read(f, l, all, z, voids, SIDE), TC_OK);
+        assert_memory_equal(z, truth, sizeof *z * SIDE * (SIDE / 2));
+        tc_range range = tc_field_range(f, l, all);
+        for (int k = 0; k < SIDE * (SIDE / 2); k++)
+            assert_true(z[k] >= range.lo && z[k] <= range.hi);
+        tc_field_stats told = tc_field_tell(f);
+        assert_true(told.unreadable == 0 && told.damaged == 0);
+        tc_field_destroy(f);
+        usual = call == 0 ? live_bytes - before : usual;
+        assert_true(live_bytes - before == usual);
+        if (call > 0 && !came)
+            break;
+        refusals += call > 0;
+    }
+    printf("reading a packed terrain: %d allocations, each refused once\n", refusals);
+    assert_true(refusals > 10);
+}
+
+/* The thread that reads ahead tries again, and what it was asked for comes. */
+static void reading_ahead(void **state)
+{
+    (void)state;
+    const char *path = pack_one(false);
+    tc_rect part = {100, 20, 400, 240};
+    long long usual = 0;
+    int refusals = 0;
+    for (int call = 0;; call++) {
+        long long before = live_bytes;
+        tc_field *f;
+        assert_int_equal(tc_field_open(path, NULL, &f, NULL), TC_OK);
+        int l = tc_field_info(f)->levels, polls = 0;
+        refuse(call);
+        while (tc_field_ready(f, l, part, TC_SOON) != TC_READY && polls++ < 5000)
+            usleep(1000);
+        assert_true(polls < 5000);
+        bool came = was_refused();
+        tc_field_stats told = tc_field_tell(f);
+        assert_true(told.unreadable == 0 && told.damaged == 0 && told.waits == 0);
+        tc_field_destroy(f);
+        usual = call == 0 ? live_bytes - before : usual;
+        assert_true(live_bytes - before == usual);
+        if (call > 0 && !came)
+            break;
+        refusals += call > 0;
+    }
+    printf("reading ahead: %d allocations, each refused once\n", refusals);
+    assert_true(refusals > 10);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(creating),
         cmocka_unit_test(updating_from_a_file),
         cmocka_unit_test(updating_from_a_file_of_residuals),
+        cmocka_unit_test(opening),
+        cmocka_unit_test(reading),
+        cmocka_unit_test(reading_ahead),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     made_folder_remove();

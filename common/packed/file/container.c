@@ -166,7 +166,8 @@ static unsigned get_choice(tc_byte_reader *r, unsigned count, bool *bad)
     return v < count ? v : 0;
 }
 
-static bool read_terrain(tc_pack_terrain *t, tc_byte_reader *r)
+/* TC_ERR_FORMAT, TC_ERR_MEMORY: so do all that read a part of the head and allocate. */
+static tc_status read_terrain(tc_pack_terrain *t, tc_byte_reader *r)
 {
     bool bad = false;
     t->width = (int64_t)tc_get(r, 8), t->height = (int64_t)tc_get(r, 8);
@@ -192,11 +193,11 @@ static bool read_terrain(tc_pack_terrain *t, tc_byte_reader *r)
     if (!bad && length > 0) {
         t->georef.crs_wkt = malloc(length + 1);
         if (!t->georef.crs_wkt)
-            return false;
+            return TC_ERR_MEMORY;
         memcpy(t->georef.crs_wkt, wkt, length);
         t->georef.crs_wkt[length] = 0;
     }
-    return !bad;
+    return bad ? TC_ERR_FORMAT : TC_OK;
 }
 
 static void write_record(const tc_level_record *l, tc_byte_writer *w)
@@ -215,7 +216,7 @@ static bool not_negative(double v)
     return isfinite(v) && v >= 0;
 }
 
-static bool read_record(tc_level_record *l, tc_byte_reader *r)
+static tc_status read_record(tc_level_record *l, tc_byte_reader *r)
 {
     bool bad = false;
     l->coder = (tc_coder)get_choice(r, TC_CODERS, &bad), l->mask = get_choice(r, 2, &bad);
@@ -230,10 +231,12 @@ static bool read_record(tc_level_record *l, tc_byte_reader *r)
     bad |= l->coder == TC_CODER_CORRECTIONS && (l->correction_step < 1 || l->correction_snap < 1);
     bad |= !not_negative(l->rms) || !not_negative(l->max_error) || !not_negative(l->residual_variance);
     bad |= l->lowest < -2 * TC_LIFTING_LIMIT || l->highest > 2 * TC_LIFTING_LIMIT;
-    if (bad || !(l->model = malloc(l->model_size + 1)))
-        return false;
+    if (bad)
+        return TC_ERR_FORMAT;
+    if (!(l->model = malloc(l->model_size + 1)))
+        return TC_ERR_MEMORY;
     memcpy(l->model, model, l->model_size);
-    return true;
+    return TC_OK;
 }
 
 static void write_planet(const tc_container *c, tc_byte_writer *w)
@@ -317,7 +320,7 @@ static bool check_heights(const tc_container *c)
            is_float(t->void_constant - t->z_base);
 }
 
-static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
+static tc_status read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
 {
     bool bad = false;
     c->info.bytes = (int64_t)tc_get(r, 8);
@@ -328,23 +331,24 @@ static bool read_head(tc_container *c, tc_byte_reader *r, bool *unknown_atlas)
     c->info.mode = (tc_pack_mode)get_choice(r, TC_PACK_LOSSLESS + 1, &bad);
     c->info.codec = (tc_pack_codec)get_choice(r, TC_CODEC_LH04 + 1, &bad);
     c->info.error = tc_get_f64(r);
-    if (bad || *unknown_atlas || !not_negative(c->info.error) || !read_terrain(&c->info.terrain, r))
-        return false;
+    if (bad || *unknown_atlas || !not_negative(c->info.error))
+        return TC_ERR_FORMAT;
+    tc_status status = read_terrain(&c->info.terrain, r);
+    if (status)
+        return status;
     c->z_unit = tc_get_f64(r), c->z_origin = tc_get_f64(r);
     c->z_min = tc_get_f64(r), c->z_max = tc_get_f64(r), c->info.mean = tc_get_f64(r), c->info.deviation = tc_get_f64(r);
     c->voids = (int64_t)tc_get(r, 8);
     const tc_pack_terrain *t = &c->info.terrain;
     if (r->failed || !check_heights(c) || c->voids < 0 || (double)c->voids >= (double)t->width * (double)t->height)
-        return false;
+        return TC_ERR_FORMAT;
     tc_container_set_levels(c);
-    if (!read_base(c, r))
-        return false;
-    for (int l = c->base; l < c->levels; l++)
-        if (!read_record(&c->record[l], r))
-            return false;
-    if (atlas == 1 && !read_planet(c, r))
-        return false;
-    return !r->failed && r->at == r->end;
+    status = read_base(c, r) ? TC_OK : TC_ERR_FORMAT;
+    for (int l = c->base; l < c->levels && !status; l++)
+        status = read_record(&c->record[l], r);
+    if (!status && ((atlas == 1 && !read_planet(c, r)) || r->failed || r->at != r->end))
+        status = TC_ERR_FORMAT;
+    return status;
 }
 
 static tc_status read_container(const char *subject, const uint8_t *bytes, size_t size, bool placed,
@@ -366,13 +370,16 @@ static tc_status read_container(const char *subject, const uint8_t *bytes, size_
     size_t head = *head_size_ret;
     tc_container c = {0};
     tc_byte_reader reader = {bytes + TC_HEAD_FIXED, bytes + head, false};
-    bool unknown_atlas = false, good = read_head(&c, &reader, &unknown_atlas);
-    if (good && version_of(&c) == (int)version && (placed || check_layout(&c, head))) {
+    bool unknown_atlas = false;
+    status = read_head(&c, &reader, &unknown_atlas);
+    if (!status && version_of(&c) == (int)version && (placed || check_layout(&c, head))) {
         c.info.version = (int)version;
         *c_ret = c;
         return TC_OK;
     }
     tc_container_free(&c);
+    if (status == TC_ERR_MEMORY)
+        return tc_fail(error, status, "%s: not enough memory", subject);
     if (unknown_atlas)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected the atlas flat or lonlat, found another one", subject);
     return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head contradicts itself", subject);

@@ -66,13 +66,18 @@ static void drop_oldest(tc_prefetch *p)
         drop(p, oldest);
 }
 
-/* False when the time is over. */
-static bool wait_a_while(tc_prefetch *p)
+static struct timespec a_while(void)
 {
     struct timespec until;
     clock_gettime(CLOCK_MONOTONIC, &until);
     until.tv_nsec += PATIENCE_MS * 1000000L;
     until.tv_sec += until.tv_nsec / 1000000000L, until.tv_nsec %= 1000000000L;
+    return until;
+}
+
+/* False when the time is over. */
+static bool wait_until(tc_prefetch *p, struct timespec until)
+{
     return pthread_cond_timedwait(&p->wake, &p->mutex, &until) != ETIMEDOUT;
 }
 
@@ -100,7 +105,8 @@ static void serve(tc_prefetch *p, tc_wish wish)
         w->fetched = true;
     else if (w)
         drop(p, w);
-    while (piece == TC_PIECE_NO_MEMORY && !p->stop && wait_a_while(p))
+    const struct timespec until = a_while(); /* however often the thread is woken by who asks again */
+    while (piece == TC_PIECE_NO_MEMORY && !p->stop && wait_until(p, until))
         continue;
 }
 
@@ -115,7 +121,7 @@ static void *run(void *context)
             serve(p, *w);
         else if (!full)
             pthread_cond_wait(&p->wake, &p->mutex);
-        else if (!wait_a_while(p))
+        else if (!wait_until(p, a_while()))
             drop_oldest(p);
     }
     pthread_mutex_unlock(&p->mutex);
