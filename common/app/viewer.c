@@ -298,10 +298,13 @@ static tc_status report(tc_viewer *v, tc_error *error)
 /* What could not be shown as it should be. */
 static void report_damage(const tc_viewer *v)
 {
-    int64_t tiles = tc_map_damaged(v->map);
-    if (tiles > 0 && !v->options.quiet)
+    int64_t damaged = tc_map_damaged(v->map), unreadable = tc_map_unreadable(v->map);
+    if (damaged > 0 && !v->options.quiet)
         fprintf(stderr, "%s: warning: %s: damaged: %" PRId64 " tiles were shown from the next coarser level\n",
-                v->program->name, v->options.terrain, tiles);
+                v->program->name, v->options.terrain, damaged);
+    if (unreadable > 0 && !v->failing && !v->options.quiet) /* a window has said so */
+        fprintf(stderr, "%s: warning: %s: %" PRId64 " tiles could not be read\n", v->program->name, v->options.terrain,
+                unreadable);
 }
 
 /* What will be written is not what is read: neither file of the command line, nor what they are made of (source.h). */

@@ -28,6 +28,7 @@ typedef struct tc_viewer {
     double spacing;      /* metres; the smaller of the finest level's two */
     double least_height; /* metres that the eye keeps above the ground */
     bool lifted;         /* it was under it */
+    bool failing;        /* a window has said that a part of the terrain cannot be read at the moment */
 
     tc_context *context; /* offscreen, or NULL and a window: */
     const struct tc_window_plugin *window_plugin;

@@ -19,7 +19,6 @@ typedef struct session {
     tc_camera frozen;    /* culled for, while culling is frozen */
     bool tell;           /* statistics once a second */
     bool picture_wanted; /* once the frame is drawn */
-    bool failing;        /* a part of the terrain cannot be read at the moment, which was said */
     bool quit;
     int picture_number; /* to try next */
     /* Since the title was set last, and since statistics were told last. */
@@ -174,14 +173,21 @@ static void write_picture(session *s)
 /* Says once that a part of the terrain cannot be read, and again where it comes back. */
 static void tell_failure(session *s, const tc_frame_stats *frame)
 {
-    const tc_viewer *v = s->viewer;
-    if (frame->failed == s->failing)
+    tc_viewer *v = s->viewer;
+    int64_t tiles = tc_map_unreadable(v->map);
+    bool failing = frame->failed || tiles > 0;
+    if (failing == v->failing)
         return;
-    s->failing = frame->failed;
-    if (!v->options.quiet)
-        fprintf(stderr, "%s: warning: %s: %s\n", v->program->name, v->options.terrain,
-                frame->failed ? "a part of it cannot be read and is shown coarser; it will be tried again"
-                              : "all of it can be read again");
+    v->failing = failing;
+    if (v->options.quiet)
+        return;
+    fprintf(stderr, "%s: warning: %s: ", v->program->name, v->options.terrain);
+    if (!failing)
+        fprintf(stderr, "all of it can be read again\n");
+    else if (tiles > 0)
+        fprintf(stderr, "%" PRId64 " tiles cannot be read and are shown coarser; they will be tried again\n", tiles);
+    else
+        fprintf(stderr, "a part of it cannot be read and is shown coarser; it will be tried again\n");
 }
 
 /* Brings title and statistics up to date after a frame. */

@@ -147,6 +147,7 @@ static tc_field_stats tell(const tc_map *map)
     for (int k = 0; k < map->charts; k++) {
         const tc_field_stats one = tc_field_tell(map->chart[k].field);
         all.damaged += one.damaged;
+        all.unreadable += one.unreadable;
         all.decoded += one.decoded;
     }
     return all;
@@ -155,6 +156,11 @@ static tc_field_stats tell(const tc_map *map)
 int64_t tc_map_damaged(const tc_map *map)
 {
     return tell(map).damaged;
+}
+
+int64_t tc_map_unreadable(const tc_map *map)
+{
+    return tell(map).unreadable;
 }
 
 int64_t tc_map_bytes_decoded(const tc_map *map)

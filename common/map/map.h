@@ -46,8 +46,10 @@ bool tc_map_has_ground(const tc_map *map, double x, double y);
  * where it is not. *gap_ret: it goes around the globe, where its levels then do not meet. */
 tc_status tc_map_onto_globe(tc_map *map, const char *name, double radius, bool *gap_ret, tc_error *error);
 
-/* Tiles of all charts found damaged so far, and bytes of tiles decoded; 0 for those in memory. */
+/* Tiles of all charts found damaged so far, those that cannot be read at the moment, and bytes of tiles decoded; 0 for
+ * those in memory. */
 int64_t tc_map_damaged(const tc_map *map);
+int64_t tc_map_unreadable(const tc_map *map);
 int64_t tc_map_bytes_decoded(const tc_map *map);
 
 #endif
