@@ -60,6 +60,22 @@ static void check_levels(const old_chart *o, const tc_field *field)
     }
 }
 
+/* Bounds hold; how far a level is off the coarser one was not told then. */
+static void check_ranges(const tc_field *field)
+{
+    for (int l = 1; l <= tc_field_info(field)->levels; l++) {
+        tc_level level = tc_field_level(field, l);
+        tc_rect all = {0, 0, level.width, level.height};
+        float *z = malloc((size_t)(level.width * level.height) * sizeof *z);
+        assert_int_equal(tc_field_read(field, l, all, z, NULL, level.width), TC_OK);
+        tc_range range = tc_field_range(field, l, all);
+        for (int64_t k = 0; k < level.width * level.height; k++)
+            assert_true(z[k] >= range.lo && z[k] <= range.hi);
+        assert_true(isinf(range.step));
+        free(z);
+    }
+}
+
 static void old_files_read_as_they_did(void **state)
 {
     (void)state;
@@ -75,6 +91,7 @@ static void old_files_read_as_they_did(void **state)
         assert_true(info->version == o->version && !info->cut_short);
         if (o->chart == 0)
             check_levels(o, field);
+        check_ranges(field);
         assert_int_equal(tc_field_tell(field).damaged, 0);
         if (info->terrain.radius > 0) {
             tc_map *atlas;
