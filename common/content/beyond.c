@@ -45,14 +45,14 @@ static reading part_of(tc_level size, tc_rect rect, bool wraps)
     return r;
 }
 
-tc_status tc_read_beyond(const tc_field *field, int level, tc_rect rect, tc_beyond how, float *buffer, float **z_ret,
+tc_status tc_read_beyond(const tc_fill *fill, int level, tc_rect rect, tc_beyond how, float *buffer, float **z_ret,
                          ptrdiff_t *stride_ret)
 {
-    tc_level size = tc_field_level(field, level);
+    tc_level size = tc_field_level(tc_clipmap_field(fill->clipmap), level);
     int64_t w = size.width, h = size.height;
     reading r = part_of(size, rect, how.wraps);
     ptrdiff_t stride = r.stride;
-    tc_status status = tc_field_read(field, level, r.part, buffer + r.start, NULL, stride);
+    tc_status status = tc_fill_read(fill, level, r.part, buffer + r.start, NULL, stride);
     if (status)
         return status;
     for (int64_t j = r.part.y0; j < r.part.y1 && !how.wraps; j++) {

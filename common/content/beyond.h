@@ -2,7 +2,7 @@
 #ifndef TC_BEYOND_H
 #define TC_BEYOND_H
 
-#include "common/field/field.h"
+#include "common/window/clipmap.h"
 
 /* How heights go on beyond the level's last samples. */
 typedef struct tc_beyond {
@@ -11,9 +11,9 @@ typedef struct tc_beyond {
     float x, y;    /* the edge lies this far beyond the last sample, 0 <= x < 1 */
 } tc_beyond;
 
-/* Reads heights of rect, which may go beyond the level, into buffer; *z_ret points at its first sample, rows are
- * *stride_ret apart. buffer: (width + 2) * (height + 2) floats. */
-tc_status tc_read_beyond(const tc_field *field, int level, tc_rect rect, tc_beyond how, float *buffer, float **z_ret,
+/* Reads heights of rect for a fill, which may go beyond the level, into buffer; *z_ret points at its first sample, rows
+ * are *stride_ret apart. buffer: (width + 2) * (height + 2) floats. */
+tc_status tc_read_beyond(const tc_fill *fill, int level, tc_rect rect, tc_beyond how, float *buffer, float **z_ret,
                          ptrdiff_t *stride_ret);
 
 /* The sample of 0 .. size - 1 that is nearest to i. */

@@ -112,7 +112,7 @@ static tc_status fill(const tc_fill *f)
     float(*row)[2] = (float(*)[2])(buffer + side * side);
     float *z;
     ptrdiff_t stride;
-    tc_status status = tc_read_beyond(field, field_level, f->rect, edge, buffer, &z, &stride);
+    tc_status status = tc_read_beyond(f, field_level, f->rect, edge, buffer, &z, &stride);
     if (status)
         return status;
     int64_t mask = f->size - 1, w = f->rect.x1 - f->rect.x0;

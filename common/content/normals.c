@@ -30,14 +30,14 @@ static tc_status fine_heights(const tc_fill *f, float **z_ret, ptrdiff_t *stride
     int64_t w = rect.x1 - rect.x0, h = rect.y1 - rect.y0;
     if (level < tc_field_info(field)->levels) {
         tc_rect fine = {2 * rect.x0 - 2, 2 * rect.y0 - 2, 2 * rect.x1 + 1, 2 * rect.y1 + 1};
-        return tc_read_beyond(field, level + 1, fine, straight, f->scratch, z_ret, stride_ret);
+        return tc_read_beyond(f, level + 1, fine, straight, f->scratch, z_ret, stride_ret);
     }
     size_t side = (size_t)(2 * n + MARGIN);
     float *fine = f->scratch, *rows = fine + side * side, *buffer = rows + side * (size_t)(n + MARGIN);
     tc_rect coarse = {rect.x0 - 2, rect.y0 - 2, rect.x1 + 3, rect.y1 + 3};
     float *z;
     ptrdiff_t stride;
-    tc_status status = tc_read_beyond(field, level, coarse, straight, buffer, &z, &stride);
+    tc_status status = tc_read_beyond(f, level, coarse, straight, buffer, &z, &stride);
     if (status)
         return status;
     tc_upsample(z + stride + 1, stride, w + 2, h + 2, fine, rows);

@@ -21,7 +21,7 @@ static tc_status fill(const tc_fill *f)
     part.y0 = tc_nearest_sample(r.y0, size.height), part.y1 = tc_nearest_sample(r.y1 - 1, size.height) + 1;
     int64_t w = part.x1 - part.x0, mask = f->size - 1;
     uint8_t *in = f->scratch, *row = in + (part.y1 - part.y0) * w;
-    tc_status status = tc_field_read(field, level, part, NULL, in, w);
+    tc_status status = tc_fill_read(f, level, part, NULL, in, w);
     if (status)
         return status;
     for (int64_t y = r.y0; y < r.y1; y++) {

@@ -14,6 +14,16 @@
 #include "common/base/rect.h"
 #include "common/field/field.h"
 #include "common/base/status.h"
+#include "turn.h"
+
+/* Where a region grows: beyond its four sides; where it begins. */
+enum { SIDES = 4, BEGINNING = SIDES, PLACES };
+
+/* What could not be read there: the other sides go on meanwhile. */
+typedef struct pause {
+    int failures;      /* in a row */
+    double not_before; /* when to try again */
+} pause;
 
 typedef struct clip_state {
     tc_clip_level view;
@@ -21,9 +31,8 @@ typedef struct clip_state {
     int64_t width;                 /* samples that the field has at this level; vertices beyond lie on the edge */
     void *texels[TC_MAX_CONTENTS]; /* toroidal */
     tc_rect changes[TC_MAX_CHANGES];
-    uint64_t changed;  /* how often; the last ones are in changes[(k - 1) % TC_MAX_CHANGES] */
-    int failures;      /* in a row */
-    double not_before; /* when to try again */
+    uint64_t changed; /* how often; the last ones are in changes[(k - 1) % TC_MAX_CHANGES] */
+    pause pause[PLACES];
 } clip_state;
 
 struct tc_clipmap {
@@ -108,8 +117,11 @@ static size_t scratch_bytes(const tc_clipmap *c)
 {
     size_t most = 1; /* never none, or it would look like no memory */
     for (int k = 0; k < c->contents; k++) {
-        size_t bytes = c->content[k].class->scratch_bytes(c->n);
+        const tc_content_class *content = c->content[k].class;
+        size_t bytes = content->scratch_bytes(c->n);
+        size_t row = (size_t)(side_of(c, content) + 2 * content->border) * tc_texel_bytes(content->format);
         most = bytes > most ? bytes : most;
+        most = row > most ? row : most;
     }
     return most;
 }
@@ -194,12 +206,19 @@ static bool fits_window(const tc_field *field, int level, bool wraps, int n)
     return x <= n && vertices_to_edge(top.height - 1, shift) <= n;
 }
 
-tc_status tc_clipmap_fill(tc_clipmap *c, int level, tc_rect rect)
+static void change(clip_state *s, tc_rect rect)
+{
+    s->changes[s->changed++ % TC_MAX_CHANGES] = rect;
+}
+
+/* late: NULL to wait for the field; else set where that would have been needed, and nothing is filled. */
+static tc_status fill_contents(tc_clipmap *c, int level, tc_rect rect, bool *late)
 {
     clip_state *s = &c->level[level - 1];
     tc_status status = TC_OK;
     for (int k = 0; k < c->contents && !status; k++) {
         const tc_fill f = {.clipmap = c,
+                           .late = late,
                            .content = &c->content[k],
                            .level = level,
                            .rect = rect,
@@ -210,28 +229,32 @@ tc_status tc_clipmap_fill(tc_clipmap *c, int level, tc_rect rect)
         status = c->content[k].class->fill(&f);
     }
     if (!status)
-        s->changes[s->changed++ % TC_MAX_CHANGES] = rect;
+        change(s, rect);
     return status;
 }
 
-/* A part of the level cannot be read: its pause begins. */
-static void put_off(tc_clipmap *c, int level, tc_status why, double now)
+tc_status tc_clipmap_fill(tc_clipmap *c, int level, tc_rect rect)
 {
-    clip_state *s = &c->level[level - 1];
-    c->failed = why;
-    s->not_before = now + fmin(ldexp(FIRST_PAUSE, s->failures < 16 ? s->failures : 16), LONGEST_PAUSE);
-    s->failures++;
+    return fill_contents(c, level, rect, NULL);
 }
 
-/* Fills a rectangle; false, and the level is put off, where it cannot be. */
-static bool fill(tc_clipmap *c, int level, tc_rect rect, double now)
+tc_status tc_fill_read(const tc_fill *f, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
 {
-    tc_status status = tc_clipmap_fill(c, level, rect);
-    if (status)
-        put_off(c, level, status, now);
-    else
-        c->level[level - 1].failures = 0;
-    return !status;
+    const tc_field *field = f->clipmap->field;
+    if (!f->late)
+        return tc_field_read(field, level, rect, z, voids, stride);
+    tc_ready ready = tc_field_read_ready(field, level, rect, z, voids, stride, TC_SOON);
+    *f->late = ready == TC_COMING;
+    return ready == TC_READY ? TC_OK : TC_ERR_IO;
+}
+
+/* A part of the level cannot be read: its pause begins. */
+static void put_off(tc_clipmap *c, int level, int place, tc_status why, double now)
+{
+    pause *p = &c->level[level - 1].pause[place];
+    c->failed = why;
+    p->not_before = now + fmin(ldexp(FIRST_PAUSE, p->failures < 16 ? p->failures : 16), LONGEST_PAUSE);
+    p->failures++;
 }
 
 tc_status tc_clipmap_check_n(int n, tc_error *error)
@@ -288,8 +311,7 @@ tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *opt
     tc_rect whole = s->view.extent;
     if (s->view.wraps)
         whole.x0 = 0, whole.x1 = once_around(s->width);
-    if (!fill(c, 1, whole, 0)) {
-        status = c->failed;
+    if ((status = tc_clipmap_fill(c, 1, whole))) {
         tc_clipmap_destroy(c);
         return tc_fail(error, status, "clipmap: the coarsest level cannot be read%s",
                        status == TC_ERR_MEMORY ? ": not enough memory" : "");
@@ -345,7 +367,7 @@ static int64_t lines_a_piece(int64_t length)
 }
 
 /* Whether filling rect need not wait for the field. */
-static tc_ready is_ready(const tc_clipmap *c, int level, tc_rect rect)
+static tc_ready readiness(const tc_clipmap *c, int level, tc_rect rect)
 {
     const clip_state *s = &c->level[level - 1];
     int own = 0, finer = -1;
@@ -389,7 +411,7 @@ static int64_t ready_lines(const tc_clipmap *c, int level, tc_rect r, int side, 
     int64_t piece = lines_a_piece(side < 2 ? r.y1 - r.y0 : r.x1 - r.x0), ready = 0;
     while (ready < lines) {
         int64_t next = tc_min64(lines, ready + piece);
-        tc_ready answer = is_ready(c, level, lines_beyond(r, side, ready, next));
+        tc_ready answer = readiness(c, level, lines_beyond(r, side, ready, next));
         *failed_ret |= answer == TC_FAILED;
         if (answer != TC_READY)
             break;
@@ -402,7 +424,7 @@ static int64_t ready_lines(const tc_clipmap *c, int level, tc_rect r, int side, 
 static tc_rect ready_seed(const tc_clipmap *c, int level, tc_rect first, bool *failed_ret)
 {
     tc_rect none = {0, 0, 0, 0}, middle = seed(first, PIECE_SAMPLES / 4);
-    tc_ready answer = tc_rect_empty(first) ? TC_COMING : is_ready(c, level, middle);
+    tc_ready answer = tc_rect_empty(first) ? TC_COMING : readiness(c, level, middle);
     *failed_ret |= answer == TC_FAILED;
     if (answer != TC_READY)
         return none;
@@ -410,16 +432,30 @@ static tc_rect ready_seed(const tc_clipmap *c, int level, tc_rect first, bool *f
     return ready_lines(c, level, row, 3, first.y1 - first.y0, failed_ret) == first.y1 - first.y0 ? first : middle;
 }
 
-/* Adds a rectangle to what is held; returns its samples, none where it is empty or cannot be read. */
-static int64_t add_rect(tc_clipmap *c, int level, tc_rect add, double now)
+/* Adds a rectangle to what is held; returns its samples, none where it is empty, late, or cannot be read, which then is
+ * put off. failed: its next part is known not to be read. */
+static int64_t add_rect(tc_clipmap *c, int level, int place, tc_rect add, const effort *e, bool failed)
 {
     tc_rect *clip = &c->level[level - 1].view.clip;
-    if (tc_rect_empty(add) || !fill(c, level, add, now))
+    bool late = false;
+    tc_status status = tc_rect_empty(add) ? TC_OK : fill_contents(c, level, add, e->wait ? NULL : &late);
+    if (late)
+        return 0;
+    if (status || failed)
+        put_off(c, level, place, status ? status : TC_ERR_IO, e->now);
+    else if (!tc_rect_empty(add))
+        c->level[level - 1].pause[place].failures = 0;
+    if (status || tc_rect_empty(add))
         return 0;
     *clip = tc_rect_empty(*clip) ? add
                                  : (tc_rect){tc_min64(clip->x0, add.x0), tc_min64(clip->y0, add.y0),
                                              tc_max64(clip->x1, add.x1), tc_max64(clip->y1, add.y1)};
     return tc_rect_area(add);
+}
+
+static bool pauses(const clip_state *s, int place, const effort *e)
+{
+    return !e->at_once && s->pause[place].failures && e->now < s->pause[place].not_before;
 }
 
 /* Adds rows and columns to what is held on its way to target; returns the samples filled. Without waiting, what the
@@ -429,24 +465,51 @@ static int64_t grow(tc_clipmap *c, int level, tc_rect target, effort e)
     clip_state *s = &c->level[level - 1];
     const tc_rect *clip = &s->view.clip;
     int64_t spent = 0;
-    bool failed = false;
-    if (tc_rect_empty(target) || (!e.at_once && s->failures && e.now < s->not_before))
+    if (tc_rect_empty(target))
         return 0;
-    if (tc_rect_empty(*clip)) {
+    if (tc_rect_empty(*clip) && !pauses(s, BEGINNING, &e)) {
         tc_rect first = seed(target, e.budget);
-        spent = add_rect(c, level, e.wait ? first : ready_seed(c, level, first, &failed), e.now);
+        bool failed = false;
+        if (!e.wait)
+            first = ready_seed(c, level, first, &failed);
+        spent = add_rect(c, level, BEGINNING, first, &e, failed);
     }
-    for (int side = 0; side < 4 && !tc_rect_empty(*clip); side++) {
+    for (int side = 0; side < SIDES && !tc_rect_empty(*clip); side++) {
         int64_t missing[] = {clip->x0 - target.x0, target.x1 - clip->x1, clip->y0 - target.y0, target.y1 - clip->y1};
         int64_t length = side < 2 ? clip->y1 - clip->y0 : clip->x1 - clip->x0;
         int64_t lines = affordable(missing[side], length, e.budget < 0 ? -1 : tc_max64(0, e.budget - spent));
+        bool failed = false;
+        if (missing[side] == 0)
+            s->pause[side].failures = 0;
+        if (missing[side] == 0 || pauses(s, side, &e))
+            continue;
         if (!e.wait)
             lines = ready_lines(c, level, *clip, side, lines, &failed);
-        spent += add_rect(c, level, lines_beyond(*clip, side, 0, lines), e.now);
+        spent += add_rect(c, level, side, lines_beyond(*clip, side, 0, lines), &e, failed);
     }
-    if (failed)
-        put_off(c, level, TC_ERR_IO, e.now);
     return spent;
+}
+
+/* Moves a level that holds all of a map which wraps: what comes in it has already. */
+static int64_t move_round(tc_clipmap *c, int level, tc_rect target)
+{
+    clip_state *s = &c->level[level - 1];
+    const tc_rect clip = s->view.clip, kept = tc_rect_intersect(clip, target);
+    tc_rect add = target;
+    if (!tc_rect_empty(kept) && kept.x0 > target.x0)
+        add.x1 = kept.x0;
+    else if (!tc_rect_empty(kept))
+        add.x0 = kept.x1;
+    if (tc_rect_empty(add))
+        return 0;
+    for (int k = 0; k < c->contents; k++) {
+        const tc_content_class *content = c->content[k].class;
+        tc_turn_texels(s->texels[k], side_of(c, content), tc_texel_bytes(content->format),
+                       tc_content_rect(content, add), content->scale * clip.x0, content->scale * s->width, c->scratch);
+    }
+    change(s, add);
+    s->view.clip = target;
+    return tc_rect_area(add);
 }
 
 /* The active region: what is held, cropped so that the coarser level can surround it. */
@@ -464,16 +527,13 @@ static void set_active(tc_clipmap *c, int level)
 
 int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait, double now)
 {
-    enum { AHEAD = 8 }; /* columns */
     int64_t samples = 0;
     for (int l = 1; l <= clipmap->levels; l++) {
         tc_clip_level *v = &clipmap->level[l - 1].view;
         if (l == 1 && v->wraps && !tc_rect_empty(wanted[0])) {
-            v->wanted = tc_rect_intersect(wanted[0], v->extent);
-            v->clip = tc_rect_intersect(v->clip, v->wanted);
-            samples += grow(clipmap, 1, v->wanted, (effort){-1, true, wait, now}); /* always whole */
-            if (!wait && is_ready(clipmap, 1, lines_beyond(v->wanted, 0, 0, AHEAD)) == TC_READY)
-                is_ready(clipmap, 1, lines_beyond(v->wanted, 1, 0, AHEAD)); /* the next ones need not wait, either */
+            int64_t width = v->clip.x1 - v->clip.x0; /* always whole */
+            v->wanted = (tc_rect){wanted[0].x0, v->clip.y0, wanted[0].x0 + width, v->clip.y1};
+            samples += move_round(clipmap, 1, v->wanted);
         } else if (l > 1) {
             const tc_clip_level *coarse = &clipmap->level[l - 2].view;
             tc_rect allowed = refine(erode(coarse->clip, coarse->extent, 1));
@@ -503,8 +563,9 @@ bool tc_clipmap_resident(const tc_clipmap *clipmap)
 tc_status tc_clipmap_failed(const tc_clipmap *clipmap)
 {
     for (int l = 1; l <= clipmap->levels; l++)
-        if (state(clipmap, l)->failures)
-            return clipmap->failed;
+        for (int place = 0; place < PLACES; place++)
+            if (state(clipmap, l)->pause[place].failures)
+                return clipmap->failed;
     return TC_OK;
 }
 

@@ -9,7 +9,8 @@
  * to make the perimeter even), so that every level ends exactly where the terrain ends.
  *
  * Where the map wraps, extents have no end in x: column `width` of a level is column 0 again. Level 1 is then held not
- * as the whole map but once around, about where it is wanted.
+ * as the whole map but once around, about where it is wanted, and moves without reading the field: a content depends on
+ * where a sample lies on the map, not on which turn.
  *
  * No GL in it. A clipmap belongs to one thread; any number of them may share a field. */
 #ifndef TC_CLIPMAP_H
@@ -52,7 +53,12 @@ typedef struct tc_fill {
     const void *coarse; /* and the coarser level's, which holds rect / 2; NULL for level 1 */
     int64_t size;       /* texels along a side of both: a power of two */
     void *scratch;      /* of scratch_bytes() */
+    bool *late;         /* NULL: the field is waited for */
 } tc_fill;
+
+/* Reads the field's heights or voids for a fill, as tc_field_read() does, which it is instead of. Where it may not wait
+ * and would have to, it fails, and the fill with it, which is then made another time. */
+tc_status tc_fill_read(const tc_fill *fill, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
 
 struct tc_content_class {
     const char *name;

@@ -3,7 +3,6 @@
  * through a field that decorates it. */
 #include "tests/support/test.h"
 
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,78 +11,12 @@
 #include "common/base/clock.h"
 #include "common/base/rect.h"
 #include "common/field/field.h"
-#include "common/packed/file/packed_file.h"
+#include "tests/support/made_files.h"
+#include "tests/support/packing.h"
+#include "tests/support/slow_source.h"
 #include "tests/support/terrains.h"
 
 enum { SIZE = 1500 };
-
-/* Hills with some voids, packed; the file's bytes. */
-static uint8_t *pack(size_t *size_ret)
-{
-    char path[] = "/tmp/terraclip-field-XXXXXX";
-    int file = mkstemp(path);
-    assert_true(file >= 0);
-    float *z = malloc(sizeof *z * SIZE * SIZE);
-    test_random random = {7};
-    for (int64_t j = 0; j < SIZE; j++)
-        for (int64_t i = 0; i < SIZE; i++)
-            z[j * SIZE + i] =
-                i / 50 == 3 && j / 50 == 3
-                    ? NAN
-                    : (float)(900 * sin((double)i / 90) * cos((double)j / 70) + (double)test_random_int(&random, 0, 9));
-    tc_pack_terrain about = {
-        .width = SIZE, .height = SIZE, .spacing_x = 30, .spacing_y = 30, .sample_type = TC_SAMPLE_INT16, .unit = 1};
-    tc_pack_options how = {.mode = TC_PACK_RMS, .error = 1};
-    tc_packer *packer;
-    tc_pack_result result;
-    assert_int_equal(tc_packer_create(path, &about, &how, &packer, NULL), TC_OK);
-    assert_int_equal(tc_packer_put(packer, (tc_rect){0, 0, SIZE, SIZE}, z, NULL, SIZE, NULL), TC_OK);
-    assert_int_equal(tc_packer_finish(packer, &result, NULL), TC_OK);
-    tc_packer_destroy(packer);
-    free(z);
-    close(file);
-    file = open(path, O_RDONLY);
-    unlink(path);
-    uint8_t *bytes = malloc((size_t)result.bytes);
-    assert_int_equal(read(file, bytes, (size_t)result.bytes), result.bytes);
-    close(file);
-    *size_ret = (size_t)result.bytes;
-    return bytes;
-}
-
-/* Bytes in memory, that take their time, and cannot be read from `broken` on (0: all can). */
-typedef struct memory {
-    uint8_t *bytes;
-    size_t size;
-    int delay_ms;
-    _Atomic int64_t broken;
-    _Atomic int reads;
-    pthread_t own; /* thread that must not read the file */
-    _Atomic int own_reads;
-} memory;
-
-static tc_status read_memory(void *context, int64_t offset, void *to, size_t size)
-{
-    memory *m = context;
-    m->reads++;
-    m->own_reads += pthread_equal(pthread_self(), m->own) != 0;
-    if (m->delay_ms)
-        usleep((useconds_t)m->delay_ms * 1000);
-    if (m->broken && offset + (int64_t)size > m->broken)
-        return TC_ERR_IO;
-    memcpy(to, m->bytes + offset, size);
-    return TC_OK;
-}
-
-static tc_field *open_memory(memory *m, const tc_open_options *options)
-{
-    tc_byte_source source = {m, (int64_t)m->size, read_memory, NULL};
-    tc_field *field;
-    m->own = pthread_self();
-    assert_int_equal(tc_field_open_bytes("memory", &source, options, &field, NULL), TC_OK);
-    m->own_reads = 0;
-    return field;
-}
 
 static tc_ready await(const tc_field *field, int level, tc_rect rect)
 {
@@ -96,10 +29,10 @@ static tc_ready await(const tc_field *field, int level, tc_rect rect)
 /* Windows of any size, points and ranges without a wait, from a file that takes 20 ms a read; then the same bits. */
 static void nothing_waits(void **state)
 {
-    memory *m = *state;
+    slow_source *m = *state;
     static float z[SIZE * SIZE], truth[SIZE * SIZE];
     m->delay_ms = 20;
-    tc_field *f = open_memory(m, &(tc_open_options){.cache_bytes = 1});
+    tc_field *f = slow_field(m, &(tc_open_options){.cache_bytes = 1});
     int l = tc_field_info(f)->levels;
     tc_rect all = {0, 0, SIZE, SIZE};
     double height, longest = 0;
@@ -128,7 +61,7 @@ static void nothing_waits(void **state)
     assert_int_equal(tc_field_read(f, l, all, truth, NULL, SIZE), TC_OK);
     assert_memory_equal(z, truth, sizeof z);
     tc_field_destroy(f);
-    f = open_memory(m, NULL);
+    f = slow_field(m, NULL);
     assert_int_equal(tc_field_read(f, l, all, truth, NULL, SIZE), TC_OK);
     assert_memory_equal(z, truth, sizeof z);
     assert_true(tc_field_tell(f).waits > 0); /* it would be found */
@@ -138,8 +71,8 @@ static void nothing_waits(void **state)
 /* Bounds that narrow as the index comes, and hold. */
 static void ranges_narrow(void **state)
 {
-    memory *m = *state;
-    tc_field *f = open_memory(m, NULL);
+    slow_source *m = *state;
+    tc_field *f = slow_field(m, NULL);
     int l = tc_field_info(f)->levels;
     tc_rect r = {700, 700, 760, 760};
     tc_range wide = tc_field_range(f, l, r), range = wide;
@@ -159,18 +92,19 @@ static void ranges_narrow(void **state)
 /* What cannot be read fails, is counted, is not tried in each frame, and comes once it can be read. */
 static void unreadable_tiles_are_told(void **state)
 {
-    memory *m = *state;
-    tc_field *f = open_memory(m, NULL);
+    slow_source *m = *state;
+    tc_field *f = slow_field(m, NULL);
     int l = tc_field_info(f)->levels;
     tc_rect r = {1000, 1000, 1400, 1400};
     m->broken = (int64_t)m->size / 2;
+    m->broken_end = (int64_t)m->size;
     assert_int_equal(await(f, l, r), TC_FAILED);
     assert_true(tc_field_tell(f).unreadable > 0);
     int before = m->reads;
     for (double start = tc_clock_ms(); tc_clock_ms() - start < 900; usleep(1000))
         tc_field_ready(f, l, r, TC_SOON);
     assert_in_range(m->reads - before, 1, 12); /* after 250 and 500 ms */
-    m->broken = 0;
+    m->broken_end = 0;
     double start = tc_clock_ms();
     while (tc_field_ready(f, l, r, TC_SOON) != TC_READY && tc_clock_ms() - start < 10000)
         usleep(1000);
@@ -183,17 +117,22 @@ static void unreadable_tiles_are_told(void **state)
 /* Once a tile is damaged, bounds still hold the constant at which voids are shown. */
 static void damage_keeps_the_constant(void **state)
 {
-    memory *m = *state;
+    slow_source *m = *state;
     uint8_t kept = m->bytes[m->size - 3];
     m->bytes[m->size - 3] ^= 0x55;
     tc_open_options how = {.has_policy = true, .voids = TC_VOIDS_CONSTANT, .void_constant = -9000};
-    tc_field *f = open_memory(m, &how);
+    tc_field *f = slow_field(m, &how);
     int l = tc_field_info(f)->levels;
     static float z[SIZE * SIZE];
-    assert_int_equal(tc_field_read(f, l, (tc_rect){0, 0, SIZE, SIZE}, z, NULL, SIZE), TC_OK);
+    static uint8_t voids[SIZE * SIZE];
+    assert_int_equal(tc_field_read(f, l, (tc_rect){0, 0, SIZE, SIZE}, z, voids, SIZE), TC_OK);
     assert_true(tc_field_tell(f).damaged > 0);
-    assert_true(z[160 * SIZE + 160] == -9000);
-    assert_true(tc_field_range(f, l, (tc_rect){150, 150, 200, 200}).lo <= -9000);
+    int64_t at = 0;
+    while (!voids[at])
+        at++;
+    assert_true(z[at] == -9000);
+    int64_t x = at % SIZE, y = at / SIZE;
+    assert_true(tc_field_range(f, l, (tc_rect){x, y, x + 1, y + 1}).lo <= -9000);
     tc_field_destroy(f);
     m->bytes[m->size - 3] = kept;
 }
@@ -201,9 +140,9 @@ static void damage_keeps_the_constant(void **state)
 /* Memory is what was asked for, once no window needs more. */
 static void the_cache_keeps_its_promise(void **state)
 {
-    memory *m = *state;
+    slow_source *m = *state;
     enum { BYTES = 4 << 20 };
-    tc_field *f = open_memory(m, &(tc_open_options){.cache_bytes = BYTES});
+    tc_field *f = slow_field(m, &(tc_open_options){.cache_bytes = BYTES});
     int l = tc_field_info(f)->levels;
     static float z[SIZE * SIZE];
     static uint8_t voids[SIZE * SIZE];
@@ -282,7 +221,7 @@ static void a_decorated_field_passes_all_on(void **state)
                                          .range = raised_range,
                                          .tell = raised_tell,
                                          .container = raised_container};
-    tc_field *base = open_memory(*state, NULL);
+    tc_field *base = slow_field(*state, NULL);
     raised up = {.head = *base, .base = base, .by = 64};
     up.head.class = &class;
     const tc_field *f = &up.head;
@@ -307,15 +246,19 @@ static void a_decorated_field_passes_all_on(void **state)
 
 static int set_up(void **state)
 {
-    static memory m;
-    m.bytes = pack(&m.size);
+    static slow_source m;
+    const packing hills = {.width = SIZE, .height = SIZE, .voids = PACKING_LAKES, .error = 1};
+    tc_pack_result result;
+    assert_int_equal(packing_write(&hills, made_path("field.tclip"), &result, NULL), TC_OK);
+    m.bytes = packing_bytes(made_path("field.tclip"), &m.size);
+    made_folder_remove();
     *state = &m;
     return 0;
 }
 
 static int tear_down(void **state)
 {
-    free(((memory *)*state)->bytes);
+    free(((slow_source *)*state)->bytes);
     return 0;
 }
 
