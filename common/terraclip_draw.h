@@ -1,10 +1,10 @@
 /* terraclip_draw.h - the public interface of libterraclip-draw: terrains and planets inside frames of other programs.
  *
- * A drawer holds what all views of a map share in an OpenGL context; a view holds the windows of one viewer. A view is
- * drawn into a target: a framebuffer of the host's, by the host's matrices or by a camera.
+ * A drawer holds what all eyes on a map share in an OpenGL context; an eye holds the windows around one viewer. What it
+ * sees is drawn into a target: a framebuffer of the host's, by the host's matrices or by a camera.
  *
  * OpenGL 4.5 core. Every function here is called with the context current (or one that shares its objects, and then
- * only views made in it are drawn) that the drawer was made in. A drawer and its views belong to one thread at a time;
+ * only eyes made in it draw) that the drawer was made in. A drawer and its eyes belong to one thread at a time;
  * different drawers may be used by different threads, also of one map. Conventions are those of terraclip.h. */
 #ifndef TERRACLIP_DRAW_H
 #define TERRACLIP_DRAW_H
@@ -65,8 +65,9 @@ typedef struct tc_draw_options {
 
 /* A drawer of the map in the current context. get_proc: finds an OpenGL function by name, as
  * glfwGetProcAddress and eglGetProcAddress do. The map may be destroyed while it is drawn: it then goes with its last
- * drawer. OpenGL state is as before, but for errors that nobody had asked for. TC_ERR_CONTEXT: not OpenGL 4.5;
- * TC_ERR_UNSUPPORTED: no such scheme for the map's body; TC_ERR_MEMORY: neither the machine nor the driver have it. */
+ * drawer. OpenGL state is as before, but for errors that nobody had asked for. TC_ERR_USAGE: no map, no get_proc, or
+ * sizes that the scheme does not take; TC_ERR_CONTEXT: not OpenGL 4.5, or a driver that refuses what is asked of it;
+ * TC_ERR_UNSUPPORTED: no such scheme for the map's body; TC_ERR_MEMORY: the machine or the driver has none. */
 tc_status tc_drawer_create(tc_map *map, const tc_draw_options *options, void *(*get_proc)(const char *name),
                            tc_drawer **drawer_ret, tc_error *error);
 
@@ -78,6 +79,7 @@ void tc_drawer_destroy(tc_drawer *drawer);
 /* A viewer of the map with the windows around it. Several draw in one frame, each into its target. */
 typedef struct tc_eye tc_eye;
 
+/* Reads the coarsest level, waiting for it: TC_ERR_IO where it cannot be read. Else as tc_drawer_create(). */
 tc_status tc_eye_create(tc_drawer *drawer, tc_eye **eye_ret, tc_error *error);
 void tc_eye_destroy(tc_eye *eye);
 
@@ -94,8 +96,9 @@ typedef struct tc_draw_stats {
 /* Draws a frame by the host's matrices, column-major as OpenGL has them, in double since planets are large. view turns
  * and moves from the map's frame to the eye's, which looks along -z: of a flat map its metres, of a planet metres from
  * its centre, x towards longitude and latitude 0, z north. projection is a perspective with the target's depth.
- * wait: waits for what must be read and decoded first. TC_ERR_USAGE, and nothing drawn: matrices that are not finite,
- * singular or not as above; a target that is not as it says. TC_ERR_MEMORY, TC_ERR_IO: likewise; the next frame tries
+ * wait: waits for what must be read and decoded first. The first frame of its kind (samples, encoding, depth) compiles
+ * programs. TC_ERR_USAGE, and nothing drawn: matrices that are not finite, singular or not as above; a target that is
+ * not as it says. TC_ERR_MEMORY, and with wait TC_ERR_IO where a part cannot be read: likewise; the next frame tries
  * again. *stats_ret may be NULL. */
 tc_status tc_eye_draw(tc_eye *eye, const tc_target_place *target, const double view[16], const double projection[16],
                       bool wait, tc_draw_stats *stats_ret, tc_error *error);

@@ -183,7 +183,9 @@ static rings_near finest_near(const rings_view *v, int chart)
     int64_t i = (int64_t)floor(at.u), j = (int64_t)floor(at.v);
     tc_rect around =
         tc_rect_intersect(l->extent, (tc_rect){i - AROUND + 1, j - AROUND + 1, i + AROUND + 1, j + AROUND + 1});
-    if (!v->place[chart].near || tc_rect_empty(around) || !tc_rect_within(around, l->clip))
+    rings_extent r = tc_rings_lattice(clipmap, at.level); /* which ends before the vertices of an edge */
+    bool beside = (double)around.x0 > r.x1 || (double)around.y0 > r.y1;
+    if (!v->place[chart].near || tc_rect_empty(around) || beside || !tc_rect_within(around, l->clip))
         return (rings_near){.shift = -1};
     return held_near(v, chart, &at);
 }
@@ -300,11 +302,15 @@ static rings_range chart_range(const rings_view *v, int chart, double angle)
         return range;
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
         int shift = tc_clipmap_level(clipmap, level)->shift;
-        if (ldexp(fmax(e.x1 - e.x0, e.y1 - e.y0), -shift) > 2.0 * tc_clipmap_n(clipmap))
-            continue; /* more than a window of this level holds; coarser ones say enough */
+        /* No more than a window holds around the viewer is drawn of a level, but for the coarsest. */
+        double reach = level > 1 ? ldexp(tc_clipmap_n(clipmap), shift) : INFINITY;
         double x = v->place[chart].x, y = v->place[chart].y;
-        tc_rect r = {(int64_t)floor(ldexp(x + e.x0, -shift)) - 1, (int64_t)floor(ldexp(y + e.y0, -shift)) - 1,
-                     (int64_t)ceil(ldexp(x + e.x1, -shift)) + 2, (int64_t)ceil(ldexp(y + e.y1, -shift)) + 2};
+        tc_rect r = {(int64_t)floor(ldexp(x + fmax(e.x0, -reach), -shift)) - 1,
+                     (int64_t)floor(ldexp(y + fmax(e.y0, -reach), -shift)) - 1,
+                     (int64_t)ceil(ldexp(x + fmin(e.x1, reach), -shift)) + 2,
+                     (int64_t)ceil(ldexp(y + fmin(e.y1, reach), -shift)) + 2};
+        if (tc_rect_empty(r))
+            continue;
         tc_range there =
             level == 1 ? coarsest_range(clipmap, r) : tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
         widen(&range.lo, &range.hi, there.lo, there.hi);

@@ -3,12 +3,13 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static void APIENTRY complain(GLenum source, GLenum type, GLuint id, GLenum severity, GLsizei length,
                               const GLchar *message, const void *context)
 {
     (void)severity, (void)length, (void)context;
-    if (source == GL_DEBUG_SOURCE_SHADER_COMPILER ||
+    if (source == GL_DEBUG_SOURCE_SHADER_COMPILER || strstr(message, "OUT_OF_MEMORY") ||
         (type != GL_DEBUG_TYPE_ERROR && type != GL_DEBUG_TYPE_UNDEFINED_BEHAVIOR))
         return;
     fprintf(stderr, "OpenGL: %s (0x%x)\n", message, id);

@@ -6,7 +6,8 @@
 
 /* Has errors and undefined behaviour printed and the program aborted at once, in the call that is at fault, in builds
  * with assertions (config=debug, sanitize) and where TERRACLIP_GL_DEBUG is set, as tests have it. Of a context of our
- * own only: a host's messages are the host's. What a shader's source lacks is not meant; its compiler's log tells. */
+ * own only: a host's messages are the host's. Not meant are what a shader's source lacks, which its compiler's log
+ * tells, and memory that there is not, which tc_gl_allocated() tells. */
 void tc_gl_watch(const tc_gl *gl);
 
 #endif

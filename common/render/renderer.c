@@ -230,7 +230,7 @@ static tc_status update(tc_renderer *r, const tc_sight *sight, bool finish, tc_f
     tc_draw_state_for_uploads(r->gl);
     tc_status status = hold_levels(r, error);
     if (status == TC_OK) {
-        /* All of what was filled now, and as much again of what another reader had filled before; for a picture, all.
+        /* All of what was filled now, and as much again of what a frame before could not be given; for a picture, all.
          */
         stats->bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, r->windows.clipmap, r->windows.charts,
                                                          finish || budget < 0 ? -1 : stats->samples_updated + budget);
@@ -289,6 +289,8 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     status = build_programs(r, &needs, error);
     if (status == TC_OK)
         status = update(r, sight, finish, stats, error);
+    if (status == TC_OK && finish && stats->failed)
+        status = tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read");
     if (status)
         return status;
     double updated = tc_clock_ms();
@@ -322,10 +324,9 @@ tc_status tc_renderer_draw(tc_renderer *renderer, tc_target *target, const tc_si
     tc_status status = draw_into(renderer, target, sight, finish, &stats, error);
     if (keep)
         tc_draw_state_give_back(renderer->gl, &host);
-    if (status != TC_OK)
-        return status;
-    *stats_ret = renderer->last = stats;
-    return finish && stats.failed ? tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read") : TC_OK;
+    if (status == TC_OK)
+        *stats_ret = renderer->last = stats;
+    return status;
 }
 
 tc_status tc_renderer_frame(tc_renderer *renderer, const tc_camera *camera, bool finish, tc_frame_stats *stats_ret,
