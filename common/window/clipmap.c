@@ -562,10 +562,13 @@ bool tc_clipmap_resident(const tc_clipmap *clipmap)
 
 tc_status tc_clipmap_failed(const tc_clipmap *clipmap)
 {
-    for (int l = 1; l <= clipmap->levels; l++)
-        for (int place = 0; place < PLACES; place++)
-            if (state(clipmap, l)->pause[place].failures)
+    for (int l = 1; l <= clipmap->levels; l++) {
+        const clip_state *s = state(clipmap, l);
+        bool wants = !tc_rect_equal(s->view.clip, s->view.wanted);
+        for (int place = 0; place < PLACES && wants; place++)
+            if (s->pause[place].failures)
                 return clipmap->failed;
+    }
     return TC_OK;
 }
 

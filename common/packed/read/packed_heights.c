@@ -221,7 +221,13 @@ static tc_status take_tile(packed_field *p, int l, uint64_t key, wanted_tile *t,
             tc_faults_add(&p->store->faults, key);
         return status;
     }
-    if ((t->empty = !status && p->level[l - 1].coder.codec && tc_tile_bytes(&entry) == 0))
+    t->empty = !status && p->level[l - 1].coder.codec && tc_tile_bytes(&entry) == 0;
+    if (!status) { /* its page was read, and is no fault any more; nor is a tile without bytes */
+        tc_faults_remove(&p->store->faults, tc_packed_page_key(p, l, t->tx / TC_PAGE_COLUMNS, t->ty / TC_PAGE_ROWS));
+        if (t->empty)
+            tc_faults_remove(&p->store->faults, key);
+    }
+    if (t->empty)
         return TC_OK;
     t->block = tc_block_try(&p->store->blocks, key, tile_bytes(p, l), &busy);
     return t->block || busy ? TC_OK : TC_ERR_MEMORY;

@@ -31,10 +31,10 @@ static void drop(tc_prefetch *p, tc_wish *w)
 
 static bool before(const tc_wish *a, const tc_wish *b)
 {
-    if (a->index != b->index)
-        return a->index;
     if (a->urgency != b->urgency)
         return a->urgency > b->urgency;
+    if (a->index != b->index)
+        return a->index;
     return a->level != b->level ? a->level < b->level : a->asked > b->asked;
 }
 
@@ -145,6 +145,15 @@ static tc_wish *find(tc_prefetch *p, const void *field, int level, bool index, t
     return NULL;
 }
 
+/* Whether there are as many wishes for the index as may stand among others. */
+static bool enough_index(const tc_prefetch *p)
+{
+    int count = 0;
+    for (const tc_wish *w = p->wish; w < p->wish + TC_WISHES; w++)
+        count += w->field && w->index;
+    return count >= TC_WISHES / 4;
+}
+
 /* A place for a new wish: a free one, or that of the one which was not asked for the longest. */
 static tc_wish *place(tc_prefetch *p)
 {
@@ -171,7 +180,7 @@ bool tc_prefetch_ask(tc_prefetch *p, const tc_wish *wish)
     }
     if (w) {
         w->asked = ++p->count, w->urgency = wish->urgency;
-    } else if (started) {
+    } else if (started && !(wish->index && enough_index(p))) {
         w = place(p);
         *w = *wish;
         p->wishes++;

@@ -48,7 +48,8 @@ typedef struct tc_prefetch {
 void tc_prefetch_init(tc_prefetch *prefetch, tc_read_piece read, size_t room);
 void tc_prefetch_free(tc_prefetch *prefetch);
 
-/* Has what the wish says (field to bytes; not rest) read soon. False where no thread can be started. */
+/* Has what the wish says (field to bytes; not rest) read soon; of the index only while few pages of it are asked for.
+ * False where no thread can be started. */
 bool tc_prefetch_ask(tc_prefetch *prefetch, const tc_wish *wish);
 
 /* What a wish fetched has been found ready. */
