@@ -122,7 +122,7 @@ static void steps_are_those_of_the_heights(void **state)
 /* Rows from pole to pole; rougher towards the poles, where the caps are. */
 static void pack_planet(const char *path, const tc_pack_options *how)
 {
-    enum { WIDTH = 640, HEIGHT = 321 };
+    enum { WIDTH = 576, HEIGHT = 289 };
     double step = 180.0 / (HEIGHT - 1), radius = 1737400, metres = radius * M_PI / 180 * step;
     tc_pack_terrain t = {.width = WIDTH, .height = HEIGHT, .wraps_x = true, .radius = radius, .unit = 1};
     t.spacing_x = t.spacing_y = metres, t.sample_type = TC_SAMPLE_INT16;
@@ -155,8 +155,7 @@ static void those_of_caps_are_their_own(void **state)
         tc_pack_options how;
     } cases[] = {
         {"rms", {.error = 5}},
-        {"bound", {.mode = TC_PACK_MAX_ERROR, .error = 12}},
-        {"lossless", {.mode = TC_PACK_LOSSLESS}},
+        {"lossless", {.mode = TC_PACK_LOSSLESS}}, /* of caps a bound */
         {"LH04", {.error = 20, .codec = TC_CODEC_LH04}},
     };
     const char *path = made_path("planet.tclip");
