@@ -40,8 +40,11 @@ typedef struct assembly {
 static void multiply(const double a[2], const double b[2], double out[2])
 {
     double p[4] = {a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]};
-    out[0] = fmin(fmin(p[0], p[1]), fmin(p[2], p[3]));
-    out[1] = fmax(fmax(p[0], p[1]), fmax(p[2], p[3]));
+    out[0] = out[1] = p[0];
+    for (int k = 1; k < 4; k++) { /* without fmin(), which is a call, some hundred times a frame */
+        out[0] = p[k] < out[0] ? p[k] : out[0];
+        out[1] = p[k] > out[1] ? p[k] : out[1];
+    }
 }
 
 /* Range of cos over an interval of at most a half turn that does not hold a multiple of a turn but at its ends. */
@@ -98,30 +101,38 @@ static void turn_box(const assembly *a, double lo[3], double hi[3])
         lo[i] = middle[i] - half[i], hi[i] = middle[i] + half[i];
 }
 
-/* Whether the part of the planet from angle inner to outer around the foot point, phi from to to, heights lo to hi, may
- * be seen. */
-static bool visible(const assembly *a, double inner, double outer, double from, double to, double lo, double hi)
+/* A level from angle inner to outer around the foot point, between two heights: how far it reaches from the axis
+ * through the viewer, and up and down from the eye. */
+typedef struct band {
+    double across[2], up[2];
+} band;
+
+static band band_of(const rings_view *v, double inner, double outer, double lo, double hi)
 {
-    if (a->no_cull)
-        return true;
-    const rings_view *v = a->view;
     double sine[2] = {fmin(sin(inner), sin(outer)),
                       inner <= M_PI / 2 && outer >= M_PI / 2 ? 1 : fmax(sin(inner), sin(outer))};
-    double radius[2] = {fmax(v->radius + lo, 0), v->radius + hi}, across[2], x[2], y[2], c[2];
-    multiply(sine, radius, across);
-    cosine(from, to, c);
-    multiply(across, c, x); /* south */
-    cosine(from - M_PI / 2, to - M_PI / 2, c);
-    multiply(across, c, y); /* east */
-    double h[2] = {2 * pow(sin(inner / 2), 2), 2 * pow(sin(outer / 2), 2)}, z[2] = {lo, hi},
-           up[2] = {INFINITY, -INFINITY};
+    double radius[2] = {fmax(v->radius + lo, 0), v->radius + hi};
+    double h[2] = {2 * pow(sin(inner / 2), 2), 2 * pow(sin(outer / 2), 2)}, z[2] = {lo, hi};
+    band b = {.up = {INFINITY, -INFINITY}};
+    multiply(sine, radius, b.across);
     for (int k = 0; k < 4; k++) {
         double value = (z[k & 1] - v->z_eye) - (v->radius + z[k & 1]) * h[k >> 1];
-        up[0] = fmin(up[0], value), up[1] = fmax(up[1], value);
+        b.up[0] = fmin(b.up[0], value), b.up[1] = fmax(b.up[1], value);
     }
-    double box_lo[3] = {y[0], -x[1], up[0]}, box_hi[3] = {y[1], -x[0], up[1]};
+    return b;
+}
+
+/* Whether a sector of it may be seen. */
+static bool visible(const assembly *a, const band *b, const rings_sector *sector)
+{
+    double x[2], y[2];
+    if (a->no_cull)
+        return true;
+    multiply(b->across, sector->south, x);
+    multiply(b->across, sector->east, y);
+    double box_lo[3] = {y[0], -x[1], b->up[0]}, box_hi[3] = {y[1], -x[0], b->up[1]};
     for (int i = 0; i < 3; i++) { /* what float makes of it */
-        double slack = 1e-5 * fmax(fabs(box_lo[i]), fabs(box_hi[i]));
+        double slack = fabs(box_lo[i]) > fabs(box_hi[i]) ? 1e-5 * fabs(box_lo[i]) : 1e-5 * fabs(box_hi[i]);
         box_lo[i] -= slack, box_hi[i] += slack;
     }
     if (a->frozen)
@@ -138,10 +149,11 @@ static void add_level(assembly *a, int i, bool disc)
     int columns = g->n_phi / g->sectors;
     int64_t triangles = disc ? (2 * (int64_t)g->fill - 1) * columns : 2 * (int64_t)g->m * columns;
     tc_rings_bounds(a->view, disc ? i + 1 : i, &lo, &hi);
+    const band b = band_of(a->view, inner, outer, lo, hi);
     for (int k = 0; k < g->sectors; k++) {
         a->triangles_unculled += triangles;
         a->sectors++;
-        if (!visible(a, inner, outer, 2 * M_PI * k / g->sectors, 2 * M_PI * (k + 1) / g->sectors, lo, hi))
+        if (!visible(a, &b, &s->sector[k]))
             continue;
         a->triangles += triangles;
         a->frame->draws[a->count] =
@@ -304,6 +316,16 @@ static int window_size(const rings_surface *s, int least)
     return s->map->chart[0].wraps && n < 255 ? 255 : n; /* > TC_MOST_ODD */
 }
 
+static void set_sectors(rings_surface *s)
+{
+    const int sectors = s->geometry.sectors;
+    for (int k = 0; k < sectors; k++) {
+        double from = 2 * M_PI * k / sectors, to = 2 * M_PI * (k + 1) / sectors;
+        cosine(from, to, s->sector[k].south);
+        cosine(from - M_PI / 2, to - M_PI / 2, s->sector[k].east);
+    }
+}
+
 /* Of all charts on all levels. */
 static void set_heights(rings_surface *s)
 {
@@ -403,6 +425,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                                      .relief = RELIEF};
     set_heights(s);
     tc_status status = tc_rings_geometry(&s->geometry, &s->head.geometry, error);
+    set_sectors(s);
     s->head.draw_capacity = (s->geometry.levels + 1) * s->geometry.sectors; /* every ring, and the disc */
     if (status) {
         rings_destroy(&s->head);

@@ -9,7 +9,7 @@
 #include "common/base/status.h"
 #include "rings_internal.h"
 
-enum { SECTORS = 16, PAD = 64 };
+enum { PAD = 64 };
 
 static int level_vertices(const rings_geometry *g)
 {
@@ -84,7 +84,7 @@ static uint32_t strip_count(const rings_geometry *g, int rows)
 tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *error)
 {
     g->stride = g->n_phi + PAD;
-    g->sectors = SECTORS;
+    g->sectors = RINGS_SECTORS;
     g->ring_count = strip_count(g, g->m);
     g->fill_count = strip_count(g, g->fill);
     geometry->format = TC_VERTEX_FLOAT_4;

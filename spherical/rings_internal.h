@@ -19,6 +19,7 @@ typedef struct rings_geometry {
     uint32_t ring_count, fill_count;   /* indices of a sector */
 } rings_geometry;
 
+enum { RINGS_SECTORS = 16 };
 enum { RINGS_MAX = 46 }; /* rings, and the disc inside */
 
 tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *error);
@@ -74,11 +75,17 @@ typedef struct rings_view {
     rings_range range[RINGS_MAX][TC_MAX_CHARTS]; /* of the charts' heights within pi 2^-i of the foot point */
 } rings_view;
 
+/* How far a sector goes to the south and to the east, at a distance of 1. */
+typedef struct rings_sector {
+    double south[2], east[2];
+} rings_sector;
+
 typedef struct rings_surface {
     tc_surface head;
     const tc_map *map;
     tc_rings_scheme scheme;
     rings_geometry geometry;
+    rings_sector sector[RINGS_SECTORS];
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
     int shift_base; /* S_0: ring i reads levels S_0 - i (inner edge) to S_0 - i + 1 (outer), counted from the finest */
     double outside; /* height where no chart is, metres above z_base */

@@ -263,15 +263,15 @@ rings_extent tc_rings_extent(const rings_view *v, int chart, double angle)
 
 static void widen(double *lo, double *hi, double a, double b)
 {
-    *lo = fmin(*lo, a);
-    *hi = fmax(*hi, b);
+    *lo = a < *lo ? a : *lo;
+    *hi = b > *hi ? b : *hi;
 }
 
 /* Range of the coarsest level, which is held as a whole. Few samples are looked at one by one: tiles, which ranges are
  * kept for, are as large as continents there, and what is in them far away would count as near. */
 static tc_range coarsest_range(const tc_clipmap *clipmap, tc_rect r)
 {
-    enum { FEW = 1024 };
+    enum { FEW = 400 };
     const tc_clip_level *l = tc_clipmap_level(clipmap, 1);
     const tc_field *field = tc_clipmap_field(clipmap);
     const int field_level = tc_clipmap_field_level(clipmap, 1);
@@ -286,7 +286,7 @@ static tc_range coarsest_range(const tc_clipmap *clipmap, tc_rect r)
             if (x < l->clip.x0 || x >= l->clip.x1)
                 continue;
             float z = heights[(j & mask) * (mask + 1) + (x & mask)][0];
-            all.lo = fminf(all.lo, z), all.hi = fmaxf(all.hi, z);
+            all.lo = z < all.lo ? z : all.lo, all.hi = z > all.hi ? z : all.hi;
         }
     return all;
 }
@@ -301,16 +301,12 @@ static rings_range chart_range(const rings_view *v, int chart, double angle)
     if (e.x1 < e.x0)
         return range;
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
-        int shift = tc_clipmap_level(clipmap, level)->shift;
-        /* No more than a window holds around the viewer is drawn of a level, but for the coarsest. */
-        double reach = level > 1 ? ldexp(tc_clipmap_n(clipmap), shift) : INFINITY;
+        const double scale = ldexp(1, -tc_clipmap_level(clipmap, level)->shift);
+        if (scale * fmax(e.x1 - e.x0, e.y1 - e.y0) > 2.0 * tc_clipmap_n(clipmap))
+            continue; /* no window of this level reaches as far as that, where it matters (set_horizon) */
         double x = v->place[chart].x, y = v->place[chart].y;
-        tc_rect r = {(int64_t)floor(ldexp(x + fmax(e.x0, -reach), -shift)) - 1,
-                     (int64_t)floor(ldexp(y + fmax(e.y0, -reach), -shift)) - 1,
-                     (int64_t)ceil(ldexp(x + fmin(e.x1, reach), -shift)) + 2,
-                     (int64_t)ceil(ldexp(y + fmin(e.y1, reach), -shift)) + 2};
-        if (tc_rect_empty(r))
-            continue;
+        tc_rect r = {(int64_t)floor(scale * (x + e.x0)) - 1, (int64_t)floor(scale * (y + e.y0)) - 1,
+                     (int64_t)ceil(scale * (x + e.x1)) + 2, (int64_t)ceil(scale * (y + e.y1)) + 2};
         tc_range there =
             level == 1 ? coarsest_range(clipmap, r) : tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
         widen(&range.lo, &range.hi, there.lo, there.hi);
@@ -391,25 +387,33 @@ static void range_within(const rings_view *v, double angle, double *lo_ret, doub
 
 /* Equation 6. What hides is the ground up to where the line of sight touches it: the planet's lowest would hide what is
  * beyond it, so none but that within the angle does, which is higher and is touched nearer, and so on. What may rise
- * above it is likewise first the planet's highest ground, and then the highest within the horizon that follows. */
+ * above it is likewise first the planet's highest ground, and then the highest within the horizon that follows. A step
+ * nearer may find finer levels, and so lower or higher ground than the step before: that is taken, and looked at again;
+ * what does not settle is the planet's. */
 static void set_horizon(rings_view *v)
 {
-    enum { TIMES = 4 };
-    double low = tc_rings_of(v)->z_lo, high = tc_rings_of(v)->z_hi, lo, hi;
-    for (int k = 0; k < TIMES; k++) {
+    enum { TIMES = 5 };
+    const double lowest = tc_rings_of(v)->z_lo, highest = tc_rings_of(v)->z_hi;
+    double low = lowest, high = highest, lo, hi;
+    bool back = false, settled = false;
+    for (int k = 0; k < TIMES && !settled; k++) {
         range_within(v, edge_on(v, low, v->z_eye), &lo, &hi);
-        if (!(lo > low))
-            break;
-        low = lo;
+        settled = lo == low || (back && lo > low);
+        back |= lo < low;
+        low = settled ? low : lo;
     }
+    low = settled || !back ? low : lowest;
     v->horizon = edge_on(v, low, v->z_eye) + edge_on(v, low, high);
-    for (int k = 0; k < TIMES; k++) {
+    back = settled = false;
+    for (int k = 0; k < TIMES && !settled; k++) {
         range_within(v, v->horizon, &lo, &hi);
-        if (!(hi < high))
-            break;
-        high = hi;
+        settled = hi == high || (back && hi < high);
+        back |= hi > high;
+        high = settled ? high : hi;
         v->horizon = edge_on(v, low, v->z_eye) + edge_on(v, low, high);
     }
+    if (!settled && back)
+        v->horizon = edge_on(v, low, v->z_eye) + edge_on(v, low, highest);
 }
 
 static void set_levels(rings_view *v, bool wait)
