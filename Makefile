@@ -193,12 +193,11 @@ $(eval $(call test_rule,extreme))
 $(eval $(call test_rule,bench))
 .SECONDARY:
 
-# Counts what our own objects allocate, not what the driver does.
-LDFLAGS_test_memory := $(patsubst %,-Wl$(comma)--wrap=%,malloc calloc realloc aligned_alloc free)
-LDFLAGS_test_damage := $(LDFLAGS_test_memory)
-LDFLAGS_test_hostile := $(LDFLAGS_test_memory)
-LDFLAGS_test_draw := $(LDFLAGS_test_memory)
-LDFLAGS_test_refused := $(LDFLAGS_test_memory) -Wl,--wrap=strdup
+# Counts what our own objects allocate, not what the driver does (tests/wrapped).
+ALLOCATIONS := test_memory test_damage test_hostile test_draw test_refused
+$(foreach t,$(ALLOCATIONS),$(eval LDFLAGS_$(t) := $(patsubst %,-Wl$$(comma)--wrap=%,\
+    malloc calloc realloc aligned_alloc strdup free)))
+$(ALLOCATIONS:%=$(O)/tests/%): $(OBJ)/tests/wrapped/allocations.o
 
 # Replays the fuzzers' seeds through the fuzzers, whose checksums are all 0: no_crc stands before the library.
 SEEDS := $(call obj,tests/fuzz/no_crc tests/fuzz/fuzz_reader tests/fuzz/fuzz_tile)

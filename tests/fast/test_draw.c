@@ -14,63 +14,12 @@
 #include "tests/support/refused.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
+#include "tests/wrapped/allocations.h"
 
 enum { WIDTH = 120, HEIGHT = 90 };
 
 static tc_context *context;
 static tc_gl table; /* what maps are drawn by */
-
-/* ---- Memory that is refused -------------------------------------------------------------------------------------- */
-
-static bool counting;
-static int asked, refuse_at, held; /* held: blocks that were given while counting and are not freed */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *p, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void __real_free(void *p);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *p, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-void __wrap_free(void *p);
-
-static bool refused(void)
-{
-    return counting && ++asked == refuse_at;
-}
-
-static void *given(void *p)
-{
-    held += counting && p;
-    return p;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return refused() ? NULL : given(__real_malloc(size));
-}
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return refused() ? NULL : given(__real_calloc(count, size));
-}
-void *__wrap_realloc(void *p, size_t size)
-{
-    void *q = refused() ? NULL : __real_realloc(p, size);
-    if (!p)
-        given(q);
-    return q;
-}
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    return refused() ? NULL : given(__real_aligned_alloc(alignment, size));
-}
-void __wrap_free(void *p)
-{
-    held -= counting && p;
-    __real_free(p);
-}
 
 /* ---- A host ------------------------------------------------------------------------------------------------------ */
 
@@ -260,15 +209,16 @@ static void each_refusal_is_a_line_and_leaves_nothing(void **state)
             for (int k = 0; k <= most[kind]; k++) { /* 0: nothing is refused, but counted */
                 driver = (gl_refuse){.refuse = kind ? k : 0};
                 table = gl_refuse_begin(tc_context_gl(context), &driver);
-                asked = held = 0, refuse_at = kind ? 0 : k;
-                counting = true;
+                long long before = allocations.live;
+                allocations_refuse(kind ? 0 : k);
                 tc_status status = whole_life(map, &camera, &error);
-                counting = false;
+                long long left = allocations.live - before;
                 if (k == 0)
-                    most[kind] = kind ? driver.asked : asked;
-                if (status != (k ? TC_ERR_MEMORY : TC_OK) || held != 0 || driver.alive != 0)
-                    fail_msg("%s %d of %d refused: %d \"%s\", %d blocks and %d objects are left",
-                             kind ? "the driver's" : "allocation", k, most[kind], status, error.text, held,
+                    most[kind] = kind ? driver.asked : (int)allocations.asked;
+                allocations_refuse(0);
+                if (status != (k ? TC_ERR_MEMORY : TC_OK) || left != 0 || driver.alive != 0)
+                    fail_msg("%s %d of %d refused: %d \"%s\", %lld bytes and %d objects are left",
+                             kind ? "the driver's" : "allocation", k, most[kind], status, error.text, left,
                              driver.alive);
             }
         assert_true(most[0] > 5 && most[1] > 5);

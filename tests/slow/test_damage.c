@@ -7,9 +7,7 @@
 #include "tests/support/test.h"
 
 #include <float.h>
-#include <malloc.h>
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,54 +19,11 @@
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
+#include "tests/wrapped/allocations.h"
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 enum { MOST_PIECE = 20 << 20, MOST_BYTES = 64 << 20 }; /* what opening and reading small files may take */
-
-static atomic_llong live, most_live, largest;
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *p, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void __real_free(void *p);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *p, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-void __wrap_free(void *p);
-
-static void *given(void *p, size_t asked)
-{
-    live += p ? (long long)malloc_usable_size(p) : 0;
-    most_live = live > most_live ? live : most_live;
-    largest = (long long)asked > largest ? (long long)asked : largest;
-    return p;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return given(__real_malloc(size), size);
-}
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return given(__real_calloc(count, size), count * size);
-}
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    return given(__real_aligned_alloc(alignment, size), size);
-}
-void *__wrap_realloc(void *p, size_t size)
-{
-    live -= p ? (long long)malloc_usable_size(p) : 0;
-    return given(__real_realloc(p, size), size);
-}
-void __wrap_free(void *p)
-{
-    live -= p ? (long long)malloc_usable_size(p) : 0;
-    __real_free(p);
-}
 
 /* ---- Intact files ------------------------------------------------------------------------------------------------ */
 
@@ -203,8 +158,8 @@ static outcome look_at(const char *path, const intact *of, bool keep)
     outcome o = {0};
     tc_field *p = NULL;
     tc_error error = {TC_OK, ""};
-    long long before = most_live = live;
-    largest = 0;
+    long long before = allocations.most_live = allocations.live;
+    allocations.largest = 0;
     cases++;
     alarm(20);
     o.opened = tc_field_open(path, &(tc_open_options){.cache_bytes = cases % 3 == 0}, &p, &error);
@@ -221,8 +176,8 @@ static outcome look_at(const char *path, const intact *of, bool keep)
         tc_field_destroy(p);
     }
     alarm(0);
-    assert_true(largest < MOST_PIECE && most_live - before < MOST_BYTES);
-    assert_true(live <= before); /* strdup() is not counted, what it gave is */
+    assert_true(allocations.largest < MOST_PIECE && allocations.most_live - before < MOST_BYTES);
+    assert_true(allocations.live <= before);
     return o;
 }
 
@@ -282,12 +237,12 @@ static void a_damaged_head_is_refused(void **state)
                 make_bytes(made_path("damaged"), bytes, f->size);
                 tc_field *p = NULL;
                 tc_error error = {TC_OK, ""};
-                long long before = live;
-                largest = 0;
+                long long before = allocations.live;
+                allocations.largest = 0;
                 cases++;
                 if (tc_field_open(made_path("damaged"), NULL, &p, &error) == TC_OK || p || !error.text[0])
                     fail_msg("kind %d: byte %d of the head goes unseen", k, (int)at);
-                assert_true(live <= before && largest < 1 << 20);
+                assert_true(allocations.live <= before && allocations.largest < 1 << 20);
                 bytes[at] = f->bytes[at];
             }
         free(bytes);

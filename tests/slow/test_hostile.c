@@ -6,7 +6,6 @@
 #include "tests/support/test.h"
 
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,47 +17,11 @@
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 #include "tests/support/terrains.h"
+#include "tests/wrapped/allocations.h"
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 enum { MOST_PIECE = 40 << 20 };
-static atomic_llong largest;
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *p, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void __real_free(void *p);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *p, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-void __wrap_free(void *p);
-
-static void note(size_t size)
-{
-    largest = (long long)size > largest ? (long long)size : largest;
-}
-void *__wrap_malloc(size_t size)
-{
-    return note(size), __real_malloc(size);
-}
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return note(count * size), __real_calloc(count, size);
-}
-void *__wrap_realloc(void *p, size_t size)
-{
-    return note(size), __real_realloc(p, size);
-}
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    return note(size), __real_aligned_alloc(alignment, size);
-}
-void __wrap_free(void *p)
-{
-    __real_free(p);
-}
 
 /* ---- Trying ------------------------------------------------------------------------------------------------------ */
 
@@ -78,7 +41,7 @@ static tc_status try_bytes(const uint8_t *head, size_t head_size, const uint8_t 
     tc_error error = {TC_OK, ""};
     cases++;
     alarm(20);
-    largest = 0;
+    allocations.largest = 0;
     tc_status status = tc_field_open(path, NULL, &p, &error);
     assert_true(status ? !p && error.text[0] && !strchr(error.text, '\n') : p != NULL);
     opened += !status;
@@ -98,7 +61,7 @@ static tc_status try_bytes(const uint8_t *head, size_t head_size, const uint8_t 
         __real_free(z), __real_free(v);
         tc_field_packed_level(p, l);
     }
-    assert_true(largest < MOST_PIECE);
+    assert_true(allocations.largest < MOST_PIECE);
     tc_field_destroy(p);
     alarm(0);
     return status;

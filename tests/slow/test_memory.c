@@ -6,7 +6,6 @@
 
 #include <malloc.h>
 #include <math.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +17,7 @@
 #include "common/app/stats.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
+#include "tests/wrapped/allocations.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 enum { SANITIZED = 1 };
@@ -27,53 +27,10 @@ enum { SANITIZED = 0 };
 
 enum { SIZE = 1025, SPACING = 30, N = 63, WIDTH = 160, HEIGHT = 120 };
 
-/* ---- Counting --------------------------------------------------------------------------------------------------- */
-
-static atomic_llong calls;      /* of any of the functions */
-static atomic_llong live_bytes; /* given out and not freed */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *p, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void __real_free(void *p);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *p, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-void __wrap_free(void *p);
-
-static void *given(void *p)
+/* Calls of any of the functions. */
+static long long calls(void)
 {
-    calls++;
-    live_bytes += p ? (long long)malloc_usable_size(p) : 0;
-    return p;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return given(__real_malloc(size));
-}
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return given(__real_calloc(count, size));
-}
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    return given(__real_aligned_alloc(alignment, size));
-}
-
-void *__wrap_realloc(void *p, size_t size)
-{
-    live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
-    return given(__real_realloc(p, size));
-}
-
-void __wrap_free(void *p)
-{
-    calls++;
-    live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
-    __real_free(p);
+    return allocations.asked + allocations.freed;
 }
 
 /* Bytes of this process that lie in memory. */
@@ -156,10 +113,10 @@ static void frames_allocate_nothing(void **state)
         tc_stats *stats;
         assert_int_equal(tc_stats_create(100, &stats, NULL), TC_OK);
         fly(&s, stats, 0, 20); /* warm-up */
-        long long before = calls;
+        long long before = calls();
         int frames = SANITIZED ? 100 : k == 0 ? 1000 : 300;
         fly(&s, stats, 20, 20 + frames);
-        long long made = calls - before;
+        long long made = calls() - before;
         printf("allocations: %lld in %d frames of scene %zu\n", made, frames, k);
         assert_int_equal(made, 0);
         tc_stats_destroy(stats);
@@ -186,14 +143,14 @@ static void flying_allocates_nothing(void **state)
     tc_flight flight = {.view = tc_flight_path_view(&path, 0, 2), .speed = tc_flight_speed};
     const tc_ground ground = {.height = ground_height, .clearance = tc_flight_clearance(SPACING)};
     const tc_flight_input input = {.forward = 1, .turn = 0.01, .dt = 0.016, .fast = true};
-    long long before = calls;
+    long long before = calls();
     for (int i = 0; i < 1000; i++) {
         tc_plane_navigation.step(&flight, &input, &ground);
         tc_pose view = tc_flight_path_view(&path, i, 1000);
         tc_camera c;
         tc_pose_to_camera(&view, &c);
     }
-    assert_int_equal(calls - before, 0);
+    assert_int_equal(calls() - before, 0);
     tc_flight_path_free(&path);
 }
 
@@ -232,7 +189,7 @@ static void items_add_up(void **state)
 {
     (void)state;
     /* The pyramid: a third more than the grid, and two floats for each 16 x 16 samples. */
-    long long start = live_bytes;
+    long long start = allocations.live;
     tc_field *own = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 1);
     double samples = 0;
     for (int l = 1; l <= tc_field_info(own)->levels; l++) {
@@ -241,14 +198,14 @@ static void items_add_up(void **state)
     }
     double field_bytes = samples * (4 + 8. / 256);
     assert_about("pyramid", (double)tc_field_tell(own).bytes, field_bytes);
-    assert_about("pyramid, as allocated", (double)(live_bytes - start), field_bytes);
+    assert_about("pyramid, as allocated", (double)(allocations.live - start), field_bytes);
 
     for (int lit = 0; lit < 2; lit++) {
-        start = live_bytes;
+        start = allocations.live;
         scene s = scene_create(context, own, N, &(tc_scene_options){.unlit = !lit});
         tc_camera c = camera_at(0);
         scene_draw(&s, &c, true);
-        long long held = live_bytes - start;
+        long long held = allocations.live - start;
         tc_memory_stats m;
         tc_renderer_memory(s.renderer, &m);
 
@@ -272,7 +229,7 @@ static void items_add_up(void **state)
                rest / 1024);
         assert_true(rest >= 0 && rest < 1 << 18);
         scene_destroy(&s);
-        assert_int_equal(live_bytes, start);
+        assert_int_equal(allocations.live, start);
     }
     tc_field_destroy(own);
 }

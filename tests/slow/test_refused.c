@@ -4,7 +4,6 @@
  * The Makefile links this test with --wrap for the functions that allocate. */
 #include "tests/support/test.h"
 
-#include <malloc.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,78 +16,7 @@
 #include "tests/support/refused.h"
 #include "tests/support/regions.h"
 #include "tests/support/stripes.h"
-
-/* ---- Refusing ---------------------------------------------------------------------------------------------------- */
-
-static _Atomic long long live_bytes; /* a thread reads ahead */
-static _Atomic int calls, refused;   /* the call that is refused, from 1 on; 0: none */
-
-void *__real_malloc(size_t size);
-void *__real_calloc(size_t count, size_t size);
-void *__real_realloc(void *p, size_t size);
-void *__real_aligned_alloc(size_t alignment, size_t size);
-void __real_free(void *p);
-void *__wrap_malloc(size_t size);
-void *__wrap_calloc(size_t count, size_t size);
-void *__wrap_realloc(void *p, size_t size);
-void *__wrap_aligned_alloc(size_t alignment, size_t size);
-char *__wrap_strdup(const char *text);
-void __wrap_free(void *p);
-
-static bool refuses(void)
-{
-    return ++calls == refused;
-}
-
-static void *given(void *p)
-{
-    live_bytes += p ? (long long)malloc_usable_size(p) : 0;
-    return p;
-}
-
-void *__wrap_malloc(size_t size)
-{
-    return refuses() ? NULL : given(__real_malloc(size));
-}
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return refuses() ? NULL : given(__real_calloc(count, size));
-}
-void *__wrap_aligned_alloc(size_t alignment, size_t size)
-{
-    return refuses() ? NULL : given(__real_aligned_alloc(alignment, size));
-}
-void *__wrap_realloc(void *p, size_t size)
-{
-    if (refuses())
-        return NULL;
-    live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
-    return given(__real_realloc(p, size));
-}
-char *__wrap_strdup(const char *text)
-{
-    char *copy = __wrap_malloc(strlen(text) + 1);
-    return copy ? memcpy(copy, text, strlen(text) + 1) : NULL;
-}
-void __wrap_free(void *p)
-{
-    live_bytes -= p ? (long long)malloc_usable_size(p) : 0;
-    __real_free(p);
-}
-
-static void refuse(int call)
-{
-    calls = 0;
-    refused = call;
-}
-
-/* Whether the call to be refused came. */
-static bool was_refused(void)
-{
-    bool came = calls >= refused; /* or none was to be */
-    refused = 0;
-    return came;
-}
+#include "tests/wrapped/allocations.h"
 
 /* ---- Windows ----------------------------------------------------------------------------------------------------- */
 
@@ -103,13 +31,13 @@ static void creating(void **state)
     for (int call = 1;; call++) {
         tc_clipmap *c = NULL;
         tc_error error = {TC_OK, ""};
-        long long before = live_bytes;
-        refuse(call);
+        long long before = allocations.live;
+        allocations_refuse(call);
         tc_status status = tc_ground_create(field, &all_contents, &c, &error);
-        if (!was_refused()) {
+        if (!allocations_refused()) {
             assert_int_equal(status, TC_OK);
             tc_clipmap_destroy(c);
-            assert_true(live_bytes == before);
+            assert_true(allocations.live == before);
             assert_true(call > 3 * 5); /* three contents of several levels */
             printf("creating windows: %d allocations, each refused once\n", call - 1);
             break;
@@ -117,7 +45,7 @@ static void creating(void **state)
         assert_int_equal(status, TC_ERR_MEMORY);
         assert_non_null(strstr(error.text, "memory"));
         assert_null(c);
-        assert_true(live_bytes == before);
+        assert_true(allocations.live == before);
     }
     tc_field_destroy(field);
 }
@@ -133,16 +61,16 @@ static void updating(tc_pack_codec codec)
     int refusals = 0, unfilled = 0;
     long long usual = 0; /* difference of a run without refusals: what the C library itself has allocated and we free */
     for (int call = 0;; call++) {
-        long long before = live_bytes;
+        long long before = allocations.live;
         tc_field *field;
         tc_clipmap *c = NULL;
         tc_rect wanted[TC_MAX_LEVELS];
         assert_int_equal(tc_field_open(path, NULL, &field, NULL), TC_OK);
         assert_int_equal(tc_ground_create(field, &all_contents, &c, NULL), TC_OK);
         stripes_want(c, 300, 200, wanted);
-        refuse(call);
+        allocations_refuse(call);
         tc_clipmap_update(c, wanted, -1, true, 0);
-        bool came = was_refused();
+        bool came = allocations_refused();
         assert_null(regions_broken(c));
         if (!tc_clipmap_resident(c)) {
             assert_true(came);
@@ -156,8 +84,8 @@ static void updating(tc_pack_codec codec)
             assert_null(content_broken(c, level, 0, 10));
         tc_clipmap_destroy(c);
         tc_field_destroy(field);
-        usual = call == 0 ? live_bytes - before : usual;
-        assert_true(live_bytes - before == usual);
+        usual = call == 0 ? allocations.live - before : usual;
+        assert_true(allocations.live - before == usual);
         if (!came)
             break;
         refusals += call > 0;
@@ -197,15 +125,15 @@ static int refuse_opening(const char *path)
     for (int call = 1;; call++) {
         tc_map *map = NULL;
         tc_error error = {TC_OK, ""};
-        long long before = live_bytes;
-        refuse(call);
+        long long before = allocations.live;
+        allocations_refuse(call);
         tc_status status = tc_map_open(path, NULL, &map, &error);
-        bool came = was_refused();
+        bool came = allocations_refused();
         if (status == TC_OK)
             tc_map_destroy(map);
         else
             assert_refused(status, TC_ERR_MEMORY, &error, "memory");
-        assert_true(live_bytes == before);
+        assert_true(allocations.live == before);
         if (!came) {
             assert_int_equal(status, TC_OK);
             return call - 1;
@@ -233,13 +161,13 @@ static void reading(void **state)
     long long usual = 0;
     int refusals = 0;
     for (int call = 0;; call++) {
-        long long before = live_bytes;
+        long long before = allocations.live;
         tc_field *f;
         assert_int_equal(tc_field_open(path, NULL, &f, NULL), TC_OK);
         int l = tc_field_info(f)->levels;
-        refuse(call);
+        allocations_refuse(call);
         tc_status status = tc_field_read(f, l, all, call ? z : truth, voids, SIDE);
-        bool came = was_refused();
+        bool came = allocations_refused();
         assert_true(status == TC_OK || (came && status == TC_ERR_MEMORY));
         assert_int_equal(tc_field_read(f, l, all, z, voids, SIDE), TC_OK);
         assert_memory_equal(z, truth, sizeof *z * SIDE * (SIDE / 2));
@@ -249,8 +177,8 @@ static void reading(void **state)
         tc_field_stats told = tc_field_tell(f);
         assert_true(told.unreadable == 0 && told.damaged == 0);
         tc_field_destroy(f);
-        usual = call == 0 ? live_bytes - before : usual;
-        assert_true(live_bytes - before == usual);
+        usual = call == 0 ? allocations.live - before : usual;
+        assert_true(allocations.live - before == usual);
         if (call > 0 && !came)
             break;
         refusals += call > 0;
@@ -268,20 +196,20 @@ static void reading_ahead(void **state)
     long long usual = 0;
     int refusals = 0;
     for (int call = 0;; call++) {
-        long long before = live_bytes;
+        long long before = allocations.live;
         tc_field *f;
         assert_int_equal(tc_field_open(path, NULL, &f, NULL), TC_OK);
         int l = tc_field_info(f)->levels, polls = 0;
-        refuse(call);
+        allocations_refuse(call);
         while (tc_field_ready(f, l, part, TC_SOON) != TC_READY && polls++ < 5000)
             usleep(1000);
         assert_true(polls < 5000);
-        bool came = was_refused();
+        bool came = allocations_refused();
         tc_field_stats told = tc_field_tell(f);
         assert_true(told.unreadable == 0 && told.damaged == 0 && told.waits == 0);
         tc_field_destroy(f);
-        usual = call == 0 ? live_bytes - before : usual;
-        assert_true(live_bytes - before == usual);
+        usual = call == 0 ? allocations.live - before : usual;
+        assert_true(allocations.live - before == usual);
         if (call > 0 && !came)
             break;
         refusals += call > 0;
