@@ -54,7 +54,8 @@ void tc_range_update(const tc_range_pyramid *p, int64_t x, int64_t y)
     }
 }
 
-int tc_range_scale(tc_rect r, int64_t most_x)
+/* The finest scale at which leaves touch at most `most_x` x 2 nodes. */
+static int scale_of(tc_rect r, int64_t most_x)
 {
     int k = 0;
     while (((r.x1 - 1) >> k) - (r.x0 >> k) >= most_x || ((r.y1 - 1) >> k) - (r.y0 >> k) >= 2)
@@ -80,7 +81,7 @@ tc_range tc_range_node(const tc_range_pyramid *p, int k, int64_t x, int64_t y)
 
 tc_range tc_range_ask(const tc_range_pyramid *p, tc_rect r, int64_t most_x, int *reads)
 {
-    int k = tc_range_scale(r, most_x);
+    int k = scale_of(r, most_x);
     scale s = scale_at(p, &k);
     tc_range all = TC_NO_RANGE;
     for (int64_t y = r.y0 >> k; y <= (r.y1 - 1) >> k; y++)

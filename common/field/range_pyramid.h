@@ -25,9 +25,6 @@ int64_t tc_range_nodes(int64_t nx, int64_t ny);
 void tc_range_build(const tc_range_pyramid *p);
 void tc_range_update(const tc_range_pyramid *p, int64_t x, int64_t y);
 
-/* The finest scale at which the leaves touch at most `most_x` x 2 nodes; for who has nodes of his own below. */
-int tc_range_scale(tc_rect leaves, int64_t most_x);
-
 /* What covers the leaves (not empty, within the pyramid), by reading at most most_x x 2 nodes, which are added to
  * *reads. */
 tc_range tc_range_ask(const tc_range_pyramid *p, tc_rect leaves, int64_t most_x, int *reads);

@@ -17,8 +17,7 @@ enum {
     PAGE_NODES = 343,      /* of a range pyramid over a page's tiles */
     PAGE_SCALES = 5,       /* above its leaves */
     PAGE_SCALES_Y = 3,
-    MOST_PAGE = 1 << 16, /* bytes; no writer makes a longer page */
-    SMALLEST_HEAD = 20
+    MOST_PAGE = 1 << 16 /* bytes; no writer makes a longer page */
 };
 
 /* A page in the cache. */
