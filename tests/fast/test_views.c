@@ -12,6 +12,7 @@
 #include "spherical/rings_internal.h"
 #include "tests/support/made_files.h"
 #include "tests/support/one_square.h"
+#include "tests/support/packed_map.h"
 #include "tests/support/planet_scene.h"
 
 #define DEGREE (M_PI / 180)
@@ -133,42 +134,6 @@ static tc_field_stats told(const tc_map *map)
     return all;
 }
 
-/* Chart 0's finest level in a packed file. */
-static tc_status pack_map(const tc_map *map, const char *path, tc_error *error)
-{
-    const tc_field *field = tc_map_field(map, 0);
-    int finest = tc_field_info(field)->levels;
-    tc_level size = tc_field_level(field, finest);
-    const tc_rect all = {0, 0, size.width, size.height};
-    float *z = malloc((size_t)(size.width * size.height) * sizeof *z);
-    assert_non_null(z);
-    assert_int_equal(tc_field_read(field, finest, all, z, NULL, (ptrdiff_t)size.width), TC_OK);
-    tc_pack_terrain terrain = {.width = size.width,
-                               .height = size.height,
-                               .spacing_x = size.spacing_x,
-                               .spacing_y = size.spacing_y,
-                               .sample_type = TC_SAMPLE_FLOAT32,
-                               .unit = 1};
-    if (map->body.radius > 0) {
-        double step = 360.0 / (double)size.width, metres = map->body.radius * step * DEGREE;
-        const double t[6] = {-180, step, 0, 90, 0, -step};
-        terrain.wraps_x = true, terrain.radius = map->body.radius;
-        terrain.spacing_x = terrain.spacing_y = metres;
-        terrain.georef = (tc_georef){.known = true, .geographic = true, .semi_major = map->body.radius};
-        memcpy(terrain.georef.transform, t, sizeof t);
-    }
-    tc_packer *packer = NULL;
-    tc_pack_result result;
-    tc_status status = tc_packer_create(path, &terrain, &(tc_pack_options){.error = 1}, &packer, error);
-    if (status == TC_OK)
-        status = tc_packer_put(packer, all, z, NULL, (ptrdiff_t)size.width, error);
-    if (status == TC_OK)
-        status = tc_packer_finish(packer, &result, error);
-    tc_packer_destroy(packer);
-    free(z);
-    return status;
-}
-
 /* A planet and a flat map, in memory and packed. */
 static tc_map *made(int kind)
 {
@@ -178,8 +143,7 @@ static tc_map *made(int kind)
         return map;
     tc_error error = {.text = ""};
     const char *path = made_path("packed.tclip");
-    if (pack_map(map, path, &error) != TC_OK)
-        fail_msg("%s", error.text);
+    packed_map(map, path);
     tc_map_destroy(map);
     if (tc_map_open(path, NULL, &map, &error) != TC_OK)
         fail_msg("%s", error.text);

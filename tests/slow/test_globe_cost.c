@@ -11,6 +11,7 @@
 #include "planar/square.h"
 #include "spherical/rings_internal.h"
 #include "tests/support/made_files.h"
+#include "tests/support/packed_map.h"
 #include "tests/support/planet_scene.h"
 
 #define DEGREE (M_PI / 180)
@@ -20,38 +21,6 @@ static const double radius = 100e3; /* samples are 77 m apart, so that 10 km are
 static tc_context *context;
 static tc_map *memory;
 static const char *path;
-
-/* Chart 0's finest level in a packed file. */
-static void pack(const tc_map *atlas, const char *to)
-{
-    tc_field *p = atlas->chart[0].field;
-    int m = tc_field_info(p)->levels;
-    tc_level size = tc_field_level(p, m);
-    float *z = malloc((size_t)(size.width * size.height) * sizeof *z);
-    assert_non_null(z);
-    tc_rect all = {0, 0, size.width, size.height};
-    assert_int_equal(tc_field_read(p, m, all, z, NULL, (ptrdiff_t)size.width), TC_OK);
-    double step = 360.0 / (double)size.width, metres = radius * step * DEGREE;
-    tc_pack_terrain terrain = {.width = size.width,
-                               .height = size.height,
-                               .wraps_x = true,
-                               .radius = radius,
-                               .spacing_x = metres,
-                               .spacing_y = metres,
-                               .sample_type = TC_SAMPLE_FLOAT32,
-                               .unit = 1};
-    terrain.georef = (tc_georef){.known = true, .geographic = true, .semi_major = radius};
-    const double t[6] = {-180, step, 0, 90, 0, -step};
-    memcpy(terrain.georef.transform, t, sizeof t);
-    tc_packer *packer;
-    tc_pack_result result;
-    tc_error error = {TC_OK, ""};
-    if (tc_packer_create(to, &terrain, &(tc_pack_options){.error = 1}, &packer, &error) ||
-        tc_packer_put(packer, all, z, NULL, (ptrdiff_t)size.width, &error) || tc_packer_finish(packer, &result, &error))
-        fail_msg("%s", error.text);
-    tc_packer_destroy(packer);
-    free(z);
-}
 
 /* Harmonics and finer hills, down to a few samples. */
 static double hills(void *ctx, const double p[3])
@@ -69,7 +38,7 @@ static int set_up(void **state)
     context = scene_context();
     memory = planet_atlas(COLUMNS, radius, hills, &relief);
     path = made_path("planet.tclip");
-    pack(memory, path);
+    packed_map(memory, path);
     return context ? 0 : -1;
 }
 
