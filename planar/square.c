@@ -351,6 +351,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                                            .outside = "outside the view"};
     static const char *const vertex_parts[] = {"square_wide.glsl", "square.glsl", NULL};
     static const char *const fragment_parts[] = {"square.frag", NULL};
+    static const char *const sky_parts[] = {"sky.frag", NULL};
     if (options->n && tc_clipmap_check_n(options->n, error) != TC_OK)
         return TC_ERR_USAGE;
     const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
@@ -378,7 +379,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                      .words = &words,
                      .vertex_parts = s->wide ? vertex_parts : vertex_parts + 1,
                      .fragment_parts = fragment_parts,
-                     .sky = "sky.frag",
+                     .sky_parts = sky_parts,
                      .closers = true,
                      .instances = true,
                      .near_plane = 1e-4 * fmin(1, fmin(finest.spacing_x, finest.spacing_y)),

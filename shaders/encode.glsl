@@ -1,4 +1,11 @@
 // encode.glsl - what a target holds of a colour as it is shown.
+
+// Noise of one step of colour, so that a gradient shows no bands (interleaved gradient noise, Jimenez 2014).
+float step_noise()
+{
+    return (fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;
+}
+
 vec4 encoded(vec3 shown)
 {
 #ifdef LINEAR_LIGHT

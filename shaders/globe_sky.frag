@@ -5,7 +5,7 @@ layout(location = 0) out vec4 colour;
 void main()
 {
     vec3 d = v_ray * inversesqrt(dot(v_ray, v_ray));
-    float eye_radius = surface[1].x + surface[1].y, radius = surface[1].x - surface[1].z, thickness = 0.00125 * radius;
+    float eye_radius = surface[1].x + surface[1].y, radius = surface[1].x - surface[1].z, thickness = AIR_THICKNESS * radius;
     // Lowest point of the ray: the eye, or where it passes the planet.
     float along = max(-d.z, 0.0) * eye_radius;
     float lowest = d.z >= 0.0 ? eye_radius - radius
@@ -19,7 +19,5 @@ void main()
     s *= s, s *= s, s *= s;
     c += thick * haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
     c = c * day * AIR + vec3(0.00015, 0.00018, 0.00025);
-    // Noise of one step of colour, so that the gradient shows no bands (interleaved gradient noise, Jimenez 2014).
-    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
-    colour = encoded(sqrt(c) + noise / 255.0);
+    colour = encoded(sqrt(c) + step_noise());
 }

@@ -1,4 +1,4 @@
-// rings.frag - what renderer.frag asks of spherical/rings.c.
+// rings.frag - the ground at a fragment, for spherical/rings.c (ground.glsl).
 //
 // Colours and normals have their own, finer level of detail, and their place on the charts is worked out for each
 // fragment: nothing is interpolated across a pole or the meridian behind it.
@@ -8,6 +8,9 @@ layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres abov
 #ifdef LIT
 layout(binding = 2) uniform sampler2DArray normals_map;
 #endif
+#ifdef HOLES
+layout(binding = 3) uniform sampler2DArray voids_map;
+#endif
 
 float fragment_shift()
 {
@@ -15,123 +18,128 @@ float fragment_shift()
     return surface[10].w > 0.0 ? floor(shift) : shift;
 }
 
-float surface_level()
-{
-    return max(floor(min(v_terrain.y, surface[1].w)), 0.0);
-}
-
+// What a chart has there.
+struct Charted {
+    float height; // metres above z_base
+    bool known;   // false beside a part of a globe
 #ifdef HOLES
-layout(binding = 3) uniform sampler2DArray voids_map;
-
-bool surface_void()
-{
-    vec2 caps = cap_weights(v_direction), where;
-    int chart = caps.x > 0.5 ? 1 : caps.y > 0.5 ? 2 : 0, at;
-    float alpha, share;
-    vec2 place = map_chart(chart, v_direction, 0.0, share);
-    if (share < 1.0 || !find_layer(chart, place, fragment_shift(), at, alpha, where))
-        return false;
-    ivec2 texel = ivec2(layer[3 * at + 1].xy) + ivec2(floor(where + 0.5));
-    return texelFetch(voids_map, ivec3(texel & WINDOW_MASK, at), 0).r > 0.0;
-}
+    bool hole;
 #endif
+#ifdef LIT
+    vec2 slope; // along the chart's axes per unit of its own lengths
+#endif
+};
 
-// Set by surface_height(): 0 beside a part of a globe; up and slopes in the frame of the viewer's meridian.
-float fragment_known;
-vec3 fragment_up, fragment_slope;
-
-// Height, and slopes along the chart's axes per unit of its own lengths.
-void look(int chart, out float height, out vec2 slopes)
+Charted look(int chart)
 {
-    vec2 where, t;
-    int at;
-    float alpha, share;
-    vec2 place = map_chart(chart, v_direction, 0.0, share);
-    height = v_terrain.x;
-    slopes = vec2(0.0);
-    fragment_known = share < 1.0 ? 0.0 : 1.0;
-    if (share < 1.0 || !find_layer(chart, place, fragment_shift(), at, alpha, where))
-        return;
-    ivec2 corner = ivec2(layer[3 * at + 1].xy) + ivec2(cell_of(at, where, t));
-    vec2 south = mix(texelFetch(heights_map, ivec3(corner & WINDOW_MASK, at), 0).rg,
-                     texelFetch(heights_map, ivec3((corner + ivec2(1, 0)) & WINDOW_MASK, at), 0).rg, t.x);
-    vec2 north = mix(texelFetch(heights_map, ivec3((corner + ivec2(0, 1)) & WINDOW_MASK, at), 0).rg,
-                     texelFetch(heights_map, ivec3((corner + ivec2(1, 1)) & WINDOW_MASK, at), 0).rg, t.x);
+    float share;
+    vec2 place = map_chart(chart, v_direction, 0.0, share), t;
+    Charted c;
+    c.height = v_terrain.x;
+    c.known = share >= 1.0;
+#ifdef HOLES
+    c.hole = false;
+#endif
+#ifdef LIT
+    c.slope = vec2(0.0);
+#endif
+    Spot spot;
+    if (!c.known || !find_spot(stack_of(chart), place, fragment_shift(), spot))
+        return c;
+    ivec2 corner = ivec2(cell_of(spot, t));
+    vec2 south = mix(texelFetch(heights_map, texel_of(spot.layer, corner), 0).rg,
+                     texelFetch(heights_map, texel_of(spot.layer, corner + ivec2(1, 0)), 0).rg, t.x);
+    vec2 north = mix(texelFetch(heights_map, texel_of(spot.layer, corner + ivec2(0, 1)), 0).rg,
+                     texelFetch(heights_map, texel_of(spot.layer, corner + ivec2(1, 1)), 0).rg, t.x);
     vec2 z = mix(south, north, t.y);
-    height = mix(z.x, z.y, alpha);
+    c.height = mix(z.x, z.y, spot.alpha);
+#ifdef HOLES
+    c.hole = texelFetch(voids_map, texel_of(spot.layer, ivec2(floor(spot.at + 0.5))), 0).r > 0.0;
+#endif
 #ifdef LIT
     // In steps of a texel's 512th the sum is exact, whichever number of its column the viewer has.
-    vec2 texel = (2.0 * (layer[3 * at + 1].xy + round(where * 1024.0) / 1024.0) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
-    vec4 n = textureLod(normals_map, vec3(texel, float(at)), 0.0);
-    vec2 xy = mix(n.xy, n.zw, alpha);
+    vec2 from = layer[3 * spot.layer + 1].xy + round(spot.at * 1024.0) / 1024.0;
+    vec4 n = textureLod(normals_map, vec3((2.0 * from + 0.5) * (0.5 / float(WINDOW_MASK + 1)), float(spot.layer)), 0.0);
+    vec2 xy = mix(n.xy, n.zw, spot.alpha);
     // Slopes were kept steeper where samples are further apart than that (tc_ground_options.relief).
-    vec2 samples = layer[3 * at].zw;
+    vec2 samples = layer[3 * spot.layer].zw;
     float spacing = (surface[1].x - surface[1].z) * inversesqrt(samples.x * samples.y);
-    slopes = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01)) * min(1.0, sqrt(RELIEF / spacing));
+    c.slope = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01)) * min(1.0, sqrt(RELIEF / spacing));
 #endif
+    return c;
 }
+
+#ifdef LIT
+// A chart's slope at direction p, in p's frame: that of the viewer's meridian.
+vec3 slope_at(vec3 p, int chart, vec2 g)
+{
+    if (chart == 0) {
+        float rho = sqrt(p.x * p.x + p.y * p.y);
+        vec2 meridian = p.xy / max(rho, 1e-4);
+        return g.x / max(rho, 0.01) * vec3(-meridian.y, meridian.x, 0.0) + g.y * vec3(-p.z * meridian, rho);
+    }
+    float side = chart == 1 ? 1.0 : -1.0, up = 1.0 + side * p.z;
+    g = vec2(surface[0].z * g.x + surface[0].w * g.y, surface[0].z * g.y - surface[0].w * g.x) * (2.0 / up);
+    // Chart axes carried along meridians from the pole.
+    float along = dot(p.xy, g);
+    return vec3(g - p.xy * along / up, -side * along);
+}
+
+// From the frame of the viewer's meridian to the eye's axes: east, north, up.
+vec3 eye_axes(vec3 p)
+{
+    float ct = surface[0].x, st = surface[0].y;
+    return vec3(p.y, st * p.z - ct * p.x, st * p.x + ct * p.z);
+}
+#endif
 
 // Charts are gone through in a loop, which is run as often as one of the fragments next to each other needs it; conditions
 // one after the other are all run by a renderer that does not branch.
-float surface_height()
+Ground surface_ground()
 {
     vec3 s = v_direction;
-    float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z, height = 0.0;
+    float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z;
     vec3 p = normalize(vec3(ct * s.x + st * c, s.y, ct * c - st * s.x)), slope = vec3(0.0);
     vec2 caps = cap_weights(s);
     float rest = 1.0 - caps.x - caps.y;
     int cap = caps.x > 0.0 ? 1 : 2;
+    bool known = true;
+    Ground g;
+    g.height = 0.0;
     for (int chart = rest > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && rest < 1.0 ? cap : 3) {
-        float z;
-        vec2 g;
-        look(chart, z, g);
+        Charted there = look(chart);
         float share = chart == 0 ? rest : 1.0 - rest;
-        height += share * z;
-        if (chart == 0) {
-            float rho = sqrt(p.x * p.x + p.y * p.y);
-            vec2 meridian = p.xy / max(rho, 1e-4);
-            slope += share * (g.x / max(rho, 0.01) * vec3(-meridian.y, meridian.x, 0.0) + g.y * vec3(-p.z * meridian, rho));
-        } else {
-            float side = chart == 1 ? 1.0 : -1.0, up = 1.0 + side * p.z;
-            g = vec2(surface[0].z * g.x + surface[0].w * g.y, surface[0].z * g.y - surface[0].w * g.x) * (2.0 / up);
-            // Chart axes carried along meridians from the pole.
-            float along = dot(p.xy, g);
-            slope += share * vec3(g - p.xy * along / up, -side * along);
-        }
-    }
-    fragment_up = p;
-    fragment_slope = slope;
-    return height;
-}
-
-// 1 where there is no terrain, only the sphere.
-float surface_unknown()
-{
-    return 1.0 - fragment_known;
-}
-
-#ifdef LIT
-// Normal and up in the eye's axes: east, north, up.
-vec3 surface_normal(out vec3 up)
-{
-    float ct = surface[0].x, st = surface[0].y;
-    vec3 p = fragment_up, n = p - fragment_slope;
-    up = vec3(p.y, st * p.z - ct * p.x, st * p.x + ct * p.z);
-    return normalize(vec3(n.y, st * n.z - ct * n.x, st * n.x + ct * n.z));
-}
-
-// Height from which snow stays: about that of the Earth's mountains at the equator, the sea near the poles.
-float surface_snow()
-{
-    return 5600.0 * (1.0 - pow(abs(fragment_up.z) / 0.965, 3.0));
-}
+        g.height += share * there.height;
+        known = there.known;
+#ifdef HOLES
+        if (chart == 0 ? rest >= 0.5 : rest < 0.5)
+            g.hole = there.hole;
 #endif
+#ifdef LIT
+        slope += share * slope_at(p, chart, there.slope);
+#endif
+    }
+    g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the sphere
+#ifdef LIT
+    g.up = eye_axes(p);
+    g.normal = normalize(eye_axes(p - slope));
+#ifdef CLIMATE
+    g.day = smoothstep(-0.22, 0.3, dot(g.up, sun.xyz));
+    // About that of the Earth's mountains at the equator, the sea near the poles.
+    g.snow_line = 5600.0 * (1.0 - pow(abs(p.z) / 0.965, 3.0));
+#endif
+#endif
+#ifdef LEVEL_COLOURS
+    g.level = max(floor(min(v_terrain.y, surface[1].w)), 0.0);
+#endif
+    return g;
+}
 
 #ifdef HAZE
 // The way through air that thins out with height: to the terrain, or from where the air begins.
 float surface_haze()
 {
-    float radius = surface[1].x - surface[1].z, thickness = 0.00125 * radius;
+    float radius = surface[1].x - surface[1].z, thickness = AIR_THICKNESS * radius;
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
     vec3 view = normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
                           (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);

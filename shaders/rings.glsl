@@ -14,12 +14,9 @@
 // surface[10].w   1 where levels meet abruptly
 // surface[10 + k] cap k: coefficients of s_x, h, 1; 1 - its share at the viewer; of a part of a globe surface[11]: its
 //                 sides relative to the viewer; surface[12]: 1 where it wraps, ends at the south, at the north pole
-// whole[0][k]     chart k: layer of shift 0
+// whole[0][k]     chart k: layer of shift 0; whole[2][k]: finest shift + 64 coarsest
 // whole[1][k]     chart k: layer of the cell that the viewer is in; -1: none
-// whole[2][k]     chart k: finest shift + 64 coarsest
-// layer[3 l]      viewer's place from the nearest sample; samples per unit of the chart
-// layer[3 l + 1]  that sample, modulo twice the window's array; last samples of the lattice, relative to it
-// layer[3 l + 2]  what is held, relative to it: first x, y, last x, y
+// layer[...]      stack.glsl's
 
 // atan2 with a relative error of some 2e-7: the driver's may be off by 1e-5 (after Cephes' atanf).
 float exact_atan(float y, float x)
@@ -96,38 +93,16 @@ vec2 map_chart(int chart, vec3 s, float w, out float share)
         if ((beyond.y > 0.0 ? surface[12].z : surface[12].y) > 0.0)
             beyond.y = 0.0;
         place = inside;
-        share = beyond == vec2(0.0) ? 1.0 : max(0.0, 1.0 - length(beyond) / (0.05 * sqrt(2.0 * s.z)));
+        share = beyond == vec2(0.0) ? 1.0 : max(0.0, 1.0 - length(beyond) / (APRON * sqrt(2.0 * s.z)));
     }
     return place;
 }
 
-// Which layer of a chart a place reads, how much of the coarser one, and where: in samples from the viewer's nearest. The
-// wanted level where it is held, else the next coarser one that is. False where the chart has nothing.
-bool find_layer(int chart, vec2 place, float shift, out int at, out float alpha, out vec2 where)
+// The levels of a chart that there are.
+Stack stack_of(int chart)
 {
-    int range = whole[2][chart], finest = range & 63, coarsest = range >> 6;
-    int k = clamp(int(shift), finest, coarsest);
-    alpha = clamp(shift - float(k), 0.0, 1.0);
-    for (; k <= coarsest; k++, alpha = 0.0) {
-        at = whole[0][chart] - k;
-        vec4 l = layer[3 * at], held = layer[3 * at + 2];
-        where = l.xy + place * l.zw;
-        vec2 inside = min(where - held.xy, held.zw - where);
-        float edge = min(inside.x, inside.y);
-        if (edge < 0.0)
-            continue;
-        alpha = k < coarsest ? max(alpha, 1.0 - edge * surface[3].y) : 0.0;
-        return true;
-    }
-    return false;
-}
-
-// Cell of a place in a layer, and where in it.
-vec2 cell_of(int at, vec2 where, out vec2 t)
-{
-    vec2 last = layer[3 * at + 1].zw, cell = max(min(floor(where), last - 1.0), layer[3 * at + 2].xy);
-    t = min(where - cell, min(vec2(1.0), last - cell));
-    return cell;
+    int range = whole[2][chart];
+    return Stack(whole[0][chart], range & 63, range >> 6, surface[3].y);
 }
 
 // Level of detail for ring coordinate w: coarser levels from the finest.

@@ -10,32 +10,31 @@ INTERPOLATED out vec2 v_terrain;   // metres above z_base, ring coordinate
 // Height on a chart above the chart's height below the viewer.
 bool chart_height(int chart, vec3 s, float w, float shift, out float height)
 {
-    float alpha, share;
-    vec2 place = map_chart(chart, s, w, share), where, t;
-    int at;
-    if (share <= 0.0 || !find_layer(chart, place, shift, at, alpha, where))
+    float share;
+    vec2 place = map_chart(chart, s, w, share), t;
+    Spot spot;
+    if (share <= 0.0 || !find_spot(stack_of(chart), place, shift, spot))
         return false;
-    vec4 l = layer[3 * at], reference = surface[4 + chart], slope = surface[7 + chart];
-    vec2 cell = cell_of(at, where, t);
-    ivec2 origin = ivec2(layer[3 * at + 1].xy) + ivec2(cell);
-    bool near = at == whole[1][chart];
+    vec4 l = layer[3 * spot.layer], reference = surface[4 + chart], slope = surface[7 + chart];
+    vec2 cell = cell_of(spot, t);
+    bool near = spot.layer == whole[1][chart];
     vec4 z;
     for (int k = 0; k < 4; k++) {
         ivec2 corner = ivec2(k & 1, k >> 1);
-        precise vec2 q = texelFetch(heights_map, ivec3((origin + corner) & WINDOW_MASK, at), 0).rg;
+        precise vec2 q = texelFetch(heights_map, texel_of(spot.layer, ivec2(cell) + corner), 0).rg;
         q = (q - reference.x) - reference.y;
         vec2 d = cell + vec2(corner) - l.xy;
         // Bilinear interpolation gives the bilinear surface of the viewer's cell back: it is taken off the corners
         // and added at the vertex, exactly nothing being left at the corners of that cell.
         float surface_there = near ? d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z : 0.0;
-        float left = mix(q.x, q.y, alpha) - surface_there;
+        float left = mix(q.x, q.y, spot.alpha) - surface_there;
         vec2 from_own = cell + vec2(corner) - floor(l.xy);
-        bool own = near && alpha == 0.0 && all(lessThanEqual(abs(from_own - 0.5), vec2(0.75)));
+        bool own = near && spot.alpha == 0.0 && all(lessThanEqual(abs(from_own - 0.5), vec2(0.75)));
         z[k] = own ? 0.0 : left;
     }
     // Not 1 - t: beside the sample nearest to the viewer both shares keep all their digits, so that the edge between two
     // cells is where it is.
-    precise vec2 u = max((cell + 1.0) - where, max((cell + 1.0) - layer[3 * at + 1].zw, 0.0));
+    precise vec2 u = max((cell + 1.0) - spot.at, max((cell + 1.0) - layer[3 * spot.layer + 1].zw, 0.0));
     height = (z.x * u.x + z.y * t.x) * u.y + (z.z * u.x + z.w * t.x) * t.y;
     if (near) {
         vec2 d = place * l.zw;

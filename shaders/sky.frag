@@ -9,7 +9,5 @@ void main()
     vec3 c = mix(haze.rgb, zenith.rgb, up * (up + 1.2) / (up * up + 1.2 * up + 0.25));
     s *= s, s *= s, s *= s;
     c += haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
-    // Noise of one step of colour, so that the gradient shows no bands (interleaved gradient noise, Jimenez 2014).
-    float noise = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
-    colour = encoded(sqrt(c * (1.0 + 0.25 * min(d.z, 0.0))) + noise / 255.0);
+    colour = encoded(sqrt(c * (1.0 + 0.25 * min(d.z, 0.0))) + step_noise());
 }

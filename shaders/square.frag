@@ -1,4 +1,4 @@
-// square.frag - what renderer.frag asks of planar/square.c.
+// square.frag - the ground at a fragment, for planar/square.c (ground.glsl).
 #if defined(LIT) || defined(LEVEL_COLOURS)
 INTERPOLATED in vec4 v_terrain; // square.glsl
 #else
@@ -12,24 +12,11 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 #endif
 #ifdef HOLES
 in float v_void;
-
-bool surface_void()
-{
-    return v_void > 0.0;
-}
 #endif
 
-float surface_height()
-{
 #if defined(LIT) || defined(LEVEL_COLOURS)
-    return v_terrain.x;
-#else
-    return v_height;
-#endif
-}
-
-#if defined(LIT) || defined(LEVEL_COLOURS)
-float surface_level()
+// The layer that the vertices read.
+float level()
 {
 #ifdef MULTISAMPLED
     return float(v_level);
@@ -40,10 +27,10 @@ float surface_level()
 #endif
 
 #ifdef LIT
-// The level's normal and the coarser one's, by the same alpha as the heights.
-vec3 surface_normal(out vec3 up)
+// The layer's normal and the coarser one's, by the same alpha as the heights.
+vec3 normal(float level)
 {
-    float level = surface_level(), alpha = clamp(v_terrain.w - 2.0 * level - 0.5, 0.0, 1.0);
+    float alpha = clamp(v_terrain.w - 2.0 * level - 0.5, 0.0, 1.0);
 #ifdef MULTISAMPLED
     // A pixel's middle may lie outside the triangle that covers some of its samples, far outside a thin one: no further
     // than the window, beyond which the map holds what was there before.
@@ -54,10 +41,31 @@ vec3 surface_normal(out vec3 up)
 #endif
     vec4 n = textureLod(normals_map, vec3(place, level), 0.0);
     vec2 xy = mix(n.xy, n.zw, alpha);
-    up = vec3(0.0, 0.0, 1.0);
     return vec3(xy, sqrt(1.0 - min(dot(xy, xy), 1.0)));
 }
 #endif
+
+Ground surface_ground()
+{
+    Ground g;
+#if defined(LIT) || defined(LEVEL_COLOURS)
+    g.height = v_terrain.x;
+#else
+    g.height = v_height;
+#endif
+    g.colour = vec4(0.0);
+#ifdef LIT
+    g.normal = normal(level());
+    g.up = vec3(0.0, 0.0, 1.0);
+#endif
+#ifdef LEVEL_COLOURS
+    g.level = level();
+#endif
+#ifdef HOLES
+    g.hole = v_void > 0.0;
+#endif
+    return g;
+}
 
 #ifdef HAZE
 // Distance d from the depth that is there anyway: (d / L)^2. Of a triangle without area, which is not shaded where its

@@ -229,7 +229,7 @@ static void set_uniforms(tc_frame *f, const rings_view *v, const tc_layers *laye
     /* Without caps weights never leave 0. */
     set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
          caps ? 1 / (hi - lo) : 0, s->outside - v->z);
-    set4(u[3], v->theta, 10.0 / s->head.n, v->detail, v->partial);
+    set4(u[3], v->theta, RINGS_PASSAGE / s->head.n, v->detail, v->partial);
     for (int chart = 0; chart < v->head.windows->charts; chart++)
         set_chart(f, v, layers, chart);
     u[10][3] = v->head.options.no_morph;
@@ -373,9 +373,11 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                                            .beyond = "beyond the horizon",
                                            .outside = "beyond the horizon or outside the view",
                                            .charts = true};
-    static const char *const defines[] = {"SPHERE", "RELIEF " TEXT_OF(RELIEF), NULL};
-    static const char *const vertex_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.vert", NULL};
-    static const char *const fragment_parts[] = {"rings_ch06.glsl", "rings.glsl", "rings.frag", NULL};
+    static const char *const defines[] = {"CLIMATE", "RELIEF " TEXT_OF(RELIEF), "APRON " TEXT_OF(RINGS_APRON), NULL};
+    static const char *const vertex_parts[] = {"rings_ch06.glsl", "stack.glsl", "rings.glsl", "rings.vert", NULL};
+    static const char *const fragment_parts[] = {"rings_ch06.glsl", "stack.glsl", "rings.glsl",
+                                                 "air.glsl",        "rings.frag", NULL};
+    static const char *const sky_parts[] = {"air.glsl", "globe_sky.frag", NULL};
     int n_phi = options->n_phi ? options->n_phi : 512;
     if (n_phi < TC_RINGS_LEAST_N_PHI || n_phi > TC_RINGS_MOST_N_PHI || n_phi % 32 != 0)
         return tc_fail(error, TC_ERR_USAGE, "--n: expected a multiple of 32 from %d to %d, found %d",
@@ -405,7 +407,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                            .defines = defines,
                            .vertex_parts = vertex_parts + !ch06,
                            .fragment_parts = fragment_parts + !ch06,
-                           .sky = "globe_sky.frag",
+                           .sky_parts = sky_parts,
                            .own_haze = true,
                            .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
                            .extent = 2 * map->body.radius,

@@ -19,6 +19,11 @@ typedef struct rings_geometry {
     uint32_t ring_count, fill_count;   /* indices of a sector */
 } rings_geometry;
 
+/* Where terrain ends, as a share of the distance from the viewer: heights come down to the sphere within it. */
+#define RINGS_APRON 0.05
+/* Passage to the coarser level at the sides of windows, per sample and window. */
+#define RINGS_PASSAGE 10.0
+
 enum { RINGS_SECTORS = 16 };
 enum { RINGS_MAX = 46 }; /* rings, and the disc inside */
 

@@ -63,7 +63,7 @@ rings_sample tc_rings_find(const rings_view *view, int chart, double du, double 
     const rings_place *at = &view->place[chart];
     int levels = tc_clipmap_levels(clipmap), finest = tc_clipmap_level(clipmap, levels)->shift;
     int k = (int)fmin(fmax(floor(shift), finest), finest + levels - 1);
-    double alpha = fmin(fmax(shift - k, 0), 1), fade = 10.0 / tc_clipmap_n(clipmap);
+    double alpha = fmin(fmax(shift - k, 0), 1), fade = RINGS_PASSAGE / tc_clipmap_n(clipmap);
     for (; k < finest + levels; k++, alpha = 0) {
         int level = levels - (k - finest);
         rings_extent r = tc_rings_held(clipmap, level);
@@ -111,7 +111,7 @@ static double come_inside(const rings_view *view, double h, double *du, double *
     if (along > 0 ? view->north : view->south)
         along = 0;
     *du = u, *dv = v;
-    return across != 0 || along != 0 ? fmax(0, 1 - hypot(across, along) / (0.05 * sqrt(2 * h))) : 1;
+    return across != 0 || along != 0 ? fmax(0, 1 - hypot(across, along) / (RINGS_APRON * sqrt(2 * h))) : 1;
 }
 
 double tc_rings_sample_height(const rings_view *view, int chart, const rings_sample *sample)

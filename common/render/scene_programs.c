@@ -8,18 +8,22 @@
 
 enum { MAX_PARTS = 16, SCENE = TC_SCENE_DEFINES + 256, DEFINES = TC_FRAME_DEFINES + SCENE };
 
+/* What stages begin with, before the surface's parts, and what they end with. */
+static const struct stage {
+    const char *first[4], *last;
+} terrain_vertex = {{"frame.glsl"}, "renderer.vert"},
+  terrain_fragment = {{"frame.glsl", "encode.glsl", "ground.glsl"}, "renderer.frag"},
+  sky_fragment = {{"frame.glsl", "encode.glsl"}, NULL};
 static const char *const sky_vertex[] = {"frame.glsl", "sky.vert", NULL};
 
-/* A stage: what all know, the surface's parts, the renderer's own. */
-static void list_parts(const char *parts[MAX_PARTS], const char *const *surface, bool fragment, const char *own)
+static void list_parts(const char *parts[MAX_PARTS], const struct stage *stage, const char *const *surface)
 {
     int count = 0;
-    parts[count++] = "frame.glsl";
-    while (*surface && count < MAX_PARTS - 3)
+    for (const char *const *first = stage->first; *first; first++)
+        parts[count++] = *first;
+    while (*surface && count < MAX_PARTS - 2)
         parts[count++] = *surface++;
-    if (fragment)
-        parts[count++] = "encode.glsl";
-    parts[count++] = own;
+    parts[count++] = stage->last;
     parts[count] = NULL;
 }
 
@@ -79,8 +83,8 @@ static tc_status build_terrain(const tc_gl *gl, const tc_surface *surface, const
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
     list_defines(surface, needs, closers, scene);
     add_sizes(scene, defines);
-    list_parts(vertex, surface->vertex_parts, false, "renderer.vert");
-    list_parts(fragment, surface->fragment_parts, true, "renderer.frag");
+    list_parts(vertex, &terrain_vertex, surface->vertex_parts);
+    list_parts(fragment, &terrain_fragment, surface->fragment_parts);
     return tc_program_build(gl, vertex, fragment, surface->texts, defines, program_ret, error);
 }
 
@@ -95,9 +99,10 @@ tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, bo
     GLuint *sky = &programs->sky[needs->linear];
     if (!status && !*sky && needs->sky) {
         char defines[DEFINES];
+        const char *fragment[MAX_PARTS];
+        list_parts(fragment, &sky_fragment, surface->sky_parts);
         add_sizes(sky_defines(needs), defines);
-        status = tc_program_build(gl, sky_vertex, (const char *[]){"frame.glsl", "encode.glsl", surface->sky, NULL},
-                                  surface->texts, defines, sky, error);
+        status = tc_program_build(gl, sky_vertex, fragment, surface->texts, defines, sky, error);
     }
     return status;
 }
@@ -134,8 +139,8 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
                                const tc_scene_programs *programs, FILE *file)
 {
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
-    list_parts(vertex, surface->vertex_parts, false, "renderer.vert");
-    list_parts(fragment, surface->fragment_parts, true, "renderer.frag");
+    list_parts(vertex, &terrain_vertex, surface->vertex_parts);
+    list_parts(fragment, &terrain_fragment, surface->fragment_parts);
     for (int closers = 0; closers < 2; closers++) {
         char defines[SCENE];
         if (!programs->terrain[tc_program_variant(needs)][closers])
@@ -150,7 +155,9 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
     if (programs->sky[needs->linear]) {
         fputs("uses: shaders: sky: ", file);
         print_parts(sky_vertex, file);
-        fprintf(file, ", frame.glsl + encode.glsl + %s", surface->sky);
+        list_parts(fragment, &sky_fragment, surface->sky_parts);
+        fputs(", ", file);
+        print_parts(fragment, file);
         print_defines(sky_defines(needs), file);
     }
 }

@@ -146,12 +146,11 @@ typedef struct tc_view {
 struct tc_surface {
     const char *name; /* as in figures: "square", "rings", ... */
     const tc_surface_words *words;
-    /* GLSL files, NULL-terminated, that map a vertex and colour a fragment; the functions that they define are named in
-     * renderer.vert and renderer.frag. */
-    const char *const *vertex_parts, *const *fragment_parts;
+    /* GLSL files, NULL-terminated, that map a vertex and know the ground at a fragment; the functions that they define
+     * are named in renderer.vert and ground.glsl. */
+    const char *const *vertex_parts, *const *fragment_parts, *const *sky_parts;
     const struct tc_shader_file *texts; /* of parts that are no files, {name, text}, ended by a NULL name; NULL: none */
     const char *const *defines;         /* for both, NULL-terminated; NULL: none */
-    const char *sky;                    /* the sky's fragment shader */
     bool closers;                       /* draws triangle lists, too, where levels meet */
     bool instances;                     /* its vertex stage reads a tc_instance */
     bool own_haze;     /* its fragment stage knows how far one sees: haze is given the near plane alone */

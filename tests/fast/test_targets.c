@@ -573,37 +573,70 @@ static void a_driver_without_memory_is_said(void **state)
 
 /* ---- A scheme's own text ----------------------------------------------------------------------------------------- */
 
-/* Parts of programs need not be files of shaders/: this one's heights are all on the shore. */
-static void a_scheme_brings_its_own_text(void **state)
+/* Parts of programs need not be files of shaders/: in this one's all heights are on the shore. */
+#define ALL_SHORE                                                                                                      \
+    "INTERPOLATED in float v_height;\n"                                                                                \
+    "Ground surface_ground()\n"                                                                                        \
+    "{\n"                                                                                                              \
+    "    Ground g;\n"                                                                                                  \
+    "    g.height = heights.x, g.colour = vec4(0.0);\n"                                                                \
+    "    return g;\n"                                                                                                  \
+    "}\n"
+
+static const tc_camera down = {
+    .x = 3000, .y = 2000, .z = 3000, .pitch = -1.57, .fov = 1, .width = WIDTH, .height = HEIGHT};
+
+/* The picture of a scheme whose fragment part is `text`; the caller frees it. NULL where it is refused. */
+static uint8_t *drawn_by(const char *text, const tc_scene_options *options, tc_error *error)
 {
-    (void)state;
-    static const char *const parts[] = {"all_shore.frag", NULL};
-    static const struct tc_shader_file texts[] = {
-        {"all_shore.frag", "INTERPOLATED in float v_height;\nfloat surface_height()\n{\n    return heights.x;\n}\n"},
-        {NULL, NULL}};
-    const tc_scene_options plain = {.unlit = true, .background_set = true, .budget = -1};
-    const tc_camera c = {.x = 3000, .y = 2000, .z = 3000, .pitch = -1.57, .fov = 1, .width = WIDTH, .height = HEIGHT};
+    static const char *const parts[] = {"own.frag", NULL};
+    const struct tc_shader_file texts[] = {{"own.frag", text}, {NULL, NULL}};
     scene s = {.surface = another_surface(false)};
     s.surface->fragment_parts = parts;
     s.surface->texts = texts;
+    if (tc_renderer_create(gl, s.surface, options, &s.renderer, error) != TC_OK) {
+        s.surface->destroy(s.surface);
+        return NULL;
+    }
+    scene_draw(&s, &down, true);
+    uint8_t *rgb = scene_pixels(&s, &down);
+    scene_destroy(&s);
+    return rgb;
+}
+
+static void a_scheme_brings_its_own_text(void **state)
+{
+    (void)state;
+    const tc_scene_options plain = {.unlit = true, .background_set = true, .budget = -1};
     tc_error error = {.text = ""};
-    if (tc_renderer_create(gl, s.surface, &plain, &s.renderer, &error) != TC_OK)
-        fail_msg("%s", error.text);
-    scene_draw(&s, &c, true);
-    uint8_t *rgb = scene_pixels(&s, &c);
+    uint8_t *rgb = drawn_by(ALL_SHORE, &plain, &error);
+    assert_non_null(rgb);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         assert_memory_equal(rgb + 3 * i, rgb, 3);
     assert_true(rgb[0] > 0);
     free(rgb);
-    scene_destroy(&s);
-    static const struct tc_shader_file wrong[] = {
-        {"all_shore.frag", "float surface_height()\n{\n    return nothing;\n}\n"}, {NULL, NULL}};
-    s.surface = another_surface(false);
-    s.surface->fragment_parts = parts;
-    s.surface->texts = wrong;
-    assert_int_equal(tc_renderer_create(gl, s.surface, &plain, &s.renderer, &error), TC_ERR_CONTEXT);
-    assert_non_null(strstr(error.text, "all_shore.frag:3: "));
-    s.surface->destroy(s.surface);
+    assert_null(drawn_by("Ground surface_ground()\n{\n    return nothing;\n}\n", &plain, &error));
+    assert_non_null(strstr(error.text, "own.frag:3: "));
+}
+
+/* Air of any depth is all that one sees, also where that has no end: a sample's depth may be extrapolated to 0. */
+static void air_without_end_is_air(void **state)
+{
+    (void)state;
+    static const char *const airs[] = {ALL_SHORE "float surface_haze() { return 1e20; }\n",
+                                       ALL_SHORE "float surface_haze() { return 1.0 / max(-gl_FragCoord.x, 0.0); }\n"};
+    for (int samples = 1; samples <= 4; samples += 3) {
+        const tc_scene_options plain = {.unlit = true, .budget = -1, .samples = samples};
+        tc_error error = {.text = ""};
+        uint8_t *rgb[2];
+        for (int i = 0; i < 2; i++)
+            if (!(rgb[i] = drawn_by(airs[i], &plain, &error)))
+                fail_msg("%s", error.text);
+        assert_true(rgb[0][0] > 0);
+        assert_memory_equal(rgb[0], rgb[1], (size_t)3 * WIDTH * HEIGHT);
+        free(rgb[0]);
+        free(rgb[1]);
+    }
 }
 
 int main(void)
@@ -623,6 +656,7 @@ int main(void)
         cmocka_unit_test(nonsense_matrices_are_refused),
         cmocka_unit_test(a_driver_without_memory_is_said),
         cmocka_unit_test(a_scheme_brings_its_own_text),
+        cmocka_unit_test(air_without_end_is_air),
         cmocka_unit_test(targets_that_are_not_as_they_say_are_refused),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);

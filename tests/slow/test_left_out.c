@@ -26,16 +26,16 @@ static const struct trace {
     const char *name, *text, *sampler;
     GLenum texture;
 } traces[LEAN_PARTS] = {
-    {"light", "surface_normal", "normals_map", GL_RGBA8_SNORM},
+    {"light", "vec3 normal", "normals_map", GL_RGBA8_SNORM},
     {"sky", "v_ray", NULL, 0},
     {"haze", "surface_haze", NULL, 0},
-    {"holes", "surface_void", "voids_map", GL_R8},
+    {"holes", "bool hole", "voids_map", GL_R8},
     {"land", "0.135, 0.115, 0.095", NULL, 0},
     {"water", "bool sea", NULL, 0},
     {"level colours", "hues", NULL, 0},
     {"samples", "#define MULTISAMPLED", "samples_map", 0},
     {"closers", "#define INTERPOLATED flat", NULL, 0},
-    {"sphere", "surface_unknown", NULL, 0},
+    {"sphere", "snow_line", NULL, 0},
 };
 
 static bool multisampled(const gl_record *r)

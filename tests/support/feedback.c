@@ -16,9 +16,12 @@ static void complain(const char *log)
 GLuint feedback_program(const tc_gl *gl, const tc_surface *surface, const char *scene, const char *last,
                         const char *own, const char *const *varyings)
 {
-    char defines[TC_FRAME_DEFINES], mask[100];
+    char defines[TC_FRAME_DEFINES], mask[400];
     tc_scene_frame_defines(defines);
-    snprintf(mask, sizeof mask, "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n", surface->n);
+    size_t used =
+        (size_t)snprintf(mask, sizeof mask, "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n", surface->n);
+    for (const char *const *define = surface->defines; define && *define; define++)
+        used += (size_t)snprintf(mask + used, sizeof mask - used, "#define %s\n", *define);
     const char *text[16] = {"#version 450 core\n", defines, mask, scene, tc_shader_text(NULL, "frame.glsl")};
     int texts = 5, captured = 0;
     for (const char *const *part = surface->vertex_parts; *part && texts < 14; part++)

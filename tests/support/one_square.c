@@ -99,7 +99,8 @@ static bool make_geometry(tc_geometry *g)
 static tc_status create(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret, tc_error *error)
 {
     static const tc_surface_words words = {"levels", "squares", "never", NULL, "never", false};
-    static const char *const vertex[] = {"one_square.vert", NULL}, *const fragment[] = {"one_square.frag", NULL};
+    static const char *const vertex[] = {"one_square.vert", NULL}, *const fragment[] = {"one_square.frag", NULL},
+                             *const sky[] = {"sky.frag", NULL};
     static const struct tc_shader_file texts[] = {
         {"one_square.vert", "layout(location = 0) in ivec2 corner;\n"
                             "layout(location = 1) in ivec4 first;\n"
@@ -112,9 +113,11 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
                             "    return vec3(vec2(at) * surface[0].xy - surface[0].zw, v_height - eye.x - eye.y);\n"
                             "}\n"},
         {"one_square.frag", "INTERPOLATED in float v_height;\n"
-                            "float surface_height()\n"
+                            "Ground surface_ground()\n"
                             "{\n"
-                            "    return v_height;\n"
+                            "    Ground g;\n"
+                            "    g.height = v_height, g.colour = vec4(0.0);\n"
+                            "    return g;\n"
                             "}\n"},
         {NULL, NULL}};
     tc_surface *s = calloc(1, sizeof *s);
@@ -126,7 +129,7 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
                       .vertex_parts = vertex,
                       .fragment_parts = fragment,
                       .texts = texts,
-                      .sky = "sky.frag",
+                      .sky_parts = sky,
                       .instances = true,
                       .near_plane = 1e-3,
                       .extent = 1e5,

@@ -21,11 +21,11 @@ static const char captured_main[] =
     "    gl_Position = view_projection * vec4(position, 1.0);\n"
     "    c_position = position;\n"
     "    for (int chart = 0; chart < 3; chart++) {\n"
-    "        int at;\n"
-    "        float alpha, share;\n"
-    "        vec2 place = map_chart(chart, in_vertex.xyz, in_vertex.w, share), where;\n"
-    "        bool there = find_layer(chart, place, shift_of(in_vertex.w), at, alpha, where);\n"
-    "        c_map[chart] = there ? vec4(where, float(at), alpha) : vec4(0.0, 0.0, -1.0, 0.0);\n"
+    "        float share;\n"
+    "        vec2 place = map_chart(chart, in_vertex.xyz, in_vertex.w, share);\n"
+    "        Spot spot;\n"
+    "        bool there = find_spot(stack_of(chart), place, shift_of(in_vertex.w), spot);\n"
+    "        c_map[chart] = there ? vec4(spot.at, float(spot.layer), spot.alpha) : vec4(0.0, 0.0, -1.0, 0.0);\n"
     "    }\n"
     "}\n";
 
@@ -33,10 +33,9 @@ rings_capture rings_capture_create(globe_scene *globe)
 {
     rings_capture c = {.globe = globe};
     const tc_surface *surface = globe->surface;
-    c.program = feedback_program(globe->gl, surface, "#define SPHERE\n", NULL, captured_main,
+    c.program = feedback_program(globe->gl, surface, "", NULL, captured_main,
                                  (const char *[]){"gl_Position", "c_position", "c_map", NULL});
-    c.plain = feedback_program(globe->gl, surface, "#define SPHERE\n", "renderer.vert", "",
-                               (const char *[]){"gl_Position", NULL});
+    c.plain = feedback_program(globe->gl, surface, "", "renderer.vert", "", (const char *[]){"gl_Position", NULL});
     size_t vertices = (size_t)globe->surface->geometry.vertex_count;
     c.vertices = calloc(vertices, sizeof *c.vertices);
     c.positions = calloc(vertices, sizeof *c.positions);

@@ -5,7 +5,7 @@
 
 static const long double pi = 3.14159265358979323846264338327950288L;
 
-/* Height on a chart at a place in finest samples, by the rules of find_layer() in shaders/rings.glsl. */
+/* Height on a chart at a place in finest samples, by the rules of find_spot() in shaders/stack.glsl. */
 static long double chart_height(const rings_view *view, int chart, long double x, long double y, long double shift)
 {
     const tc_clipmap *clipmap = tc_rings_clipmap(view, chart);
