@@ -94,8 +94,8 @@ $(OBJ)/%.o: %.cpp | build/.packages
 	$(Q)$(CXX) $(CXXFLAGS_ALL) $(CPPFLAGS_$(basename $(notdir $<))) -c $< -o $@
 
 # Flags of outside libraries are asked for only once their packages are there.
-CPPFLAGS_plugin_gdal = $(shell pkg-config --cflags gdal)
-CPPFLAGS_plugin_gdal_write = $(CPPFLAGS_plugin_gdal)
+GDAL_PLUGIN := $(wildcard common/input/plugin_gdal*.c)
+$(foreach part,$(notdir $(basename $(GDAL_PLUGIN))),$(eval CPPFLAGS_$(part) = $$(shell pkg-config --cflags gdal)))
 CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
 CPPFLAGS_jpeg2000 = $(shell pkg-config --cflags libopenjp2)
 CPPFLAGS_coders = $(CPPFLAGS_plugin_gdal)
@@ -158,8 +158,7 @@ $(O)/planar-viewer: $(OBJ)/planar/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRAR
 $(O)/planet-viewer: $(OBJ)/spherical/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/terraclip-gdal.so: $(OBJ)/common/input/plugin_gdal.o $(OBJ)/common/input/plugin_gdal_write.o \
-                        $(OBJ)/common/base/status.o
+$(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
 $(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/status.o
@@ -294,7 +293,29 @@ FORMATTED = $(shell git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp')
 format:
 	clang-format -i $(FORMATTED)
 
-install: all
+# Manual pages and bash completion, of what the programs say of themselves.
+COMMANDS := synth pack info extract height
+MANUALS := $(O)/man/planar-viewer.1 $(O)/man/planet-viewer.1 $(O)/man/terraclip.1 $(COMMANDS:%=$(O)/man/terraclip-%.1)
+what.planar-viewer := shows elevation models as terrains
+what.planet-viewer := shows elevation models as planets
+what.terraclip := makes, packs and looks into terrains
+MAN = awk -v name=$(basename $(@F)) -v version=$(VERSION)
+$(O)/man/%.1: $(PROGRAMS) docs/man.awk
+	@mkdir -p $(@D)
+	$(Q)$(O)/$* --help | $(MAN) -v what='$(what.$*)' -f docs/man.awk > $@
+$(O)/man/terraclip-%.1: $(PROGRAMS) docs/man.awk
+	@mkdir -p $(@D)
+	$(Q)$(O)/terraclip $* --help | $(MAN) -v what="$$($(O)/terraclip --help | sed -n 's/^  $*  *//p')" -f docs/man.awk > $@
+$(O)/completion: $(PROGRAMS) docs/completion.awk
+	$(Q){ for program in planar-viewer planet-viewer; do echo "@ $$program -"; $(O)/$$program --help; done; \
+	for command in $(COMMANDS); do echo "@ terraclip $$command"; $(O)/terraclip $$command --help; done; } | \
+	awk -f docs/completion.awk > $@
+
+install: all $(MANUALS) $(O)/completion
+	install -d $(DESTDIR)$(PREFIX)/share/man/man1 $(DESTDIR)$(PREFIX)/share/bash-completion/completions
+	install -m 644 $(MANUALS) $(DESTDIR)$(PREFIX)/share/man/man1
+	for program in terraclip planar-viewer planet-viewer; do \
+	install -m 644 $(O)/completion $(DESTDIR)$(PREFIX)/share/bash-completion/completions/$$program || exit 1; done
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/lib/terraclip $(DESTDIR)$(PREFIX)/lib/pkgconfig $(DESTDIR)$(PREFIX)/include
 	install -m 755 $(PROGRAMS) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(PLUGINS) $(DESTDIR)$(PREFIX)/lib/terraclip

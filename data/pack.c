@@ -11,6 +11,7 @@
 #include "common/app/json.h"
 #include "common/input/mosaic.h"
 #include "common/base/numbers.h"
+#include "common/input/folder.h"
 #include "pack_planet.h"
 #include "progress.h"
 
@@ -78,12 +79,7 @@ static const tc_option table[] = {
      read_codec, offsetof(struct arguments, codec)},
 
     {.help = "How the inputs are read"},
-    {0, "spacing", "M", TC_EXPECTED_SPACING, "between samples, whatever the files say", tc_read_spacing,
-     offsetof(struct arguments, source.spacing)},
-    {0, "unit", "M", TC_EXPECTED_UNIT, "per unit of height, whatever the files say", tc_read_unit,
-     offsetof(struct arguments, source.unit)},
-    {0, "nodata", "V", TC_EXPECTED_NODATA, "stored value that means no height, beside the files' own", tc_read_nodata,
-     offsetof(struct arguments, source)},
+    TC_READING_ROWS(struct arguments, source),
     {0, "voids", "POLICY", TC_EXPECTED_VOIDS,
      "what is to show where there is no height: fill, hole or constant=V (fill)", tc_read_voids,
      offsetof(struct arguments, source)},
@@ -121,7 +117,8 @@ static const tc_command_line line = {
 void tc_pack_help(FILE *file)
 {
     fprintf(file, "Usage: terraclip pack [OPTION]... INPUT... -o FILE.tclip\n"
-                  "Packs elevation models and pictures of heights. Several inputs are placed by their georeferences,\n"
+                  "Packs elevation models and pictures of heights; of a folder all that are in it. Several inputs are "
+                  "placed by their georeferences,\n"
                   "whose samples must lie on one lattice; where they overlap the first one holds.\n\n");
     tc_arguments_print(&line, file);
 }
@@ -240,6 +237,36 @@ static tc_pack_options choose_options(const struct arguments *a, const tc_pack_t
     return o;
 }
 
+/* The files of folders among the inputs in their place; *files_ret: theirs, one after the other. */
+static tc_status open_folders(struct arguments *a, tc_folder *files_ret, tc_error *error)
+{
+    tc_status status = TC_OK;
+    for (int i = 0; i < a->count && status == TC_OK; i++) {
+        tc_folder folder;
+        if (!tc_is_folder(a->inputs[i]))
+            continue;
+        status = tc_folder_list(a->inputs[i], &a->source, &folder, error);
+        if (status != TC_OK)
+            break;
+        size_t all = (size_t)(a->count - 1 + folder.count), held = (size_t)(files_ret->count + folder.count);
+        const char **inputs = realloc(a->inputs, all * sizeof *inputs);
+        a->inputs = inputs ? inputs : a->inputs;
+        char **held_files = realloc(files_ret->file, held * sizeof *held_files);
+        files_ret->file = held_files ? held_files : files_ret->file;
+        if (!inputs || !held_files) {
+            tc_folder_free(&folder);
+            return tc_fail(error, TC_ERR_MEMORY, "pack: not enough memory for %zu files", all);
+        }
+        memmove(inputs + i + folder.count, inputs + i + 1, (size_t)(a->count - i - 1) * sizeof *inputs);
+        for (int k = 0; k < folder.count; k++)
+            inputs[i + k] = files_ret->file[files_ret->count++] = folder.file[k];
+        a->count += folder.count - 1;
+        i += folder.count - 1;
+        free(folder.file);
+    }
+    return status;
+}
+
 /* planet: NULL for a flat terrain. */
 static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_planet_input *planet,
                       tc_progress *progress, tc_error *error)
@@ -299,15 +326,20 @@ static tc_status run(struct arguments *a, tc_error *error)
     a->source.outputs = &outputs;
     a->source.say = tc_progress_say;
     a->source.say_context = &progress;
+    a->source.lonlat = a->planet;
     if (a->planet)
         a->source.spacing = 1; /* metres on a flat map are not settled, and not talked about */
-    status = tc_mosaic_open(a->inputs, a->count, &a->source, &mosaic, error);
+    tc_folder files = {0};
+    status = open_folders(a, &files, error);
+    if (status == TC_OK)
+        status = tc_mosaic_open(a->inputs, a->count, &a->source, &mosaic, error);
     tc_planet_input planet;
     if (status == TC_OK && a->planet)
         status = tc_planet_input_settle(mosaic, a->inputs[0], &a->source, a->radius, a->lossless, &planet, error);
     if (status == TC_OK)
         status = pack(a, mosaic, a->planet ? &planet : NULL, &progress, error);
     tc_mosaic_close(mosaic);
+    tc_folder_free(&files);
     tc_outputs_free(&outputs);
     return status;
 }

@@ -148,7 +148,18 @@ bool tc_read_spacing(void *spacing, const char *value)
 
 bool tc_read_unit(void *unit, const char *value)
 {
-    return tc_read_number(value, 1e-9, 1e9, unit);
+    return tc_read_number(value, -1e9, 1e9, unit) && fabs(*(double *)unit) >= 1e-9;
+}
+
+bool tc_read_offset(void *source, const char *value)
+{
+    tc_source_options *options = source;
+    return options->has_offset = tc_read_number(value, -1e9, 1e9, &options->offset);
+}
+
+bool tc_read_band(void *band, const char *value)
+{
+    return tc_read_int(value, 1, 65535, band);
 }
 
 bool tc_read_nodata(void *source, const char *value)

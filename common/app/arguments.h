@@ -32,6 +32,43 @@ typedef struct tc_option {
         0, "version", NULL, NULL, "print the version", NULL, 0                                                         \
     }
 
+/* How a file is read where it does not say, or says it wrongly: members of a tc_source_options. */
+#define TC_READING_ROWS(type, source)                                                                                  \
+    {0,                                                                                                                \
+     "spacing",                                                                                                        \
+     "M",                                                                                                              \
+     TC_EXPECTED_SPACING,                                                                                              \
+     "between samples, whatever the file says",                                                                        \
+     tc_read_spacing,                                                                                                  \
+     offsetof(type, source.spacing)},                                                                                  \
+        {0,                                                                                                            \
+         "unit",                                                                                                       \
+         "M",                                                                                                          \
+         TC_EXPECTED_UNIT,                                                                                             \
+         "per unit of height, whatever the file says; negative for depths",                                            \
+         tc_read_unit,                                                                                                 \
+         offsetof(type, source.unit)},                                                                                 \
+        {0, "offset", "M", "metres of -1e9..1e9", "added to all heights", tc_read_offset, offsetof(type, source)},     \
+        {0,                                                                                                            \
+         "nodata",                                                                                                     \
+         "V",                                                                                                          \
+         TC_EXPECTED_NODATA,                                                                                           \
+         "stored value that means no height, beside the file's own",                                                   \
+         tc_read_nodata,                                                                                               \
+         offsetof(type, source)},                                                                                      \
+        {0, "band", "N", "1..65535", "of several (the first)", tc_read_band, offsetof(type, source.band)},             \
+        {0,                                                                                                            \
+         "layer",                                                                                                      \
+         "NAME",                                                                                                       \
+         "a name",                                                                                                     \
+         "of a file or an archive that holds several",                                                                 \
+         tc_read_text,                                                                                                 \
+         offsetof(type, source.layer)},                                                                                \
+    {                                                                                                                  \
+        0, "crs", "DEF", "a name", "coordinate system, whatever the file says: EPSG:32633, a PROJ string, ...",        \
+            tc_read_text, offsetof(type, source.crs)                                                                   \
+    }
+
 typedef struct tc_command_line {
     const tc_option *options;
     int count;
@@ -57,6 +94,8 @@ bool tc_read_text(void *text, const char *value);       /* const char *; "" is n
 bool tc_read_level(void *level, const char *value);     /* int */
 bool tc_read_spacing(void *spacing, const char *value); /* double */
 bool tc_read_unit(void *unit, const char *value);       /* double */
+bool tc_read_offset(void *source, const char *value);   /* tc_source_options */
+bool tc_read_band(void *band, const char *value);       /* int */
 bool tc_read_nodata(void *source, const char *value);   /* tc_source_options */
 bool tc_read_voids(void *source, const char *value);    /* tc_source_options */
 bool tc_read_threads(void *threads, const char *value); /* int */
@@ -67,7 +106,7 @@ tc_status tc_take_file(void *file, const char *operand, tc_error *error);
 /* What the setters expect. */
 #define TC_EXPECTED_LEVEL "1..48"
 #define TC_EXPECTED_SPACING "metres of 1e-6..1e7"
-#define TC_EXPECTED_UNIT "metres of 1e-9..1e9"
+#define TC_EXPECTED_UNIT "metres of 1e-9..1e9, or negative ones"
 #define TC_EXPECTED_NODATA "a number"
 #define TC_EXPECTED_VOIDS "fill, hole or constant=V"
 #define TC_EXPECTED_THREADS "1..1024"

@@ -59,7 +59,11 @@ static bool is_packed(const char *path)
 static tc_status refuse_settled(const char *path, const tc_source_options *source, tc_error *error)
 {
     const char *name = source->spacing > 0  ? "spacing"
-                       : source->unit > 0   ? "unit"
+                       : source->unit != 0  ? "unit"
+                       : source->has_offset ? "offset"
+                       : source->band > 0   ? "band"
+                       : source->layer      ? "layer"
+                       : source->crs        ? "crs"
                        : source->has_nodata ? "nodata"
                                             : NULL;
     if (name)

@@ -28,9 +28,16 @@ tc_status tc_map_load(const char *path, const tc_source_options *source, const t
 tc_status tc_map_load_packed(const char *path, const tc_source_options *source, const tc_load_options *options,
                              tc_map **map_ret, tc_error *error);
 
-/* Opens, reads, fills voids by the policy: the whole file as a grid that the caller frees with tc_grid_free. Refuses
- * grids that would not fit the machine's memory together with their pyramid, and grids without one valid sample. */
+/* Opens, reads, fills voids by the policy: the whole file, or all files of a folder, as a grid that the caller frees
+ * with tc_grid_free. Refuses grids that would not fit the machine's memory together with their pyramid, and grids
+ * without one valid sample. */
 tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_grid *grid_ret, tc_error *error);
+
+/* Room for a grid's heights, whose size is set; TC_ERR_MEMORY where they, with their levels, would not fit. */
+tc_status tc_grid_room(const char *path, tc_grid *grid, tc_error *error);
+
+/* The files of a folder as one grid, voids marked and not filled; on failure, too, tc_grid_free frees it. */
+tc_status tc_grid_read_folder(const char *path, const tc_source_options *options, tc_grid *grid, tc_error *error);
 
 /* ---- Of load_flat.c and load_globe.c, for load.c ------------------------------------------------------------------
  */

@@ -11,6 +11,7 @@
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/field/fill.h"
+#include "common/input/folder.h"
 #include "common/input/source_internal.h"
 #include "planet_place.h"
 
@@ -20,6 +21,7 @@ static tc_status check_place(const char *path, const tc_source_options *options,
 {
     tc_source_options quiet = *options;
     quiet.say = NULL;
+    quiet.lonlat = true;
     tc_source *source = NULL;
     tc_planet_place place;
     tc_status status = tc_source_open(path, &quiet, &source, error);
@@ -164,7 +166,7 @@ tc_status tc_load_globe(const char *path, const tc_source_options *source, const
         return tc_fail(error, TC_ERR_USAGE, "--spacing: expected none for a planet: its samples lie in degrees");
     tc_status status = tc_planet_check_radius(options->radius, error);
     if (status == TC_OK)
-        status = check_place(path, source, options->whole, error);
+        status = tc_is_folder(path) ? TC_OK : check_place(path, source, options->whole, error);
     if (status != TC_OK)
         return status;
 
@@ -172,6 +174,7 @@ tc_status tc_load_globe(const char *path, const tc_source_options *source, const
     tc_body body = {0};
     tc_grid grid = {0};
     tc_source_options loading = *source;
+    loading.lonlat = true;
     loading.spacing = 1; /* metres on a flat map are not settled, and not talked about */
     status = tc_grid_load(path, &loading, &grid, error);
     if (status == TC_OK)

@@ -1,6 +1,7 @@
 /* load_grid.c - a whole file as a grid: heights, voids filled, extremes. */
 #include "load.h"
 
+#include "common/input/folder.h"
 #include "common/input/source_internal.h"
 
 #include "common/field/fill.h"
@@ -60,14 +61,14 @@ static double available_memory(void)
 }
 
 /* The grid, its pyramid (a third more) and the working memory of building it. */
-static tc_status check_memory(const char *path, const tc_source_info *info, tc_error *error)
+static tc_status check_memory(const char *path, const tc_grid *grid, tc_error *error)
 {
     const double gib = 1 << 30;
-    double needed = 1.6 * sizeof(float) * (double)info->width * (double)info->height, available = available_memory();
+    double needed = 1.6 * sizeof(float) * (double)grid->width * (double)grid->height, available = available_memory();
     if (needed > available || needed > (double)PTRDIFF_MAX)
         return tc_fail(error, TC_ERR_MEMORY,
                        "%s: %" PRId64 " x %" PRId64 " samples need %.1f GiB in memory, %.1f available", path,
-                       info->width, info->height, needed / gib, available / gib);
+                       grid->width, grid->height, needed / gib, available / gib);
     return TC_OK;
 }
 
@@ -85,6 +86,16 @@ static float *allocate_heights(size_t count)
     return z;
 }
 
+tc_status tc_grid_room(const char *path, tc_grid *grid, tc_error *error)
+{
+    tc_status status = check_memory(path, grid, error);
+    if (status != TC_OK)
+        return status;
+    size_t samples = (size_t)grid->width * (size_t)grid->height;
+    grid->z = allocate_heights(samples);
+    return grid->z ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for %zu samples", path, samples);
+}
+
 /* Reads all rows, the file's first ones first. The mask comes into being with the first void. */
 static tc_status read_all(tc_source *source, const char *path, tc_grid *grid, tc_statistics *statistics,
                           tc_error *error)
@@ -92,9 +103,8 @@ static tc_status read_all(tc_source *source, const char *path, tc_grid *grid, tc
     int64_t chunk = tc_source_chunk_rows(source);
     size_t width = (size_t)grid->width, samples = width * (size_t)grid->height;
     uint8_t *voids = malloc((size_t)chunk * width);
-    grid->z = allocate_heights(samples);
-    tc_status status = TC_OK;
-    if (!voids || !grid->z)
+    tc_status status = tc_grid_room(path, grid, error);
+    if (status == TC_OK && !voids)
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for %zu samples", path, samples);
     for (int64_t end = grid->height; end > 0 && status == TC_OK; end -= chunk) {
         int64_t start = end > chunk ? end - chunk : 0;
@@ -126,32 +136,36 @@ static tc_status fill_voids(const char *path, const tc_source_options *options, 
                            : tc_fail(error, status, "%s: its voids cannot be filled: %s", path, tc_status_text(status));
 }
 
-tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_grid *grid_ret, tc_error *error)
+static tc_status read_file(const char *path, const tc_source_options *options, tc_grid *grid, tc_error *error)
 {
-    static const tc_source_options defaults = {0};
-    options = options ? options : &defaults;
     tc_source *source = NULL;
     tc_status status = tc_source_open(path, options, &source, error);
     if (status != TC_OK)
         return status;
-
     const tc_source_info *info = tc_source_get_info(source);
-    tc_grid grid = {.width = info->width,
-                    .height = info->height,
-                    .spacing_x = info->spacing_x,
-                    .spacing_y = info->spacing_y,
-                    .georef = info->georef};
-    grid.georef.crs_wkt = info->georef.crs_wkt ? strdup(info->georef.crs_wkt) : NULL;
-    grid.z_base = info->z_base;
+    *grid = (tc_grid){.width = info->width,
+                      .height = info->height,
+                      .spacing_x = info->spacing_x,
+                      .spacing_y = info->spacing_y,
+                      .georef = info->georef,
+                      .z_base = info->z_base};
+    grid->georef.crs_wkt = info->georef.crs_wkt ? strdup(info->georef.crs_wkt) : NULL;
     tc_statistics statistics = TC_STATISTICS_NONE;
-    status = check_memory(path, info, error);
-    if (status == TC_OK)
-        status = read_all(source, path, &grid, &statistics, error);
+    status = read_all(source, path, grid, &statistics, error);
     tc_source_close(source);
+    grid->void_count = statistics.voids;
+    grid->z_min = statistics.low;
+    grid->z_max = statistics.high;
+    return status;
+}
 
-    grid.void_count = statistics.voids;
-    grid.z_min = statistics.low;
-    grid.z_max = statistics.high;
+tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_grid *grid_ret, tc_error *error)
+{
+    static const tc_source_options defaults = {0};
+    options = options ? options : &defaults;
+    tc_grid grid = {0};
+    tc_status status =
+        tc_is_folder(path) ? tc_grid_read_folder(path, options, &grid, error) : read_file(path, options, &grid, error);
     if (status == TC_OK && grid.void_count == grid.width * grid.height)
         status = tc_fail(error, TC_ERR_FORMAT, "%s: expected heights, found %" PRId64 " samples that are all void",
                          path, grid.void_count);

@@ -81,6 +81,22 @@ static tc_status check_size(const char *path, int64_t columns, int64_t rows, boo
     return TC_OK;
 }
 
+/* A map from pole to pole can only lie between them. Labels of planetary data are read by two conventions, half a
+ * sample apart; where by one the rows would run beyond a pole, it is the other, for columns too. */
+static void settle_half_samples(const tc_source_options *options, int64_t width, int64_t height, double t[6])
+{
+    double dx = t[1], dy = -t[5], off = (t[3] - 90) / dy;
+    bool all = fabs((double)height * dy - 180) < 1e-3 * dy && fabs((double)width * dx - 360) < 1e-3 * dx;
+    if (!all || fabs(fabs(off) - 0.5) > 0.01)
+        return;
+    tc_say(options, true, "its rows are half a sample off the poles: taken to run from pole to pole, columns likewise");
+    t[3] = 90;
+    double columns = (t[0] + 180) / dx, half = off > 0 ? 0.5 : -0.5;
+    if (fabs(columns + half - rint(columns + half)) <
+        0.01) /* west of a whole number of them, as rows are north of it */
+        t[0] += half * dx;
+}
+
 tc_status tc_planet_place_raster(const char *path, const tc_source_options *options, int64_t width, int64_t height,
                                  const tc_georef *georef, bool whole, tc_planet_place *place_ret, tc_error *error)
 {
@@ -91,6 +107,7 @@ tc_status tc_planet_place_raster(const char *path, const tc_source_options *opti
     if (status != TC_OK)
         return status;
 
+    settle_half_samples(options, width, height, t);
     double dx = t[1], dy = -t[5], top = t[3] - 0.5 * dy, bottom = t[3] - ((double)height - 0.5) * dy;
     int64_t north = beyond_pole(top, dy), south = beyond_pole(-bottom, dy);
     if (north > 1 || south > 1 || north + south >= height)

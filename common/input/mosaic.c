@@ -39,6 +39,8 @@ tc_status tc_mosaic_open_part(tc_mosaic *m, int part, tc_source **source_ret, tc
     if (m->placed) { /* by the first, that all heights are above the same base */
         options.has_base = true;
         options.z_base = m->terrain.z_base;
+        options.has_offset = true;
+        options.offset = m->first.added;
     }
     m->said_of = part;
     return tc_source_open(m->parts[part].path, &options, source_ret, error);
@@ -89,7 +91,9 @@ static tc_status place(const tc_mosaic *m, const char *path, const tc_source_inf
     for (int k = 1; k <= 5; k += k == 2 ? 2 : 1) { /* the four that are not the origin */
         double scale = k % 3 == 1 ? hypot(t[1], t[4]) : hypot(t[2], t[5]);
         if (!(fabs(u[k] - t[k]) <= 1e-6 * scale))
-            return tc_fail(error, TC_ERR_FORMAT, "%s: pixel size: expected %.9g x %.9g as in %s, found %.9g x %.9g",
+            return tc_fail(error, TC_ERR_FORMAT,
+                           "%s: pixel size: expected %.9g x %.9g as in %s, found %.9g x %.9g; `gdalbuildvrt "
+                           "-resolution highest -r bilinear all.vrt FILE...` makes one map of them",
                            path, hypot(t[1], t[4]), hypot(t[2], t[5]), first, hypot(u[1], u[4]), hypot(u[2], u[5]));
     }
     double w = (double)info->width, h = (double)info->height, column, row, end_column, end_row;
@@ -120,14 +124,7 @@ static tc_status check_agreement(const tc_mosaic *m, const char *path, const tc_
                        "%s: georeference: expected one, by which several inputs are placed, found none", path);
     if (m->count > 1 && path == m->parts[0].path)
         return TC_OK;
-    tc_status status = check_system(m, path, &info->georef, error);
-    if (status != TC_OK)
-        return status;
-    if (info->area_registered != m->terrain.area_registered)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: registration: expected %s as in %s, found %s", path,
-                       m->terrain.area_registered ? "areas" : "points", m->parts[0].path,
-                       info->area_registered ? "areas" : "points");
-    return TC_OK;
+    return check_system(m, path, &info->georef, error);
 }
 
 /* ---- Opening ---------------------------------------------------------------------------------------------------- */
@@ -142,7 +139,7 @@ static tc_status take_first(tc_mosaic *m, const tc_source_info *info, tc_error *
                            .georef = info->georef,
                            .area_registered = info->area_registered,
                            .sample_type = info->type,
-                           .unit = info->unit,
+                           .unit = fabs(info->unit), /* a packed terrain has heights, not depths */
                            .offset = info->offset,
                            .has_nodata = info->has_nodata,
                            .nodata = info->nodata,
@@ -160,7 +157,7 @@ static tc_status take_first(tc_mosaic *m, const tc_source_info *info, tc_error *
 static void take_storage(tc_mosaic *m, const tc_source_info *info)
 {
     tc_pack_terrain *t = &m->terrain;
-    if (info->type != t->sample_type || info->unit != t->unit || info->offset != t->offset) {
+    if (info->type != t->sample_type || fabs(info->unit) != t->unit || info->offset != t->offset) {
         t->sample_type = TC_SAMPLE_FLOAT32;
         t->unit = 1;
         t->offset = 0;
@@ -195,6 +192,60 @@ static tc_status look_at(tc_mosaic *m, int i, tc_error *error)
     return status;
 }
 
+/* Columns once around the globe; 0 where the terrain's are no whole share of it. */
+static int64_t columns_around(const tc_pack_terrain *t)
+{
+    double turn = t->georef.geographic && t->georef.transform[2] == 0 ? 360 / fabs(t->georef.transform[1]) : 0;
+    return turn >= 2 && turn < INT_MAX && fabs(turn - rint(turn)) < 1e-3 ? llrint(turn) : 0;
+}
+
+/* Numbers, and pairs by their first ones. */
+static int compare(const void *a, const void *b)
+{
+    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Longitudes go on across 180 degrees: of all turns of the globe by which files can be placed, those by which they lie
+ * next to each other, with the widest gap between them outside. The first file keeps its place. */
+static tc_status turn_together(tc_mosaic *m, tc_error *error)
+{
+    const int64_t around = columns_around(&m->terrain);
+    int64_t left = INT64_MAX, right = INT64_MIN;
+    for (int i = 0; i < m->count; i++) {
+        left = tc_min64(left, m->parts[i].column);
+        right = tc_max64(right, m->parts[i].column + m->parts[i].width);
+    }
+    if (around == 0 || right - left <= around / 2)
+        return TC_OK;
+    int64_t(*spans)[2] = malloc((size_t)m->count * sizeof *spans);
+    if (!spans)
+        return tc_fail(error, TC_ERR_MEMORY, "mosaic: not enough memory for %d files", m->count);
+    for (int i = 0; i < m->count; i++) {
+        int64_t column = m->parts[i].column % around;
+        spans[i][0] = column < 0 ? column + around : column;
+        spans[i][1] = spans[i][0] + m->parts[i].width;
+    }
+    qsort(spans, (size_t)m->count, sizeof *spans, compare);
+    int64_t end = spans[0][1], widest = 0, start = 0; /* of the first file that is east of the widest gap */
+    for (int i = 1; i < m->count; i++) {
+        if (spans[i][0] - end > widest)
+            widest = spans[i][0] - end, start = spans[i][0];
+        end = tc_max64(end, spans[i][1]);
+    }
+    if (spans[0][0] + around - end >= widest)
+        widest = spans[0][0] + around - end, start = spans[0][0];
+    free(spans);
+    if (around - widest >= right - left)
+        return TC_OK;
+    start -= start > 0 ? around : 0; /* the first file's column is 0 */
+    for (int i = 0; i < m->count; i++) {
+        int64_t column = (m->parts[i].column - start) % around;
+        m->parts[i].column = start + (column < 0 ? column + around : column);
+    }
+    return TC_OK;
+}
+
 /* The rectangle around all files becomes the terrain; places are counted from its south-west sample. */
 static tc_status surround(tc_mosaic *m, tc_error *error)
 {
@@ -226,13 +277,6 @@ static tc_status surround(tc_mosaic *m, tc_error *error)
     if (m->options.spacing == 0)
         tc_georef_spacing(&m->first, &t->georef, t->width, t->height, &t->spacing_x, &t->spacing_y);
     return TC_OK;
-}
-
-/* Numbers, and pairs by their first ones. */
-static int compare(const void *a, const void *b)
-{
-    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-    return (x > y) - (x < y);
 }
 
 /* Counts the samples that the files cover, each once: strip by strip between their western and eastern edges. */
@@ -278,6 +322,34 @@ static tc_status count_samples(tc_mosaic *m, tc_error *error)
     return TC_OK;
 }
 
+/* Refuses files so far apart that next to nothing of the terrain would be any of them: work would go with the voids. */
+static tc_status check_apart(const tc_mosaic *m, tc_error *error)
+{
+    const double most = 256, least = 1 << 26; /* samples of the terrain: for each one that there is, altogether */
+    double all = (double)m->terrain.width * (double)m->terrain.height;
+    if (all <= least || all <= most * (double)m->samples)
+        return TC_OK;
+    const tc_mosaic_part *first = &m->parts[0], *far = first;
+    for (int i = 1; i < m->count; i++) {
+        const tc_mosaic_part *p = &m->parts[i];
+        if (hypot((double)(p->x0 - first->x0), (double)(p->y0 - first->y0)) >
+            hypot((double)(far->x0 - first->x0), (double)(far->y0 - first->y0)))
+            far = p;
+    }
+    const double *g = m->terrain.georef.transform;
+    double place[2][2];
+    for (int i = 0; i < 2; i++) {
+        const tc_mosaic_part *p = i ? far : first;
+        double column = (double)p->x0, row = (double)(m->terrain.height - p->y0);
+        place[i][0] = g[0] + column * g[1] + row * g[2], place[i][1] = g[3] + column * g[4] + row * g[5];
+    }
+    return tc_fail(
+        error, TC_ERR_FORMAT,
+        "%s: position: expected inputs near each other, found it at %.8g, %.8g and %s at %.8g, %.8g: %.2g voids "
+        "for each sample; pack them one by one",
+        far->path, place[1][0], place[1][1], first->path, place[0][0], place[0][1], all / (double)m->samples);
+}
+
 tc_status tc_mosaic_open(const char *const *paths, int count, const tc_source_options *options, tc_mosaic **mosaic_ret,
                          tc_error *error)
 {
@@ -295,9 +367,13 @@ tc_status tc_mosaic_open(const char *const *paths, int count, const tc_source_op
     for (int i = 0; i < count && status == TC_OK; i++)
         status = look_at(m, i, error);
     if (status == TC_OK)
+        status = turn_together(m, error);
+    if (status == TC_OK)
         status = surround(m, error);
     if (status == TC_OK)
         status = count_samples(m, error);
+    if (status == TC_OK)
+        status = check_apart(m, error);
     double all = (double)m->terrain.width * (double)m->terrain.height;
     if (status == TC_OK && (double)m->samples < 0.5 * all && m->options.say) {
         char text[200];

@@ -15,6 +15,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,11 +80,23 @@ void tc_gdal_start(void)
     pthread_once(&once, start_gdal);
 }
 
+void tc_gdal_say(const tc_source_options *options, bool warning, const char *format, ...)
+{
+    char line[512];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    if (options->say)
+        options->say(options->say_context, warning, line);
+}
+
 /* ---- Reading ---------------------------------------------------------------------------------------------------- */
 
 typedef struct gdal_raster {
     tc_raster base;
     GDALDatasetH dataset;
+    tc_gdal_globe globe;
     GDALRasterBandH band, mask;
     GDALDataType type; /* of the buffer */
     char path[];
@@ -165,7 +178,7 @@ static void read_nodata(GDALRasterBandH band, tc_raster_info *info)
     info->nodata = has ? value : 0;
 }
 
-static void read_georeference(GDALDatasetH dataset, tc_raster_info *info)
+static void read_transform(GDALDatasetH dataset, tc_raster_info *info)
 {
     static const double unset[6] = {0, 1, 0, 0, 0, 1}; /* what GDAL means by "none" where it gives one all the same */
     double t[6];
@@ -173,37 +186,59 @@ static void read_georeference(GDALDatasetH dataset, tc_raster_info *info)
         info->has_transform = true;
         memcpy(info->transform, t, sizeof t);
     }
-
     const char *registration = GDALGetMetadataItem(dataset, "AREA_OR_POINT", NULL);
     info->area_registered = info->has_transform && !(registration && EQUAL(registration, "Point"));
+}
 
-    OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset);
-    if (!crs)
-        return;
-    if (OSRIsGeographic(crs)) {
-        info->crs = TC_CRS_GEOGRAPHIC;
-        info->crs_unit = OSRGetAngularUnits(crs, NULL);
-    } else if (OSRIsProjected(crs) || OSRIsLocal(crs)) {
-        char *unit = NULL; /* GDAL's */
-        info->crs_unit = OSRGetLinearUnits(crs, &unit);
-        if (unit && EQUAL(unit, "unknown"))
-            return; /* GDAL made the system up for a TIFF that only says how it is registered */
-        info->crs = TC_CRS_PROJECTED;
-    } else {
-        return;
+/* The system that is to be gone by: that of the options, else the file's own; destroyed by the caller. NULL none. */
+static tc_status find_crs(const gdal_raster *r, const tc_source_options *options, OGRSpatialReferenceH *crs_ret,
+                          tc_error *error)
+{
+    OGRSpatialReferenceH own = GDALGetSpatialRef(r->dataset);
+    *crs_ret = NULL;
+    if (!options->crs) {
+        *crs_ret = own ? OSRClone(own) : NULL;
+        return TC_OK;
     }
-    OGRErr failed = OGRERR_NONE;
-    double semi_major = OSRGetSemiMajor(crs, &failed);
-    info->semi_major = failed == OGRERR_NONE ? semi_major : 0; /* on failure GDAL gives the Earth's */
-    failed = OGRERR_NONE;
-    double inverse_flattening = OSRGetInvFlattening(crs, &failed);
-    info->inverse_flattening = failed == OGRERR_NONE ? inverse_flattening : 0;
+    OGRSpatialReferenceH crs = OSRNewSpatialReference(NULL);
+    bool here = !strstr(options->crs, "://") && !strstr(options->crs, "/vsi");
+    if (!here || OSRSetFromUserInput(crs, options->crs) != OGRERR_NONE) {
+        OSRDestroySpatialReference(crs);
+        return tc_fail(error, TC_ERR_USAGE, "--crs: expected a coordinate system as PROJ knows them, found '%.100s'",
+                       options->crs);
+    }
+    if (!r->base.info.has_transform) {
+        OSRDestroySpatialReference(crs);
+        return tc_fail(error, TC_ERR_USAGE, "--crs: expected a file that says where its samples are, found %s",
+                       r->path);
+    }
+    *crs_ret = crs;
+    return TC_OK;
+}
 
-    char *wkt = NULL;
-    const char *const format[] = {"FORMAT=WKT2_2018", NULL};
-    if (OSRExportToWktEx(crs, &wkt, format) == OGRERR_NONE && wkt && *wkt)
-        info->crs_wkt = strdup(wkt);
-    CPLFree(wkt);
+/* Where the samples lie: as the file says, or on the globe. */
+static tc_status place(gdal_raster *r, const tc_source_options *options, int band, tc_error *error)
+{
+    tc_raster_info *info = &r->base.info;
+    OGRSpatialReferenceH crs;
+    read_transform(r->dataset, info);
+    tc_status status = find_crs(r, options, &crs, error);
+    if (status || !crs)
+        return status;
+    bool other = OSRIsProjected(crs) || (OSRIsGeographic(crs) && OSRIsDerivedGeographic(crs));
+    if (options->lonlat && info->has_transform && other) {
+        status = tc_gdal_onto_globe(r->path, &r->dataset, band, crs, options, &r->globe, error);
+        if (status == TC_OK && r->globe.straight)
+            memcpy(info->transform, r->globe.transform, sizeof info->transform);
+        else if (status == TC_OK)
+            read_transform(r->dataset, info);
+        if (status == TC_OK)
+            status = tc_gdal_read_crs(r->path, r->globe.lonlat, info, error);
+    } else {
+        status = tc_gdal_read_crs(r->path, crs, info, error);
+    }
+    OSRDestroySpatialReference(crs);
+    return status;
 }
 
 /* Why rows cannot be read: messages of the threads that decode many blocks at once are lost, so the blocks are read one
@@ -249,6 +284,7 @@ static void close_raster(tc_raster *raster)
     tc_gdal_listen(&said);
     if (r->dataset)
         GDALClose(r->dataset);
+    tc_gdal_globe_close(&r->globe);
     tc_gdal_heard(&said);
     CSLDestroy(r->base.info.parts);
     free(r->base.info.crs_wkt);
@@ -305,29 +341,66 @@ static void keep_two_rows_of_blocks(const gdal_raster *r)
         GDALSetCacheMax64(bytes);
 }
 
+static bool is_colour(GDALRasterBandH band)
+{
+    GDALColorInterp meaning = GDALGetRasterColorInterpretation(band);
+    return (meaning >= GCI_RedBand && meaning <= GCI_YCbCr_CrBand) || GDALGetRasterDataType(band) == GDT_Byte;
+}
+
+/* Which band holds the heights, and whether the second one is its mask. */
+static tc_status choose_band(const gdal_raster *r, const tc_source_options *options, int *band_ret, bool *alpha_ret,
+                             tc_error *error)
+{
+    int bands = GDALGetRasterCount(r->dataset), band = options->band > 0 ? options->band : 1;
+    *alpha_ret = false;
+    if (band > bands)
+        return tc_fail(error, TC_ERR_USAGE, "--band: expected 1..%d in %s, found %d", bands, r->path, band);
+    GDALRasterBandH chosen = GDALGetRasterBand(r->dataset, band);
+    if (GDALGetRasterColorInterpretation(chosen) == GCI_PaletteIndex)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected heights, found indices into a palette of colours",
+                       r->path);
+    *alpha_ret =
+        bands == 2 && band == 1 && GDALGetRasterColorInterpretation(GDALGetRasterBand(r->dataset, 2)) == GCI_AlphaBand;
+    if (bands > 2 && options->band == 0 && is_colour(chosen))
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected one channel of heights, found %s channels: %s", r->path,
+                       bands == 3 ? "three" : "more than three", tc_channels_advice());
+    if (bands > 1 && !*alpha_ret && options->band == 0) {
+        const char *name = GDALGetDescription(chosen);
+        tc_gdal_say(options, true, "%d bands: the first%s%.60s is taken for heights; --band N takes another", bands,
+                    *name ? ", " : "", name);
+    }
+    *band_ret = band;
+    return TC_OK;
+}
+
 /* Fills in what the opened dataset says of itself, or refuses it. */
 static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_error *error)
 {
     tc_raster_info *info = &r->base.info;
-    int bands = GDALGetRasterCount(r->dataset);
-    if (bands == 0)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: holds no raster of its own, expected one channel of heights",
-                       r->path);
-    r->band = GDALGetRasterBand(r->dataset, 1);
-    if (GDALGetRasterColorInterpretation(r->band) == GCI_PaletteIndex)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected heights, found indices into a palette of colours",
-                       r->path);
-    bool alpha = bands == 2 && GDALGetRasterColorInterpretation(GDALGetRasterBand(r->dataset, 2)) == GCI_AlphaBand;
-    if (bands > 2)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected one channel of heights, found %s channels: %s", r->path,
-                       bands == 3 ? "three" : "more than three", tc_channels_advice());
-    if (bands == 2 && !alpha)
-        return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "%s: expected one channel of heights, found two of which the second is no mask", r->path);
+    int band = 1;
+    bool alpha = false;
+    tc_status status = choose_band(r, options, &band, &alpha, error);
+    if (status != TC_OK)
+        return status;
+    r->band = GDALGetRasterBand(r->dataset, band);
+    int given = 0;
+    double scale = GDALGetRasterScale(r->band, &given);
+    info->scale = given && scale != 0 && isfinite(scale) ? scale : 1;
+    double offset = GDALGetRasterOffset(r->band, &given);
+    info->offset = given && isfinite(offset) ? offset : 0;
+    snprintf(info->unit_name, sizeof info->unit_name, "%s", GDALGetRasterUnitType(r->band));
     if (!choose_type(r->band, r))
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected real numbers, found samples of type %s", r->path,
                        GDALGetDataTypeName(r->type));
 
+    status = place(r, options, band, error);
+    if (status != TC_OK)
+        return status;
+    if (r->globe.stored) { /* it is another dataset now: floats, and whether there are any */
+        r->band = GDALGetRasterBand(r->dataset, 1);
+        choose_type(r->band, r);
+        alpha = true;
+    }
     info->width = GDALGetRasterXSize(r->dataset);
     info->height = GDALGetRasterYSize(r->dataset);
     int block_width = 0, block_height = 0;
@@ -338,20 +411,34 @@ static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_e
     read_nodata(r->band, info);
     int flags = GDALGetMaskFlags(r->band);
     if (!(flags & (GMF_ALL_VALID | GMF_NODATA)) || alpha) {
-        r->mask = GDALGetMaskBand(r->band);
+        /* Of a warped raster nodata values are one reason for a void; its second band knows all. */
+        r->mask = r->globe.stored ? GDALGetRasterBand(r->dataset, 2) : GDALGetMaskBand(r->band);
         info->has_mask = r->mask != NULL;
     }
-    int given = 0;
-    double scale = GDALGetRasterScale(r->band, &given);
-    info->scale = given && scale != 0 && isfinite(scale) ? scale : 1;
-    double offset = GDALGetRasterOffset(r->band, &given);
-    info->offset = given && isfinite(offset) ? offset : 0;
-    snprintf(info->unit_name, sizeof info->unit_name, "%s", GDALGetRasterUnitType(r->band));
-    read_georeference(r->dataset, info);
+    return TC_OK;
+}
 
-    char **sets = GDALGetMetadata(r->dataset, "SUBDATASETS");
-    if (CSLCount(sets) > 2 && options->say)
-        options->say(options->say_context, true, "the file holds several rasters; the first is shown");
+/* Opens what a name stands for, with the driver that knows it. */
+static tc_status open_dataset(gdal_raster *r, const char *name, bool *recognised, tc_error *error)
+{
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    GDALDriverH driver = GDALIdentifyDriverEx(name, GDAL_OF_RASTER, NULL, NULL);
+    const char *format = driver ? GDALGetDriverShortName(driver) : "";
+    bool remote = EQUAL(format, "VRT") && names_remote_files(name);
+    if (driver && !remote) {
+        const char *const only[] = {format, NULL};
+        r->dataset = GDALOpenEx(name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, only, NULL, NULL);
+    }
+    const char *why = tc_gdal_heard(&said);
+    *recognised = driver != NULL; /* the file's format; whether it opens or not */
+    if (!driver)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: of no elevation format that GDAL knows", r->path);
+    if (remote)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: names files on the network, expected local files", r->path);
+    if (!r->dataset)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: looks like %s but cannot be opened, damaged or truncated: %s",
+                       r->path, format, why);
     return TC_OK;
 }
 
@@ -367,32 +454,22 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     r->base.read = read_rows;
     r->base.close = close_raster;
 
+    char *inner = NULL;
+    bool layer_taken = false;
+    tc_status status = tc_gdal_look_inside(path, options, &inner, &layer_taken, error);
+    *recognised = status != TC_OK || inner; /* a container */
+    if (status == TC_OK)
+        status = open_dataset(r, inner ? inner : path, recognised, error);
+    CPLFree(inner);
     tc_gdal_messages said;
     tc_gdal_listen(&said);
-    GDALDriverH driver = GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL);
-    const char *name = driver ? GDALGetDriverShortName(driver) : "";
-    bool remote = EQUAL(name, "VRT") && names_remote_files(path);
-    if (driver && !remote) {
-        const char *const only[] = {name, NULL};
-        r->dataset = GDALOpenEx(path, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, only, NULL, NULL);
-    }
-    const char *why = tc_gdal_heard(&said);
-
-    tc_status status;
-    *recognised = driver != NULL; /* the file's format; whether it opens or not */
-    if (!driver) {
-        status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: of no elevation format that GDAL knows", path);
-    } else if (remote) {
-        status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: names files on the network, expected local files", path);
-    } else if (!r->dataset) {
-        status = tc_fail(error, TC_ERR_FORMAT, "%s: looks like %s but cannot be opened, damaged or truncated: %s", path,
-                         name, why);
-    } else {
-        tc_gdal_listen(&said);
+    if (status == TC_OK) {
         r->base.info.parts = all_files(r->dataset);
-        status = describe(r, options, error);
-        tc_gdal_heard(&said);
+        status = tc_gdal_take_layer(path, options, layer_taken, &r->dataset, error);
     }
+    if (status == TC_OK)
+        status = describe(r, options, error);
+    tc_gdal_heard(&said);
     if (status == TC_OK)
         *raster_ret = &r->base;
     else
@@ -416,4 +493,5 @@ static bool same_crs(const char *wkt, const char *other_wkt)
 }
 
 extern const struct tc_gdal_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
-const struct tc_gdal_plugin tc_plugin = {.open = open_raster, .write_tiff = tc_gdal_write_tiff, .same_crs = same_crs};
+const struct tc_gdal_plugin tc_plugin = {
+    .open = open_raster, .write_tiff = tc_gdal_write_tiff, .ground = tc_gdal_ground, .same_crs = same_crs};

@@ -4,6 +4,9 @@
 
 #include "plugin_tables.h"
 
+#include <gdal.h>
+#include <ogr_srs_api.h>
+
 /* GDAL's messages during one call: the first failure is the cause, later ones are its echo. */
 typedef struct tc_gdal_messages {
     char failure[256];
@@ -16,6 +19,71 @@ void tc_gdal_start(void);
 /* From here on this thread's messages are kept instead of printed; ends that and returns what GDAL said. */
 void tc_gdal_listen(tc_gdal_messages *messages);
 const char *tc_gdal_heard(const tc_gdal_messages *messages);
+
+/* Says one line to the user, as tc_say does. */
+void tc_gdal_say(const tc_source_options *options, bool warning, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* ---- Containers and layers (plugin_gdal_layers.c) -----------------------------------------------------------------
+ */
+
+/* The name by which GDAL reads what a .gz, .zip or .tar holds, which the caller frees with CPLFree; NULL for another
+ * file. Of several rasters the one that options->layer names (*layer_taken_ret). */
+tc_status tc_gdal_look_inside(const char *path, const tc_source_options *options, char **inner_ret,
+                              bool *layer_taken_ret, tc_error *error);
+
+/* Where a dataset is a list of layers (NetCDF, HDF, GeoPackage) it becomes the one that options->layer names, or the
+ * only one; else an error lists them. */
+tc_status tc_gdal_take_layer(const char *path, const tc_source_options *options, bool layer_taken,
+                             GDALDatasetH *dataset, tc_error *error);
+
+/* ---- Coordinate systems (plugin_gdal_crs.c) -----------------------------------------------------------------------
+ */
+
+/* Longitude and latitude on a system's body, in degrees east of Greenwich, in that order; the caller destroys it. NULL
+ * where it has none. */
+OGRSpatialReferenceH tc_gdal_lonlat_of(OGRSpatialReferenceH crs);
+
+/* Sets what a system says; angles become degrees, the transform, which is read already, with them. TC_ERR_UNSUPPORTED
+ * for a rotated globe. */
+tc_status tc_gdal_read_crs(const char *path, OGRSpatialReferenceH crs, tc_raster_info *info, tc_error *error);
+
+/* Where the columns and rows of a raster lie. */
+typedef struct tc_gdal_places {
+    OGRCoordinateTransformationH to_lonlat;
+    double transform[6]; /* of the raster: corners */
+    double semi_major, e2;
+} tc_gdal_places;
+bool tc_gdal_places_open(OGRSpatialReferenceH crs, OGRSpatialReferenceH lonlat, const double transform[6],
+                         tc_gdal_places *places_ret);
+void tc_gdal_places_close(tc_gdal_places *places);
+/* Longitude and latitude; false where there is no place. */
+bool tc_gdal_place_of(const tc_gdal_places *places, double column, double row, double degrees[2]);
+/* Metres on the ground between samples along rows and along columns, taken over `half` of them to either side. */
+bool tc_gdal_spacing_at(const tc_gdal_places *places, double column, double row, double half, double *x, double *y);
+/* An angle as -180 .. 180 degrees. */
+double tc_gdal_turn(double degrees);
+
+bool tc_gdal_ground(const char *wkt, const double transform[6], int64_t width, int64_t height,
+                    tc_ground_scale *ground_ret);
+
+/* ---- Longitude and latitude (plugin_gdal_warp.c) ------------------------------------------------------------------
+ */
+
+/* A raster that was brought to longitude and latitude. */
+typedef struct tc_gdal_globe {
+    OGRSpatialReferenceH lonlat; /* NULL: it was not */
+    bool straight;               /* its samples are as stored, in `transform` */
+    double transform[6];
+    GDALDatasetH stored, floats; /* what the warped dataset is made of, else NULL */
+} tc_gdal_globe;
+
+/* Brings a raster with a coordinate system that is not longitude and latitude there. Where it is warped *dataset
+ * becomes the warped one, of one band of floats and one of alpha; the stored one then is globe_ret's. On failure, too,
+ * it is closed with tc_gdal_globe_close, after *dataset. */
+tc_status tc_gdal_onto_globe(const char *path, GDALDatasetH *dataset, int band, OGRSpatialReferenceH crs,
+                             const tc_source_options *options, tc_gdal_globe *globe_ret, tc_error *error);
+void tc_gdal_globe_close(tc_gdal_globe *globe);
 
 tc_status tc_gdal_write_tiff(const char *path, const char *temporary, const tc_tiff_options *options,
                              tc_sample_row_function row, void *context, tc_error *error);

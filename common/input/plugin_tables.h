@@ -29,17 +29,26 @@ typedef struct tc_raster_info {
     double nodata;        /* stored value */
     double scale, offset; /* value = stored * scale + offset */
     char unit_name[32];   /* of the values; empty where not said */
+    double vertical_unit; /* metres per unit of heights, by the coordinate system; 0: it says nothing of heights */
+    char vertical_name[32];
     bool area_registered; /* samples stand for areas; the transform is that of corners either way */
     bool has_transform;
     double transform[6];         /* GDAL's geotransform: from (column, row) of pixel corners to the CRS */
     double nominal_x, nominal_y; /* metres between samples, for a format that tells without a transform; 0 unknown */
     tc_crs_kind crs;
     double crs_unit;           /* radians or metres per unit of the CRS */
+    char brought_from[32];     /* the meridian of a system that was brought to degrees east of Greenwich; else empty */
     double semi_major;         /* metres; 0 unknown */
     double inverse_flattening; /* 0: a sphere */
     char *crs_wkt;             /* NULL none; freed with the raster */
     char **parts; /* all files that it is made of, NULL at the end; NULL: path alone; freed with the raster */
 } tc_raster_info;
+
+/* What a map's projection makes of lengths. */
+typedef struct tc_ground_scale {
+    double x, y;        /* metres on the ground between samples, in the map's middle */
+    double least, most; /* of it over the map, along either axis: metres on the ground per metre of the map */
+} tc_ground_scale;
 
 typedef struct tc_raster tc_raster;
 struct tc_raster {
@@ -64,6 +73,9 @@ struct tc_gdal_plugin {
      * type of options; where row fails, *error is its own. */
     tc_status (*write_tiff)(const char *path, const char *temporary, const tc_tiff_options *options,
                             tc_sample_row_function row, void *context, tc_error *error);
+    /* Lengths of a projected map, by its coordinate system and its transform; false where they cannot be told. */
+    bool (*ground)(const char *wkt, const double transform[6], int64_t width, int64_t height,
+                   tc_ground_scale *ground_ret);
     /* Whether two coordinate systems are the same, however they are written. */
     bool (*same_crs)(const char *wkt, const char *other_wkt);
 };

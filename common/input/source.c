@@ -23,11 +23,11 @@ struct tc_source {
     tc_source_options options;
     tc_raster *raster;
     tc_conversion conversion;
-    bool flip_x, flip_y;  /* the file's columns run east to west, its rows south to north */
-    int64_t chunk_rows;   /* that fit the buffers */
-    void *samples;        /* chunk_rows rows in the file's type; made when first needed */
-    uint8_t *mask;        /* likewise; NULL where the raster has no mask */
-    bool warned_of_fills; /* once is enough */
+    bool flip_x, flip_y;                    /* the file's columns run east to west, its rows south to north */
+    int64_t chunk_rows;                     /* that fit the buffers */
+    void *samples;                          /* chunk_rows rows in the file's type; made when first needed */
+    uint8_t *mask;                          /* likewise; NULL where the raster has no mask */
+    bool warned_of_fills, warned_of_lowest; /* once is enough */
     char path[];
 };
 
@@ -55,8 +55,10 @@ tc_status tc_check_source_options(const tc_source_options *options, tc_error *er
 {
     if (options->spacing != 0 && !(options->spacing >= 1e-6 && options->spacing <= 1e7))
         return tc_fail(error, TC_ERR_USAGE, "spacing: expected 1e-6 to 1e7 metres, found %g", options->spacing);
-    if (options->unit != 0 && !(options->unit >= 1e-9 && options->unit <= 1e9))
+    if (options->unit != 0 && !(fabs(options->unit) >= 1e-9 && fabs(options->unit) <= 1e9))
         return tc_fail(error, TC_ERR_USAGE, "unit: expected 1e-9 to 1e9 metres, found %g", options->unit);
+    if (options->has_offset && !(fabs(options->offset) <= TC_HIGHEST))
+        return tc_fail(error, TC_ERR_USAGE, "offset: expected -1e9 to 1e9 metres, found %g", options->offset);
     if (options->voids == TC_VOIDS_CONSTANT && !(fabs(options->void_constant) <= TC_HIGHEST))
         return tc_fail(error, TC_ERR_USAGE, "height of voids: expected -1e9 to 1e9 metres, found %g",
                        options->void_constant);
@@ -135,25 +137,44 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
 
 /* ---- Meaning ---------------------------------------------------------------------------------------------------- */
 
+/* Metres per unit of heights: by the band's own word, else by the vertical part of the coordinate system. */
+static double find_unit(const tc_raster_info *raster, const tc_source_options *options)
+{
+    const tc_source_options silent = {0};
+    const tc_source_options *said = options->unit == 0 ? options : &silent;
+    double unit = tc_unit_by_name(raster->unit_name), feet = raster->crs == TC_CRS_PROJECTED ? raster->crs_unit : 1;
+    if (*raster->unit_name && unit == 0)
+        tc_say(said, true, "heights are in \"%s\", which is not known: taken as metres", raster->unit_name);
+    if (*raster->unit_name)
+        return unit == 0 ? 1 : unit;
+    if (raster->vertical_unit > 0) {
+        if (raster->vertical_unit != 1)
+            tc_say(said, false, "heights in %s (%.9g m), by the coordinate system",
+                   *raster->vertical_name ? raster->vertical_name : "units", raster->vertical_unit);
+        return raster->vertical_unit;
+    }
+    if (fabs(feet - 0.3048) < 1e-4)
+        tc_say(said, true,
+               "the map is in feet, and nothing is said of heights: taken as metres; --unit %.7f takes them as feet",
+               feet);
+    return 1;
+}
+
 static void settle_unit(tc_source *source)
 {
     const tc_raster_info *raster = &source->raster->info;
     const tc_source_options *options = &source->options;
-    double unit = tc_unit_by_name(raster->unit_name);
-    if (unit == 0) {
-        unit = 1;
-        if (options->unit == 0)
-            tc_say(options, true, "heights are in \"%s\", which is not known: taken as metres", raster->unit_name);
-    }
+    double unit = find_unit(raster, options);
     /* The option stands for the file's scale and unit; its offset stays what it is in metres. */
-    source->info.unit = options->unit > 0 ? options->unit : raster->scale * unit;
+    source->info.unit = options->unit != 0 ? options->unit : raster->scale * unit;
     source->info.type = raster->type;
-    source->info.offset = raster->offset * unit;
+    source->info.added = options->has_offset ? options->offset : 0;
+    source->info.offset = raster->offset * unit + source->info.added;
     source->info.has_nodata = raster->has_nodata || options->has_nodata;
     source->info.nodata = raster->has_nodata ? raster->nodata : options->nodata;
     source->conversion.type = raster->type;
     source->conversion.scale = source->info.unit;
-    source->conversion.offset = raster->offset * unit;
+    source->conversion.offset = source->info.offset;
     if (raster->has_nodata)
         source->conversion.nodata[source->conversion.nodata_count++] = raster->nodata;
     if (options->has_nodata)
@@ -181,6 +202,45 @@ static tc_status make_buffers(tc_source *source, tc_error *error)
 
 /* Floats count in steps of 1/128 m beyond 2^16 m. Types that can be finer there (32-bit integers, doubles, anything
  * with an offset) get a base near their first height, which leaves the floats to the relief: 1 mm on 1e6 m survives. */
+static void take_base(tc_source *source, double first)
+{
+    if (fabs(first) > 65536 && fabs(first) <= TC_HIGHEST)
+        source->info.z_base = round(first);
+    source->conversion.offset -= source->info.z_base;
+}
+
+/* Heights about as large as the body itself are distances from its middle (NASA's and the USGS's grids of planets). */
+static bool are_radii(const tc_source *source, double first)
+{
+    double radius = source->raster->info.semi_major;
+    return !source->options.has_offset && radius >= 1000 && first >= 0.6 * radius && first <= 1.5 * radius;
+}
+
+static void take_first(tc_source *source, double first)
+{
+    double radius = source->raster->info.semi_major;
+    if (are_radii(source, first)) {
+        source->info.added = -radius;
+        source->info.offset -= radius;
+        source->conversion.offset -= radius;
+        first -= radius;
+        tc_say(&source->options, true,
+               "its heights are distances from the body's middle: %.9g m, its radius, are taken off; --offset 0 keeps "
+               "them",
+               radius);
+    }
+    take_base(source, first);
+}
+
+/* Whether what is stored can be as large as the body. */
+static bool may_be_radii(const tc_source *source)
+{
+    static const double most[] = {255, 127, 65535, 32767, 4294967295., 2147483647., INFINITY, INFINITY};
+    const tc_conversion *c = &source->conversion;
+    double radius = source->raster->info.semi_major;
+    return radius >= 1000 && most[c->type] * fabs(c->scale) + fabs(c->offset) >= 0.6 * radius;
+}
+
 static tc_status settle_base(tc_source *source, tc_error *error)
 {
     const tc_raster_info *raster = &source->raster->info;
@@ -191,7 +251,8 @@ static tc_status settle_base(tc_source *source, tc_error *error)
     }
     bool wide =
         raster->type == TC_SAMPLE_UINT32 || raster->type == TC_SAMPLE_INT32 || raster->type == TC_SAMPLE_FLOAT64;
-    if (!wide && source->conversion.offset == 0)
+    bool based = wide || source->conversion.offset != 0;
+    if (!based && !may_be_radii(source))
         return TC_OK;
     int64_t height = source->info.height, width = source->info.width;
     for (int64_t row = 0, rows; row < height; row += rows) {
@@ -207,9 +268,8 @@ static tc_status settle_base(tc_source *source, tc_error *error)
             double z = tc_convert_one(&source->conversion, source->samples, source->mask, i);
             if (isnan(z))
                 continue;
-            if (fabs(z) > 65536 && fabs(z) <= TC_HIGHEST)
-                source->info.z_base = round(z);
-            source->conversion.offset -= source->info.z_base;
+            if (based || are_radii(source, z))
+                take_first(source, z);
             return TC_OK;
         }
     }
@@ -341,6 +401,20 @@ static tc_status check_heights(const tc_source *source, int64_t y, const float *
     return TC_OK;
 }
 
+/* Lowest heights that stand for "none" where a file says so, and often where it forgot to. */
+static void suspect_lowest(tc_source *source, double lowest)
+{
+    static const double suspects[] = {-9999, -32768, -32767, -99999};
+    double stored = tc_stored_value((float)lowest, source->conversion.offset, source->conversion.scale);
+    for (size_t i = 0; i < sizeof suspects / sizeof *suspects && !source->warned_of_lowest; i++)
+        if (fabs(stored - suspects[i]) < 1e-3) {
+            source->warned_of_lowest = true;
+            tc_say(&source->options, true,
+                   "its lowest value, %.6g, is taken for a height; where it means none, --nodata %.6g says so",
+                   suspects[i], suspects[i]);
+        }
+}
+
 tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, float *z, uint8_t *voids,
                                  tc_statistics *statistics, tc_error *error)
 {
@@ -382,6 +456,8 @@ tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, fl
                 mirror_row(to, to_voids, width);
         }
     }
+    if (statistics->low <= statistics->high)
+        suspect_lowest(source, statistics->low);
     if (statistics->fills > 0 && !source->warned_of_fills) {
         source->warned_of_fills = true;
         tc_say(&source->options, true, "values beyond 1e30 are taken as voids, though no nodata value announces them");

@@ -13,7 +13,9 @@
 /* Zero is the default everywhere. */
 typedef struct tc_source_options {
     double spacing; /* metres between samples; 0: as the file says, else 1 */
-    double unit;    /* metres per stored unit; 0: as the file says, else 1 */
+    double unit;    /* metres per stored unit, negative for depths; 0: as the file says, else 1 */
+    bool has_offset;
+    double offset; /* metres added to all heights; where it is not given and they are radii, minus the body's */
     bool has_nodata;
     double nodata;  /* stored value that means void, beside the file's own */
     bool has_voids; /* the policy was asked for */
@@ -22,6 +24,10 @@ typedef struct tc_source_options {
     bool has_base;
     double z_base;             /* metres; instead of what suits the file */
     const tc_outputs *outputs; /* files, and files of which they are made, that are refused; NULL none */
+    int band;                  /* from 1 on; 0: the first, with a warning where there are others */
+    const char *layer;         /* of a file that holds several rasters; NULL: there must be one */
+    const char *crs;           /* coordinate system, as PROJ knows it, whatever the file says; NULL: the file's */
+    bool lonlat;               /* in longitude and latitude: other maps are brought there, warped where need be */
     bool exact;                /* refuse heights from which, as floats, the stored values do not come back */
     /* Called with one line without newline for what a user should know (a warning: 8-bit steps, ...) or may want to
      * (said with -v: how degrees became metres, ...). NULL: not said. */
@@ -42,6 +48,7 @@ typedef struct tc_source_info {
     double nodata;             /* stored value: the file's own, else that of the options */
     tc_georef georef;          /* crs_wkt owned by the source */
     bool area_registered;      /* the samples stood for areas */
+    double added;              /* metres that were added to heights: the offset of the options, or minus a radius */
     double crs_unit;           /* radians or metres per unit of the transform */
     double inverse_flattening; /* of the georeference's body; 0: a sphere */
 } tc_source_info;

@@ -4,6 +4,7 @@
  * the latter on reading), so the sample of column i and row r lies at transform(i + 1/2, r + 1/2) in both cases:
  * sample_latitude below is the one place that knows. The transform itself is kept corner-based, as tc_georef says, but
  * always for columns west to east and rows north to south: that of a file which runs otherwise is turned over. */
+#include "plugin.h"
 #include "source_internal.h"
 
 #include <math.h>
@@ -76,14 +77,53 @@ static void degrees_to_metres(const double t[6], int64_t width, int64_t height, 
     *y = unit * hypot(t[2] * east, t[5] * north);
 }
 
-/* Many grids (.asc, world files) come in degrees without saying so. Samples less than 72 arc-seconds apart within the
- * bounds of the globe are taken for degrees: in metres they would be 2 cm apart. */
-static bool looks_like_degrees(const tc_raster_info *raster)
+/* A whole number of minutes that has no end as a decimal fraction: 10' are 0.1666..., and nobody measures in such
+ * metres.
+ */
+static bool is_minutes(double spacing)
 {
-    const double *t = raster->transform;
+    double minutes = spacing * 60, decimals = spacing * 1e4;
+    return fabs(minutes - rint(minutes)) < 1e-4 && fabs(decimals - rint(decimals)) > 1e-2;
+}
+
+/* Many grids (.asc, .bil, world files) come in degrees without saying so. Within the bounds of the globe those are
+ * taken for degrees whose samples are less than 72 arc-seconds apart (in metres that were 2 cm), that go around the
+ * globe in steps of 2 degrees at most, or whose steps are whole minutes and no decimals. */
+static bool looks_like_degrees(const tc_raster_info *raster, bool *could_be_ret)
+{
+    const double *t = raster->transform, dx = fabs(t[1]), dy = fabs(t[5]), most = 2 + 1e-6;
     double x1 = t[0] + (double)raster->width * t[1], y1 = t[3] + (double)raster->height * t[5];
-    return fabs(t[1]) < 0.02 && fabs(t[5]) < 0.02 && t[2] == 0 && t[4] == 0 && fmin(t[0], x1) >= -180.5 &&
-           fmax(t[0], x1) <= 360.5 && fmin(t[3], y1) >= -90.5 && fmax(t[3], y1) <= 90.5;
+    bool fits = t[2] == 0 && t[4] == 0 && fmin(t[0], x1) >= -180.5 - dx / 2 && fmax(t[0], x1) <= 360.5 + dx / 2 &&
+                fmin(t[3], y1) >= -90.5 - dy / 2 && fmax(t[3], y1) <= 90.5 + dy / 2;
+    bool around = fabs(x1 - t[0]) >= 360 - 1.5 * dx && dx <= most && dy <= most;
+    bool taken = fits && ((dx < 0.02 && dy < 0.02) || around || (dx <= most && is_minutes(dx) && is_minutes(dy)));
+    bool from_origin = (t[0] == 0 || x1 == 0) && (t[3] == 0 || y1 == 0);
+    *could_be_ret = fits && !taken && dx <= most && dy <= most && !from_origin;
+    return taken;
+}
+
+/* Lengths of a projected map as they are on the ground in its middle, where its projection makes others of them by more
+ * than what zones of UTM and national grids are allowed. */
+static void use_ground(const char *wkt, const double t[6], int64_t width, int64_t height,
+                       const tc_source_options *options, double *x, double *y)
+{
+    const double allowed = 0.002, told = 1.02;
+    const void *table = NULL;
+    tc_ground_scale ground;
+    if (!wkt || !tc_plugin_loaded("gdal") || tc_plugin_load("gdal", &table, NULL) != TC_OK ||
+        !((const struct tc_gdal_plugin *)table)->ground(wkt, t, width, height, &ground))
+        return;
+    if (ground.most > told * ground.least)
+        tc_say(
+            options, true,
+            "the projection's scale varies over the map: its metre is %.4g to %.4g m on the ground; shown with that of "
+            "the middle",
+            ground.least, ground.most);
+    if (fabs(ground.x / *x - 1) <= allowed && fabs(ground.y / *y - 1) <= allowed)
+        return;
+    tc_say(options, false, "%.6g x %.6g m of the map are %.6g x %.6g m on the ground in its middle", *x, *y, ground.x,
+           ground.y);
+    *x = ground.x, *y = ground.y;
 }
 
 /* Turns the transform over so that it fits rows north to south and columns west to east. */
@@ -122,6 +162,8 @@ void tc_georef_spacing(const tc_source_info *info, const tc_georef *georef, int6
     if (georef->geographic)
         degrees_to_metres(t, width, height, georef->semi_major, info->inverse_flattening, info->crs_unit, spacing_x,
                           spacing_y);
+    else
+        use_ground(georef->crs_wkt, t, width, height, &(tc_source_options){0}, spacing_x, spacing_y);
 }
 
 static bool usable(double spacing)
@@ -141,9 +183,9 @@ void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *opt
         double t[6];
         memcpy(t, raster->transform, sizeof t);
         orient(raster, t, flip_x, flip_y);
-        bool degrees = raster->crs == TC_CRS_GEOGRAPHIC, guessed = false;
+        bool degrees = raster->crs == TC_CRS_GEOGRAPHIC, guessed = false, could_be = false;
         double unit = raster->crs_unit > 0 ? raster->crs_unit : 1;
-        if (raster->crs == TC_CRS_NONE && looks_like_degrees(raster)) {
+        if (raster->crs == TC_CRS_NONE && looks_like_degrees(raster, &could_be)) {
             degrees = guessed = true;
             unit = radians_per_degree;
         }
@@ -151,6 +193,14 @@ void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *opt
         if (degrees)
             degrees_to_metres(t, raster->width, raster->height, raster->semi_major, raster->inverse_flattening, unit,
                               &tx, &ty);
+        else if (!quiet)
+            use_ground(raster->crs_wkt, t, raster->width, raster->height, options, &tx, &ty);
+        if (could_be && !quiet)
+            tc_say(options, true,
+                   "no coordinate system: %.9g x %.9g taken for metres; --crs EPSG:4326 takes them for degrees",
+                   hypot(t[1], t[4]), hypot(t[2], t[5]));
+        if (*raster->brought_from)
+            tc_say(options, false, "%s: brought to degrees east of Greenwich", raster->brought_from);
         if (usable(tx) && usable(ty)) {
             x = tx;
             y = ty;

@@ -27,7 +27,7 @@ static const char *make_part(const char *name, int column, int row, int width, i
         samples[i] = (float)(map(column + i % width, row + i / width) + lift);
         integers[i] = (int16_t)samples[i];
     }
-    double transform[6] = {5000 + 10. * column, 10, 0, 9000 - 10. * row, 0, -10};
+    double transform[6] = {505000 + 10. * column, 10, 0, 9000 - 10. * row, 0, -10};
     made_tiff tiff = settings;
     tiff.width = width;
     tiff.height = height;
@@ -101,7 +101,7 @@ static void parts_make_a_whole(void **state)
     assert_int_equal(t->height, 33);
     assert_true(t->spacing_x == 10 && t->spacing_y == 10 && t->sample_type == TC_SAMPLE_FLOAT32 && t->unit == 1);
     assert_true(t->georef.known && !t->georef.geographic && !t->area_registered && t->georef.crs_wkt);
-    const double wanted[6] = {4995, 10, 0, 9005, 0, -10}; /* corners of point samples */
+    const double wanted[6] = {504995, 10, 0, 9005, 0, -10}; /* corners of point samples */
     for (int k = 0; k < 6; k++)
         assert_float_equal(t->georef.transform[k], wanted[k], 1e-9);
     int64_t sum = 21 * 20 + 20 * 20 + 20 * 6 + 4 * 3;
@@ -245,14 +245,14 @@ static void disagreement_is_refused(void **state)
 {
     (void)state;
     const made_tiff plain = {0};
-    double half[6] = {5005, 10, 0, 9000, 0, -10}, wide[6] = {5100, 10.001, 0, 9000, 0, -10};
-    double turned[6] = {5100, 10, 1, 9000, 1, -10};
+    double half[6] = {505005, 10, 0, 9000, 0, -10}, wide[6] = {505100, 10.001, 0, 9000, 0, -10};
+    double turned[6] = {505100, 10, 1, 9000, 1, -10};
     const char *first = make_part("first.tif", 0, 0, 10, 10, 0, plain);
     const struct {
         const char *path, *word;
     } cases[] = {
         {make_part("zone.tif", 10, 0, 10, 10, 0, (made_tiff){.epsg = 32633}), "coordinate system: expected that of "},
-        {make_part("area.tif", 10, 0, 10, 10, 0, (made_tiff){.point = true}), "registration: expected points"},
+        {make_part("area.tif", 10, 0, 10, 10, 0, (made_tiff){.point = true}), "position: expected whole samples"},
         {make_part("half.tif", 10, 0, 10, 10, 0, (made_tiff){.transform = half}), "position: expected whole samples"},
         {make_part("wide.tif", 10, 0, 10, 10, 0, (made_tiff){.transform = wide}), "pixel size: expected 10 x 10"},
         {make_part("turned.tif", 10, 0, 10, 10, 0, (made_tiff){.transform = turned}), "pixel size: "},

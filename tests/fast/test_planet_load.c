@@ -267,7 +267,10 @@ static void what_is_no_planet_is_refused(void **state)
     planet_refused(path, INFINITY, false, TC_ERR_USAGE, "radius");
     planet_refused(path, 1000, false, TC_ERR_FORMAT, "radius of 1000 m");
     planet_refused(make_map("beyond.tif", &beyond), 0, false, TC_ERR_FORMAT, "found -79 to 100");
-    planet_refused(make_map("projected.tif", &projected), 0, false, TC_ERR_UNSUPPORTED, "gdalwarp -t_srs");
+    p = planet_of(make_map("projected.tif", &projected), 0, false, NULL); /* warped */
+    assert_true(fabs(p->georef.transform[0] - 9) < 0.01 && fabs(p->georef.transform[3] - 45.15) < 0.01);
+    tc_map_destroy(p);
+    planet_refused(make_map("projected.tif", &projected), 0, true, TC_ERR_USAGE, "all 360 degrees");
     planet_refused(make_map("nothing.tif", &nothing), 0, false, TC_ERR_UNSUPPORTED, "gdalwarp -t_srs");
     planet_refused(made_path("missing.tif"), 0, false, TC_ERR_IO, "missing.tif");
     const tc_source_options options = {.spacing = 30};

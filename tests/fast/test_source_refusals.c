@@ -14,7 +14,7 @@ static void refuses_what_is_no_file(void **state)
 {
     (void)state;
     refused(made_path("missing.tif"), TC_ERR_IO, "No such file");
-    refused(made_folder(), TC_ERR_IO, "directory");
+    refused(made_folder(), TC_ERR_UNSUPPORTED, "expected a folder of elevation files");
     refused("/dev/null", TC_ERR_IO, "device");
     make_bytes(made_path("empty.tif"), "", 0);
     refused(made_path("empty.tif"), TC_ERR_FORMAT, "empty");
@@ -77,11 +77,13 @@ static void refuses_options_out_of_range(void **state)
     const char *path = made_path("fine.tif");
     made_tiff tiff = plain_tiff();
     make_tiff(path, &tiff);
-    const double bad[] = {-1, NAN, INFINITY, 1e-300, 1e300};
+    const double bad[] = {NAN, INFINITY, 1e-300, 1e300};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
         refused_with(path, (tc_source_options){.spacing = bad[i]}, TC_ERR_USAGE, "spacing");
         refused_with(path, (tc_source_options){.unit = bad[i]}, TC_ERR_USAGE, "unit");
     }
+    refused_with(path, (tc_source_options){.spacing = -1}, TC_ERR_USAGE, "spacing");
+    refused_with(path, (tc_source_options){.has_offset = true, .offset = NAN}, TC_ERR_USAGE, "offset");
     refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = NAN}, TC_ERR_USAGE, "voids");
     refused_with(path, (tc_source_options){.voids = TC_VOIDS_CONSTANT, .void_constant = 1e30}, TC_ERR_USAGE, "voids");
 }
