@@ -16,7 +16,7 @@ $make_file tiff hills.tif size=65x65
 
 refuses 1 'missing.tif: .*No such file' $viewer missing.tif $picture
 refuses 1 'No such file' $viewer '' $picture
-refuses 1 'found a directory' $viewer . $picture
+mkdir nothing && refuses 1 'nothing: expected a folder of elevation files, found none' $viewer nothing $picture
 refuses 1 'found a device or pipe' $viewer /dev/zero $picture
 : >empty.tif && refuses 1 'empty file' $viewer empty.tif $picture
 : >N46E008.hgt && refuses 1 'empty file' $viewer N46E008.hgt $picture
@@ -165,7 +165,7 @@ done <<end
 --frames      0 -1 1000001 1e3 ""
 --backend     gl Window ""
 --spacing     0 -1 nan inf 1e8 1e-7 30m ""
---unit        0 -1 nan inf 1e10 1e-10 ft ""
+--unit        0 nan inf 1e10 1e-10 ft ""
 --nodata      nan inf none 1e999 ""
 --voids       keep fill=1 constant constant= constant=nan constant=1e13 ""
 --threads     0 -1 1025 two ""

@@ -173,7 +173,7 @@ done
 run $viewer --help
 # Every option that the table of bad values knows is in the help, and the keys of the window are.
 for word in --view --fov --size --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
-    --frames --backend --spacing --unit --nodata --voids --threads --n --levels --budget --stats --json --explain \
+    --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --stats --json --explain \
     --quiet --verbose 'W A S D' F11; do
     grep -q -- "$word" stdout.txt || fail "the help does not tell of $word"
 done

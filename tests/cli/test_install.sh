@@ -13,10 +13,27 @@ fi
 
 cases=$((cases + 1))
 wanted='./bin/planar-viewer ./bin/planet-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/libterraclip.so.'"$(cat "$root/VERSION")"' ./lib/pkgconfig/terraclip.pc
-./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-window.so'
+./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-window.so
+./share/bash-completion/completions/planar-viewer ./share/bash-completion/completions/planet-viewer ./share/bash-completion/completions/terraclip
+./share/man/man1/planar-viewer.1 ./share/man/man1/planet-viewer.1 ./share/man/man1/terraclip-extract.1 ./share/man/man1/terraclip-height.1
+./share/man/man1/terraclip-info.1 ./share/man/man1/terraclip-pack.1 ./share/man/man1/terraclip-synth.1 ./share/man/man1/terraclip.1'
 found=$(cd "$stage/usr" && find . -type f | LC_ALL=C sort | tr '\n' ' ')
 [ "$(echo $found)" = "$(echo $wanted)" ] || fail "installed: $found"
 [ "$(ls "$stage")" = usr ] || fail "outside of PREFIX: $(ls "$stage")"
+
+# ---- Manuals and completion: every option of the help is in both
+
+share=$stage/usr/share
+for command in planar-viewer planet-viewer 'terraclip synth' 'terraclip pack' 'terraclip info' 'terraclip extract' 'terraclip height'; do
+    page=$share/man/man1/$(echo $command | tr ' ' -).1
+    for option in $($stage/usr/bin/$command --help | grep -o '^ *\(-., \)\?--[a-z-]*' | sed 's/.*--/--/'); do
+        cases=$((cases + 1))
+        sed 's/\\-/-/g' "$page" | grep -q -e "^\.B .*$option" || fail "$page lacks $option"
+        found=$(bash -c ". '$share/bash-completion/completions/terraclip'; COMP_WORDS=($command $option)
+            COMP_CWORD=\$((\${#COMP_WORDS[@]} - 1)); _terraclip; echo \${COMPREPLY[*]}")
+        case " $found " in *" $option "*) ;; *) fail "$command: $option is not completed: $found" ;; esac
+    done
+done
 
 # ---- The programs, with nothing of the build folder around; also moved as a whole, and by a link
 

@@ -90,7 +90,7 @@ done
 # ---- Inputs and outputs that are not there, or are something else
 
 refuses 1 'missing.tif: .*No such file' $pack missing.tif
-refuses 1 'found a directory' $pack .
+mkdir nothing && refuses 1 'nothing: expected a folder of elevation files, found none' $pack nothing
 refuses 1 'cannot be written' $terraclip pack hills.tif -o missing/a.tclip
 refuses 1 'found a directory' $terraclip pack hills.tif -o out
 refuses 2 'expected another file than the input' $terraclip pack hills.tif -o hills.tif
@@ -284,7 +284,7 @@ does '' $terraclip info tiles.tclip --json
 grep -q '"width": 2401' stdout.txt && grep -q '"height": 1201' stdout.txt || fail 'two tiles are not 2401 x 1201'
 refuses 1 'other.hgt: georeference: expected one' $pack N46E009.hgt other.hgt
 refuses 1 'placed.tif: coordinate system: expected that of hills.tif' $pack hills.tif placed.tif
-refuses 1 'area.tif: registration: expected points' $pack hills.tif area.tif
+refuses 1 'area.tif: position: expected whole samples' $pack hills.tif area.tif
 $make_file tiff zone.tif size=20x20 epsg=32633 && refuses 1 'zone.tif: coordinate system' $pack hills.tif zone.tif
 $make_file tiff fine.tif size=20x20 metres=15 && refuses 1 'fine.tif: pixel size: expected 30 x 30' $pack hills.tif fine.tif
 $make_file tiff cut.tif size=300x300 from=300,0
