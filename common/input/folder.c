@@ -2,6 +2,7 @@
 #include "folder.h"
 
 #include "common/base/status.h"
+#include "plugin.h"
 #include "source_internal.h"
 
 #include <dirent.h>
@@ -15,7 +16,9 @@
 bool tc_is_folder(const char *path)
 {
     struct stat about;
-    return stat(path, &about) == 0 && S_ISDIR(about.st_mode);
+    const void *table = NULL;
+    return stat(path, &about) == 0 && S_ISDIR(about.st_mode) &&
+           !(tc_plugin_load("gdal", &table, NULL) == TC_OK && ((const struct tc_gdal_plugin *)table)->recognises(path));
 }
 
 /* Files that go with others: georeferences, statistics, overviews, headers, notes. */

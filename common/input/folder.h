@@ -10,6 +10,7 @@ typedef struct tc_folder {
     int count;
 } tc_folder;
 
+/* Whether it is one, and no raster of a format that is a folder. */
 bool tc_is_folder(const char *path);
 
 /* Lists what can be read as heights, without folders within; what is of no elevation format is passed over (said as a

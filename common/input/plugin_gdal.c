@@ -477,6 +477,16 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     return status;
 }
 
+static bool recognises(const char *path)
+{
+    tc_gdal_start();
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    bool known = GDALIdentifyDriverEx(path, GDAL_OF_RASTER, NULL, NULL) != NULL;
+    tc_gdal_heard(&said);
+    return known;
+}
+
 static bool same_crs(const char *wkt, const char *other_wkt)
 {
     tc_gdal_start();
@@ -493,5 +503,8 @@ static bool same_crs(const char *wkt, const char *other_wkt)
 }
 
 extern const struct tc_gdal_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
-const struct tc_gdal_plugin tc_plugin = {
-    .open = open_raster, .write_tiff = tc_gdal_write_tiff, .ground = tc_gdal_ground, .same_crs = same_crs};
+const struct tc_gdal_plugin tc_plugin = {.open = open_raster,
+                                         .recognises = recognises,
+                                         .write_tiff = tc_gdal_write_tiff,
+                                         .ground = tc_gdal_ground,
+                                         .same_crs = same_crs};

@@ -69,6 +69,8 @@ typedef tc_status (*tc_sample_row_function)(void *context, int64_t y, void *samp
 /* terraclip-gdal.so */
 struct tc_gdal_plugin {
     tc_raster_open open;
+    /* Whether a file, or a folder (Zarr, MFF2), is of a format of this library. */
+    bool (*recognises)(const char *path);
     /* As tc_write_tiff, straight to the file temporary; messages name path. Rows are asked for from the north in the
      * type of options; where row fails, *error is its own. */
     tc_status (*write_tiff)(const char *path, const char *temporary, const tc_tiff_options *options,

@@ -8,6 +8,7 @@
 #include "source_internal.h"
 
 #include "common/base/status.h"
+#include "folder.h"
 #include "plugin.h"
 
 #include <errno.h>
@@ -73,8 +74,8 @@ static tc_status read_signature(const char *path, unsigned char signature[8], tc
     FILE *file = NULL;
     if (stat(path, &about) != 0)
         return tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    if (S_ISDIR(about.st_mode))
-        return tc_fail(error, TC_ERR_IO, "%s: expected a file, found a directory", path);
+    if (S_ISDIR(about.st_mode)) /* a raster in many files, if at all */
+        return tc_is_folder(path) ? tc_fail(error, TC_ERR_IO, "%s: expected a file, found a directory", path) : TC_OK;
     if (!S_ISREG(about.st_mode))
         return tc_fail(error, TC_ERR_IO, "%s: expected a regular file, found a device or pipe", path);
     if (about.st_size == 0)
