@@ -212,8 +212,9 @@ $(O)/tests/bench_rate_distortion: $(CODERS) $(OBJ)/tests/bench/rate_summary.o
 LIBS_bench_pack = $(shell pkg-config --libs gdal libopenjp2)
 LIBS_bench_rate_distortion = $(LIBS_bench_pack)
 LIBS_test_host_window = -lEGL
-CPPFLAGS_test_formats = $(shell pkg-config --cflags gdal)
-LIBS_test_formats = $(shell pkg-config --libs gdal)
+# Tests that ask GDAL itself.
+$(foreach t,test_formats test_eight_ways,$(eval CPPFLAGS_$(t) = $$(shell pkg-config --cflags gdal))\
+    $(eval LIBS_$(t) = $$(shell pkg-config --libs gdal)))
 
 # Makes elevation files for the command-line tests.
 $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_files.o
