@@ -85,6 +85,7 @@ typedef struct tc_grid {
     double spacing_x, spacing_y; /* metres */
     float z_min, z_max;          /* of z over samples that are not void */
     bool wraps_x;                /* column `width` is column 0 */
+    bool area_registered;        /* samples stood for areas: places within half a sample beside them are theirs, too */
     tc_georef georef;
 } tc_grid;
 

@@ -104,10 +104,11 @@ static void to_samples(const place *p, double x, double y, double *u, double *v)
     *v = (double)t->height - 0.5 - (y * g[1] - x * g[4]) / determinant;
 }
 
+/* Beside the outermost samples of areas, as far as those go, there is the nearest sample's height. */
 static bool inside(const place *p, double u, double v)
 {
-    return u >= -tolerance && u <= (double)(p->map->width - 1) + tolerance && v >= -tolerance &&
-           v <= (double)(p->map->height - 1) + tolerance;
+    double edge = tolerance + (p->map->georef.known && p->map->area_registered ? 0.5 : 0);
+    return u >= -edge && u <= (double)(p->map->width - 1) + edge && v >= -edge && v <= (double)(p->map->height - 1) + edge;
 }
 
 /* The point in finest samples; false: outside. */

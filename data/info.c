@@ -177,10 +177,11 @@ static void print_place(const facts *f)
         printf("  place          no georeference\n");
         return;
     }
-    double w = (double)t->width, h = (double)t->height;
+    /* Of areas to their edges, of points to the outermost ones: where `height` answers. */
+    double first = t->area_registered ? 0 : 0.5, w = (double)t->width - first, h = (double)t->height - first;
     printf("  place          %s %.10g to %.10g, %s %.10g to %.10g, %s-registered\n",
-           t->georef.geographic ? "longitude" : "x", g[0], g[0] + w * g[1] + h * g[2],
-           t->georef.geographic ? "latitude" : "y", g[3] + w * g[4] + h * g[5], g[3],
+           t->georef.geographic ? "longitude" : "x", g[0] + first * (g[1] + g[2]), g[0] + w * g[1] + h * g[2],
+           t->georef.geographic ? "latitude" : "y", g[3] + w * g[4] + h * g[5], g[3] + first * (g[4] + g[5]),
            t->area_registered ? "area" : "point");
     printf("  coordinates    %s\n", *f->crs ? f->crs : "not named");
 }

@@ -52,6 +52,7 @@ static tc_status read_mosaic(const char *path, tc_mosaic *mosaic, tc_grid *grid,
                       .spacing_x = t->spacing_x,
                       .spacing_y = t->spacing_y,
                       .z_base = t->z_base,
+                      .area_registered = t->area_registered,
                       .georef = t->georef};
     grid->georef.crs_wkt = t->georef.crs_wkt ? strdup(t->georef.crs_wkt) : NULL;
     tc_status status = tc_grid_room(path, grid, error);

@@ -147,6 +147,7 @@ static tc_status read_file(const char *path, const tc_source_options *options, t
                       .height = info->height,
                       .spacing_x = info->spacing_x,
                       .spacing_y = info->spacing_y,
+                      .area_registered = info->area_registered,
                       .georef = info->georef,
                       .z_base = info->z_base};
     grid->georef.crs_wkt = info->georef.crs_wkt ? strdup(info->georef.crs_wkt) : NULL;

@@ -14,6 +14,7 @@ struct tc_map {
     tc_chart *chart;
     /* Of chart 0's finest level, which may be missing from a file that was cut short. */
     tc_georef georef; /* without crs_wkt */
+    bool area_registered;
     int64_t width, height;
     double spacing_x, spacing_y; /* metres; on a globe at the equator */
     tc_void_policy voids;        /* how they are to be shown */

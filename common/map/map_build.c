@@ -127,6 +127,7 @@ tc_status tc_map_build(tc_grid *grid, double radius, int threads, tc_map **map_r
     }
     map->width = grid->width, map->height = grid->height;
     map->georef = grid->georef;
+    map->area_registered = grid->area_registered;
     map->georef.crs_wkt = NULL; /* the field's */
     tc_status status = radius > 0 ? build_globe(grid, threads, map, error) : build_flat(grid, threads, map, error);
     tc_grid_free(grid);

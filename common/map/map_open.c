@@ -148,6 +148,7 @@ static tc_status open_planet(const char *name, shared *s, tc_field *field, const
 static void describe(const tc_pack_terrain *t, const tc_open_options *options, tc_map *map)
 {
     map->georef = t->georef;
+    map->area_registered = t->area_registered;
     map->georef.crs_wkt = NULL; /* the field's */
     map->width = t->width, map->height = t->height;
     map->spacing_x = t->spacing_x, map->spacing_y = t->spacing_y;

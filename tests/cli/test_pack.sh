@@ -218,6 +218,15 @@ for point in '500000 5200000' '500015 5199985' '504000.5 5197123.25' '508970 519
     [ -n "$out" ] && [ "$out" = "$wanted" ] || fail "height at $point: $wanted and $out"
 done
 refuses 1 'expected a point of hills.tclip, found one outside' $terraclip height hills.tclip 499900 5199000
+# Where info says that a map of areas ends, height answers; a millimetre beyond it does not.
+set -- $($terraclip info area.tclip | sed -n 's/^  place *x \([0-9.]*\) to \([0-9.]*\), y \([0-9.]*\) to \([0-9.]*\), area.*/\1 \2 \3 \4/p')
+for file in area.tif area.tclip; do
+    for place in "$1 $3" "$2 $4"; do
+        does '' $terraclip height $file $place
+    done
+    refuses 1 'found one outside' $terraclip height $file $(awk "BEGIN { printf \"%.4f\", $1 - .001 }") $3
+    refuses 1 'found one outside' $terraclip height $file $1 $(awk "BEGIN { printf \"%.4f\", $4 + .001 }")
+done
 printf '504000.5 5197123.25\n\n500015,5199985\n' >points.txt
 run sh -c "$terraclip height hills.tclip <points.txt"
 [ $rc = 0 ] && [ "$(wc -l <stdout.txt)" = 2 ] || report 'points of the standard input' height
