@@ -7,6 +7,7 @@
  * Around the globe longitudes go on. Between its last row and the pole a packed planet has the polar cap's height; a
  * map that was not packed as one goes straight to the row's mean, at the pole. */
 #include "height.h"
+#include "points.h"
 
 #include "common/chart/lonlat.h"
 #include "common/field/point.h"
@@ -19,7 +20,6 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 struct arguments {
@@ -74,7 +74,9 @@ void tc_height_help(FILE *file)
             "LON LAT in degrees; where it has projected ones X Y of its coordinate system; without a georeference\n"
             "metres east and north of its south-west sample. Heights are those of the mesh between samples.\n"
             "Around a planet every longitude will do, and every latitude from pole to pole.\n"
-            "A point outside is an error; one of the standard input is told as nan, and the exit code is 1.\n\n");
+            "A point outside is an error; one of the standard input is told as nan, and the exit code is 1.\n"
+            "So is a line that is no point. Empty lines, those that begin with # and a first line of words are left\n"
+            "out, and so are columns behind the two numbers.\n\n");
     tc_arguments_print(&line, file);
 }
 
@@ -266,54 +268,49 @@ static tc_status tell_one(const struct arguments *a, const place *p, double x, d
     return TC_OK;
 }
 
-/* Two numbers with blanks or a comma between. */
-static bool parse_point(const char *text, double *x, double *y)
+/* Said at once, and whatever is said, since the answer in its place is none. */
+static void tell_bad(const tc_points *points)
 {
-    text += strspn(text, " \t");
-    if (!tc_take_number(&text, x))
-        return false;
-    size_t gap = strspn(text, " \t,;");
-    text += gap;
-    if (gap == 0 || !tc_take_number(&text, y))
-        return false;
-    return text[strspn(text, " \t\r\n")] == '\0';
+    fprintf(stderr, "terraclip: standard input: line %" PRId64 ": expected two numbers, found '%.80s'\n",
+            points->number, points->text);
 }
 
 static tc_status tell_all(const struct arguments *a, const place *p, tc_error *error)
 {
-    char *text = NULL;
-    size_t room = 0;
-    int64_t number = 0, outside = 0;
+    tc_points points = {.file = stdin};
+    int64_t outside = 0, bad = 0;
+    double x, y, u, v;
+    tc_points_line found;
     tc_status status = TC_OK;
-    while (status == TC_OK && getline(&text, &room, stdin) > 0) {
-        double x, y, u, v, z = NAN;
-        number++;
-        if (text[strspn(text, " \t\r\n")] == '\0')
-            continue;
-        if (!parse_point(text, &x, &y)) {
-            status =
-                tc_fail(error, TC_ERR_FORMAT, "standard input: line %" PRId64 ": expected two numbers, found '%.80s'",
-                        number, strtok(text, "\r\n"));
+    while (status == TC_OK && (found = tc_points_next(&points, &x, &y)) != TC_POINTS_END) {
+        double z = NAN;
+        if (found == TC_POINTS_BAD) {
+            bad++;
+            tell_bad(&points);
         } else if (!locate(p, x, y, &u, &v)) {
             outside++;
-            print_height(NAN);
         } else {
             status = read_height(p, x, y, u, v, &z);
-            if (status != TC_OK)
-                tc_fail(error, status, "%s: cannot be read: %s", a->file, tc_status_text(status));
-            else
-                print_height(z);
         }
+        if (status == TC_OK)
+            print_height(z);
         if (isatty(STDIN_FILENO))
             fflush(stdout);
     }
-    free(text);
-    if (status == TC_OK && ferror(stdin))
-        status = tc_fail(error, TC_ERR_IO, "standard input: cannot be read");
-    if (status == TC_OK && outside > 0)
-        status = tc_fail(error, TC_ERR_IO, "standard input: expected points of %s, found %" PRId64 " outside", a->file,
-                         outside);
-    return status;
+    free(points.text);
+    if (status != TC_OK)
+        return tc_fail(error, status, "%s: cannot be read: %s", a->file, tc_status_text(status));
+    if (ferror(stdin))
+        return tc_fail(error, TC_ERR_IO, "standard input: cannot be read");
+    if (bad > 0)
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "standard input: expected points of %s, found %" PRId64 " of %" PRId64 " lines bad and %" PRId64
+                       " outside",
+                       a->file, bad, points.number, outside);
+    if (outside > 0)
+        return tc_fail(error, TC_ERR_IO, "standard input: expected points of %s, found %" PRId64 " outside", a->file,
+                       outside);
+    return TC_OK;
 }
 
 static void say(void *context, bool warning, const char *text)

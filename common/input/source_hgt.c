@@ -2,8 +2,10 @@
  * nothing else.
  *
  * The size says how many samples there are, the file's name where they lie (N46E008: the south-west sample; tiles share
- * their border samples with their neighbours). GDAL reads it too, but only by that name; here a file that was renamed
- * opens as well, its place unknown, and so simple a file needs no library. */
+ * their border samples with their neighbours). GDAL reads it too, but only by that name and in few sizes; here a file
+ * that was renamed opens as well, its place unknown, and so simple a file needs no library.
+ *
+ * A name is understood whole or not at all: N45W074T86 is not where N45W074 is. */
 #include "source_internal.h"
 
 #include "common/base/status.h"
@@ -16,11 +18,6 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
-
-/* The tiles there are: 3", 1", and 1" beyond 50 degrees north, where columns are 2" apart. */
-static const struct {
-    int width, height;
-} tiles[] = {{1201, 1201}, {3601, 3601}, {1801, 3601}};
 
 static const char wgs84[] = "GEOGCRS[\"WGS 84\",DATUM[\"World Geodetic System 1984\","
                             "ELLIPSOID[\"WGS 84\",6378137,298.257223563,LENGTHUNIT[\"metre\",1]]],"
@@ -61,40 +58,171 @@ static void close_raster(tc_raster *raster)
     free(r);
 }
 
-/* N46E008..., in either case: degrees of the south-west sample. */
-static bool parse_name(const char *path, int *latitude, int *longitude)
+/* ---- Size ------------------------------------------------------------------------------------------------------- */
+
+/* Any square, and tiles whose columns are farther apart than their rows, since meridians converge: SRTM's beyond 50
+ * degrees of latitude, with half the columns, and those cut from models whose columns thin out poleward as those of
+ * Copernicus do. None of these has a square number of samples, and no two the same, so that a size has one reading. */
+static bool find_size(int64_t bytes, int64_t *width_ret, int64_t *height_ret)
 {
-    const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
-    for (int i = 0; i < 7; i++)
-        if (i != 0 && i != 3 && !isdigit((unsigned char)name[i]))
-            return false;
-    int ns = toupper((unsigned char)name[0]), ew = toupper((unsigned char)name[3]);
-    if ((ns != 'N' && ns != 'S') || (ew != 'E' && ew != 'W'))
+    static const int heights[] = {3601, 1201};
+    static const struct {
+        int columns, rows;
+    } shares[] = {{2, 3}, {1, 2}, {1, 3}, {1, 5}, {1, 10}};
+    int64_t samples = bytes / 2, side = llrint(sqrt((double)samples));
+    if (bytes % 2 != 0)
         return false;
-    *latitude = 10 * (name[1] - '0') + (name[2] - '0');
-    *longitude = 100 * (name[4] - '0') + 10 * (name[5] - '0') + (name[6] - '0');
-    *latitude = ns == 'S' ? -*latitude : *latitude;
-    *longitude = ew == 'W' ? -*longitude : *longitude;
-    return *latitude >= -90 && *latitude < 90 && *longitude >= -180 && *longitude < 180;
+    *width_ret = *height_ret = side;
+    if (side >= 2 && side * side == samples)
+        return true;
+    for (size_t h = 0; h < sizeof heights / sizeof *heights; h++)
+        for (size_t s = 0; s < sizeof shares / sizeof *shares; s++) {
+            *height_ret = heights[h];
+            *width_ret = (heights[h] - 1) / shares[s].rows * shares[s].columns + 1;
+            if (*width_ret * *height_ret == samples)
+                return true;
+        }
+    return false;
+}
+
+/* Whether so many samples are likely to be those of a degree: minutes fall on samples, as in every tile that is known.
+ */
+static bool is_degree(const tc_raster_info *info)
+{
+    return (info->height - 1) % 60 == 0;
+}
+
+/* ---- Name ------------------------------------------------------------------------------------------------------- */
+
+typedef struct place {
+    double south, west, extent; /* degrees, of the border samples */
+} place;
+
+/* Takes a letter and digits off the front of *text; the second letter is that of negative degrees. */
+static bool take_degrees(const char **text, const char letters[2], int digits, int *degrees_ret)
+{
+    const char *t = *text;
+    int letter = toupper((unsigned char)t[0]), degrees = 0;
+    if (letter != letters[0] && letter != letters[1])
+        return false;
+    for (int i = 1; i <= digits; i++) {
+        if (!isdigit((unsigned char)t[i]))
+            return false;
+        degrees = 10 * degrees + (t[i] - '0');
+    }
+    *text = t + 1 + digits;
+    *degrees_ret = letter == letters[1] ? -degrees : degrees;
+    return true;
+}
+
+/* A word behind the place that leaves it what it is: the product, its version, its kind, or its spacing, which must
+ * then be the file's. */
+static bool is_known_word(const char *word, size_t length, const tc_raster_info *info)
+{
+    static const struct {
+        const char *text;
+        int height; /* samples; 0: any */
+    } words[] = {{"SRTMGL1", 3601}, {"SRTMGL3", 1201}, {"SRTMGL3S", 1201}, {"SRTM1", 3601},
+                 {"SRTM3", 1201},   {"NASADEM", 3601}, {"1arc", 3601},     {"3arc", 1201},
+                 {"DEM", 0},        {"DSM", 0},        {"DTM", 0}};
+    size_t digits = strspn(word, "0123456789");
+    if (length > 0 && digits == length)
+        return strtoll(word, NULL, 10) == info->height;
+    if (length > 1 && toupper((unsigned char)word[0]) == 'V' && strspn(word + 1, "0123456789") == length - 1)
+        return true;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        if (strlen(words[i].text) == length && strncasecmp(words[i].text, word, length) == 0)
+            return words[i].height == 0 || words[i].height == info->height;
+    return false;
+}
+
+/* .SRTMGL1, _7201, _1arc_v3 and the like. */
+static bool is_known_ending(const char *text, size_t length, const tc_raster_info *info)
+{
+    static const char marks[] = "._-";
+    for (size_t i = 0; i < length;) {
+        size_t word = i + 1;
+        if (!strchr(marks, text[i]))
+            return false;
+        for (i = word; i < length && !strchr(marks, text[i]);)
+            i++;
+        if (!is_known_word(text + word, i - word, info))
+            return false;
+    }
+    return true;
+}
+
+/* T86: Radio Mobile's tiles of 1/3 arc-second, nine by nine to a degree, here the eighth from the south and the sixth
+ * from the west. */
+static bool is_ninth(const char *text, size_t length, const tc_raster_info *info)
+{
+    return length == 3 && toupper((unsigned char)text[0]) == 'T' && text[1] >= '1' && text[1] <= '9' &&
+           text[2] >= '1' && text[2] <= '9' && info->width == 1201 && info->height == 1201;
+}
+
+/* The place that a name says. *begun: it begins with one, whatever follows. */
+static bool parse_name(const char *path, const tc_raster_info *info, place *place_ret, bool *begun)
+{
+    const char *text = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    int latitude, longitude;
+    *begun = false;
+    if (!take_degrees(&text, "NS", 2, &latitude))
+        return false;
+    text += *text == '_'; /* n46_e008 */
+    if (!take_degrees(&text, "EW", 3, &longitude))
+        return false;
+    *begun = true;
+    if (latitude < -90 || latitude >= 90 || longitude < -180 || longitude >= 180)
+        return false;
+    *place_ret = (place){latitude, longitude, 1};
+    size_t length = strlen(text) - strlen(".hgt");
+    if (is_ninth(text, length, info))
+        *place_ret = (place){latitude + (text[1] - '1') / 9., longitude + (text[2] - '1') / 9., 1 / 9.};
+    else if (!is_known_ending(text, length, info))
+        return false;
+    return true;
+}
+
+static const double radians = 0.017453292519943295, equator = 6378137;
+
+static void settle_nowhere(tc_raster_info *info, bool begun, const tc_source_options *options)
+{
+    const char *why = begun ? " that is understood" : " (as N46E008.hgt would)";
+    double dx = 1. / (double)(info->width - 1), dy = 1. / (double)(info->height - 1);
+    bool degree = is_degree(info);
+    info->nominal_x = degree ? dx * radians * equator : 1;
+    info->nominal_y = degree ? dy * radians * equator : 1;
+    if (options->spacing > 0)
+        return;
+    if (degree)
+        tc_say(options, true,
+               "the file's name says no place%s: samples taken %.4g x %.4g arc-s apart on the equator; --spacing sets "
+               "the distance",
+               why, 3600 * dx, 3600 * dy);
+    else
+        tc_say(options, true, "the file's name says no place%s: samples taken 1 m apart; --spacing sets the distance",
+               why);
 }
 
 static void settle_place(tc_raster_info *info, const char *path, const tc_source_options *options)
 {
-    static const double radians = 0.017453292519943295, equator = 6378137;
-    double dx = 1. / (double)(info->width - 1), dy = 1. / (double)(info->height - 1);
-    int latitude = 0, longitude = 0;
-    if (!parse_name(path, &latitude, &longitude)) {
-        info->nominal_x = dx * radians * equator;
-        info->nominal_y = dy * radians * equator;
-        if (options->spacing <= 0)
-            tc_say(
-                options, true,
-                "the file's name says no place (as N46E008.hgt would): samples taken %.0f arc-s apart on the equator",
-                3600 * dy);
+    place at;
+    bool begun;
+    if (!parse_name(path, info, &at, &begun)) {
+        settle_nowhere(info, begun, options);
         return;
     }
+    double dx = at.extent / (double)(info->width - 1), dy = at.extent / (double)(info->height - 1);
+    if (at.extent < 1)
+        tc_say(options, false, "the file's name says a ninth of a degree, from %.6f degrees north and %.6f east",
+               at.south, at.west);
+    else if (!is_degree(info))
+        tc_say(options, true,
+               "%lld x %lld samples are taken for the whole degree of the file's name, but no such tiles are known: it "
+               "may be truncated",
+               (long long)info->width, (long long)info->height);
     /* Samples are points on the degree lines; GDAL's transform is that of pixel corners, half a sample outside. */
-    const double transform[6] = {longitude - dx / 2, dx, 0, latitude + 1 + dy / 2, 0, -dy};
+    const double transform[6] = {at.west - dx / 2, dx, 0, at.south + at.extent + dy / 2, 0, -dy};
     memcpy(info->transform, transform, sizeof transform);
     info->has_transform = true;
     info->crs = TC_CRS_GEOGRAPHIC;
@@ -103,6 +231,8 @@ static void settle_place(tc_raster_info *info, const char *path, const tc_source
     info->inverse_flattening = 298.257223563;
     info->crs_wkt = strdup(wgs84);
 }
+
+/* ---- Opening ---------------------------------------------------------------------------------------------------- */
 
 tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *recognised, tc_raster **raster_ret,
                       tc_error *error)
@@ -120,16 +250,14 @@ tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *
             fclose(file);
         return tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(why));
     }
-    size_t tile = 0;
-    const size_t count = sizeof tiles / sizeof *tiles;
-    while (tile < count && about.st_size != (off_t)tiles[tile].width * tiles[tile].height * 2)
-        tile++;
-    if (tile == count) {
+    int64_t width, height;
+    if (!find_size(about.st_size, &width, &height)) {
+        bool odd = about.st_size % 2 != 0; /* which no tile has, whatever its sides */
         fclose(file);
-        return tc_fail(
-            error, TC_ERR_FORMAT,
-            "%s: damaged or truncated: expected 2884802, 12967202 or 25934402 bytes (SRTM tiles), found %lld", path,
-            (long long)about.st_size);
+        return tc_fail(error, TC_ERR_FORMAT,
+                       "%s: %sexpected a square or known rectangular number of 16-bit samples, found %lld bytes%s",
+                       path, odd ? "damaged or truncated: " : "", (long long)about.st_size,
+                       odd ? "" : "; it may be truncated");
     }
     hgt_raster *r = calloc(1, sizeof *r + strlen(path) + 1);
     if (!r) {
@@ -140,8 +268,8 @@ tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *
     strcpy(r->path, path);
     r->base.read = read_rows;
     r->base.close = close_raster;
-    r->base.info = (tc_raster_info){.width = tiles[tile].width,
-                                    .height = tiles[tile].height,
+    r->base.info = (tc_raster_info){.width = width,
+                                    .height = height,
                                     .type = TC_SAMPLE_INT16,
                                     .type_name = "int16",
                                     .integer = true,

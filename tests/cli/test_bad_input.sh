@@ -44,8 +44,12 @@ $terraclip synth --size 257 -o synth.tif -q && cut synth.tif 150000
 refuses 1 'synth.tif: .*damaged or truncated' $viewer synth.tif $picture
 $make_file png short.png size=300x300 && cut short.png 90000
 refuses 1 'short.png: .*damaged or truncated' $viewer short.png $picture
-$make_file hgt N46E009.hgt && cut N46E009.hgt 2000000
+$make_file hgt N46E009.hgt && cut N46E009.hgt 2000002
+refuses 1 'N46E009.hgt: expected a square .* found 2000002 bytes; it may be truncated' $viewer N46E009.hgt $picture
+cut N46E009.hgt 2000001
 refuses 1 'N46E009.hgt: damaged or truncated' $viewer N46E009.hgt $picture
+cut N46E009.hgt 2000000 # 1000 x 1000 samples, as luck has it
+accepts 'warning: 1000 x 1000 samples .* may be truncated' $viewer N46E009.hgt $picture
 $make_file pgm short.pgm size=300x300 && cut short.pgm 90000
 refuses 1 'short.pgm: ' $viewer short.pgm $picture
 $make_file jp2 short.jp2 && cut short.jp2 300

@@ -75,6 +75,18 @@ cp N46E008.hgt tile.hgt && accepts "warning: the file's name says no place" $vie
 accepts '' $viewer -q tile.hgt $near $picture
 accepts '' $viewer tile.hgt --spacing 90 $near $picture
 same tile.png last.png 'tile.hgt by --spacing'
+for name in N46E008.SRTMGL3 n46_e008_3arc_v2 N46E008_1201; do
+    cp N46E008.hgt $name.hgt && accepts '' $viewer $name.hgt $near $picture
+    same by-name.png last.png "N46E008.hgt and $name.hgt"
+done
+# A name is understood whole or not at all: a ninth of a degree, and what is no place.
+cp N46E008.hgt N46E008T86.hgt && accepts '9.25925926e-05 x 9.25925926e-05 degrees .* latitude of 46.8333' \
+    $viewer -v N46E008T86.hgt $picture
+for name in N46E008T80 N46E008_3601 N46E008b; do
+    cp N46E008.hgt $name.hgt && accepts "warning: the file's name says no place that is understood: .* --spacing" \
+        $viewer $name.hgt $picture
+done
+$make_file hgt hill.hgt size=100x100 && accepts 'says no place .* 1 m apart; --spacing' $viewer hill.hgt $picture
 $make_file tiff metres.tif metres=90
 accepts 'every 90 x 90 m' $viewer -v metres.tif $near $picture
 same tile.png last.png 'projected, 90 m'

@@ -119,52 +119,6 @@ static void vrt_mosaics(void **state)
     refused(made_path("remote.vrt"), TC_ERR_UNSUPPORTED, "network");
 }
 
-static void srtm_tiles(void **state)
-{
-    (void)state;
-    enum { SIDE = 1201 };
-    int16_t *heights = malloc(SIDE * SIDE * sizeof *heights);
-    for (int i = 0; i < SIDE * SIDE; i++)
-        heights[i] = (int16_t)(i % SIDE - i / SIDE);
-    heights[5 * SIDE + 7] = -32768;
-    heights[9 * SIDE + 2] = -9999;
-    make_hgt(made_path("N46E008.hgt"), SIDE, heights);
-    make_hgt(made_path("s07w100.HGT"), SIDE, heights);
-    make_hgt(made_path("renamed.hgt"), SIDE, heights);
-    free(heights);
-
-    sayings said;
-    tc_grid g = load(made_path("N46E008.hgt"), (tc_source_options){0}, &said);
-    assert_int_equal(g.width, SIDE);
-    assert_int_equal(g.void_count, 1);
-    assert_true(void_at(&g, 7, 5) && at(&g, 0, 0) == 0 && at(&g, SIDE - 1, 0) == SIDE - 1 && at(&g, 2, 9) == -9999);
-    assert_true(fabsf(at(&g, 7, 5) - 2) < 0.1f); /* on a ramp */
-    assert_true(g.georef.known && g.georef.geographic && g.georef.crs_wkt);
-    assert_float_equal(g.georef.transform[0], 8 - 1. / 2400, 1e-9);
-    assert_float_equal(g.georef.transform[3], 47 + 1. / 2400, 1e-9);
-    assert_float_equal(g.spacing_x, 63.969, 0.001);
-    assert_float_equal(g.spacing_y, 92.634, 0.001);
-    assert_non_null(strstr(said.text, "mean latitude of 46.5000"));
-    tc_grid_free(&g);
-
-    g = load(made_path("N46E008.hgt"), (tc_source_options){.has_nodata = true, .nodata = -9999}, NULL);
-    assert_true(g.void_count == 2 && void_at(&g, 2, 9));
-    tc_grid_free(&g);
-    g = load(made_path("s07w100.HGT"), (tc_source_options){0}, NULL);
-    assert_float_equal(g.georef.transform[0], -100 - 1. / 2400, 1e-9);
-    assert_float_equal(g.georef.transform[3], -6 + 1. / 2400, 1e-9);
-    tc_grid_free(&g);
-    g = load(made_path("renamed.hgt"), (tc_source_options){0}, &said);
-    assert_true(!g.georef.known && g.void_count == 1);
-    assert_float_equal(g.spacing_x, 92.766, 0.001);
-    assert_float_equal(g.spacing_y, 92.766, 0.001);
-    assert_non_null(strstr(said.text, "3 arc-s"));
-    tc_grid_free(&g);
-
-    cut_file(made_path("N46E008.hgt"), -1);
-    refused(made_path("N46E008.hgt"), TC_ERR_FORMAT, "2884801");
-}
-
 static void places(void **state)
 {
     (void)state;
@@ -418,7 +372,6 @@ int main(void)
         cmocka_unit_test(tiffs_of_all_types),
         cmocka_unit_test(pictures_and_other_formats),
         cmocka_unit_test(vrt_mosaics),
-        cmocka_unit_test(srtm_tiles),
         cmocka_unit_test(places),
         cmocka_unit_test(units),
         cmocka_unit_test(small_relief_far_up),

@@ -23,7 +23,12 @@ static void refuses_what_is_no_file(void **state)
     make_bytes(made_path("unknown.xyzzy"), "what is this?", 13);
     refused(made_path("unknown.xyzzy"), TC_ERR_UNSUPPORTED, "neither GDAL nor OpenImageIO");
     make_bytes(made_path("short.hgt"), "abcd", 4);
-    refused(made_path("short.hgt"), TC_ERR_FORMAT, "SRTM");
+    refused(made_path("short.hgt"), TC_ERR_FORMAT, "expected a square or known rectangular number");
+    refused(made_path("short.hgt"), TC_ERR_FORMAT, "found 4 bytes; it may be truncated");
+    make_bytes(made_path("odd.hgt"), "abc", 3);
+    refused(made_path("odd.hgt"), TC_ERR_FORMAT, "damaged or truncated: expected a square");
+    make_bytes(made_path("one.hgt"), "ab", 2);
+    refused(made_path("one.hgt"), TC_ERR_FORMAT, "found 2 bytes");
     make_bytes(made_path("text.pgm"), "P2\n2 2\n9\n1 2 3 4\n", 17);
     refused(made_path("text.pgm"), TC_ERR_UNSUPPORTED, "P5");
 }

@@ -32,6 +32,18 @@ tc_grid load(const char *path, tc_source_options options, sayings *said)
     return grid;
 }
 
+tc_source *open_source(const char *path, tc_source_options options, sayings *said)
+{
+    *said = (sayings){0};
+    options.say = hear;
+    options.say_context = said;
+    tc_source *source = NULL;
+    tc_error error = {0};
+    if (tc_source_open(path, &options, &source, &error) != TC_OK)
+        fail_msg("%s", error.text);
+    return source;
+}
+
 void refused_with(const char *path, tc_source_options options, tc_status status, const char *word)
 {
     tc_grid grid = {0};

@@ -14,6 +14,9 @@ typedef struct sayings {
 /* Loads a file that must load; said (may be NULL) gets what it said. */
 tc_grid load(const char *path, tc_source_options options, sayings *said);
 
+/* The same, opened only, which costs nothing however large it is. */
+tc_source *open_source(const char *path, tc_source_options options, sayings *said);
+
 /* A file that must not load, for a reason that names the file and holds word, in one line. */
 void refused_with(const char *path, tc_source_options options, tc_status status, const char *word);
 void refused(const char *path, tc_status status, const char *word);
