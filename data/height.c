@@ -110,7 +110,8 @@ static void to_samples(const place *p, double x, double y, double *u, double *v)
 static bool inside(const place *p, double u, double v)
 {
     double edge = tolerance + (p->map->georef.known && p->map->area_registered ? 0.5 : 0);
-    return u >= -edge && u <= (double)(p->map->width - 1) + edge && v >= -edge && v <= (double)(p->map->height - 1) + edge;
+    return u >= -edge && u <= (double)(p->map->width - 1) + edge && v >= -edge &&
+           v <= (double)(p->map->height - 1) + edge;
 }
 
 /* The point in finest samples; false: outside. */

@@ -51,6 +51,12 @@ static const char *file_system_of(const char *path, bool *several_ret)
     return NULL;
 }
 
+static bool is_hgt(const char *name)
+{
+    size_t length = strlen(name);
+    return length > 4 && EQUAL(name + length - 4, ".hgt");
+}
+
 tc_status tc_gdal_look_inside(const char *path, const tc_source_options *options, char **inner_ret,
                               bool *layer_taken_ret, tc_error *error)
 {
@@ -77,7 +83,8 @@ tc_status tc_gdal_look_inside(const char *path, const tc_source_options *options
         char name[8192];
         snprintf(name, sizeof name, "%s/%s", root, *entry);
         size_t length = strlen(*entry);
-        if (length == 0 || (*entry)[length - 1] == '/' || !GDALIdentifyDriverEx(name, GDAL_OF_RASTER, NULL, NULL))
+        if (length == 0 || (*entry)[length - 1] == '/' ||
+            (!is_hgt(*entry) && !GDALIdentifyDriverEx(name, GDAL_OF_RASTER, NULL, NULL)))
             continue;
         if (options->layer && strcmp(options->layer, *entry) != 0 &&
             strcmp(options->layer, CPLGetFilename(*entry)) != 0) {
@@ -108,6 +115,43 @@ tc_status tc_gdal_look_inside(const char *path, const tc_source_options *options
     CSLDestroy(entries);
     tc_gdal_heard(&said);
     return status;
+}
+
+tc_status tc_gdal_unpack_hgt(const char *path, const tc_source_options *options, char **name_ret, void **bytes_ret,
+                             size_t *size_ret, tc_error *error)
+{
+    enum { MOST = 1 << 30 };
+    char *inner = NULL;
+    bool taken;
+    *name_ret = NULL, *bytes_ret = NULL, *size_ret = 0;
+    tc_gdal_start();
+    tc_status status = tc_gdal_look_inside(path, options, &inner, &taken, error);
+    size_t length = inner ? strlen(inner) : 0;
+    if (length > 3 && EQUAL(inner + length - 3, ".gz"))
+        length -= 3; /* a .gz is named as what it holds */
+    char *name = status == TC_OK && inner ? strndup(inner, length) : NULL;
+    if (!name || !is_hgt(name)) {
+        free(name);
+        CPLFree(inner);
+        return status;
+    }
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    VSIStatBufL about;
+    VSILFILE *file = VSIStatL(inner, &about) == 0 && about.st_size <= MOST ? VSIFOpenL(inner, "rb") : NULL;
+    void *bytes = file ? malloc((size_t)about.st_size + 1) : NULL;
+    size_t got = bytes ? VSIFReadL(bytes, 1, (size_t)about.st_size, file) : 0;
+    if (file)
+        VSIFCloseL(file);
+    tc_gdal_heard(&said);
+    CPLFree(inner);
+    if (!bytes || got != (size_t)about.st_size) {
+        free(bytes);
+        free(name);
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be unpacked, damaged or too large", path);
+    }
+    *name_ret = name, *bytes_ret = bytes, *size_ret = got;
+    return TC_OK;
 }
 
 /* ---- Layers ----------------------------------------------------------------------------------------------------- */

@@ -89,6 +89,20 @@ static tc_status read_signature(const char *path, unsigned char signature[8], tc
     return failed ? tc_fail(error, TC_ERR_IO, "%s: cannot be read", path) : TC_OK;
 }
 
+/* *raster_ret stays NULL where a file is no archive of an .hgt. */
+static tc_status open_archived_hgt(const struct tc_gdal_plugin *gdal, const char *path,
+                                   const tc_source_options *options, tc_raster **raster_ret, tc_error *error)
+{
+    char *name = NULL;
+    void *bytes = NULL;
+    size_t size = 0;
+    tc_status status = gdal->unpack_hgt(path, options, &name, &bytes, &size, error);
+    if (bytes)
+        status = tc_hgt_open_bytes(path, name, bytes, size, options, raster_ret, error);
+    free(name);
+    return status;
+}
+
 static tc_status open_raster(const char *path, const tc_source_options *options, tc_raster **raster_ret,
                              tc_error *error)
 {
@@ -120,8 +134,14 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     const void *table = NULL;
     if (!exr) {
         status = tc_plugin_load("gdal", &table, error);
+        const struct tc_gdal_plugin *gdal = table;
+        if (status == TC_OK && !tiff && !png) {
+            status = open_archived_hgt(gdal, path, options, raster_ret, error);
+            if (status != TC_OK || *raster_ret)
+                return status;
+        }
         if (status == TC_OK)
-            status = ((const struct tc_gdal_plugin *)table)->open(path, options, &recognised, raster_ret, error);
+            status = gdal->open(path, options, &recognised, raster_ret, error);
         if (!table || recognised || tiff || png)
             return status;
     }

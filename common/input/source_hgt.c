@@ -29,6 +29,7 @@ static const char wgs84[] = "GEOGCRS[\"WGS 84\",DATUM[\"World Geodetic System 19
 typedef struct hgt_raster {
     tc_raster base;
     FILE *file;
+    void *bytes; /* that it reads; NULL: a file on disk */
     char path[];
 } hgt_raster;
 
@@ -54,6 +55,7 @@ static void close_raster(tc_raster *raster)
 {
     hgt_raster *r = (hgt_raster *)raster;
     fclose(r->file);
+    free(r->bytes);
     free(r->base.info.crs_wkt);
     free(r);
 }
@@ -234,37 +236,25 @@ static void settle_place(tc_raster_info *info, const char *path, const tc_source
 
 /* ---- Opening ---------------------------------------------------------------------------------------------------- */
 
-tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *recognised, tc_raster **raster_ret,
-                      tc_error *error)
+/* Takes the stream of `size` bytes over, and what it reads, freed on closing; NULL: a file. name: that says the place.
+ */
+static tc_status open_stream(FILE *file, int64_t size, void *bytes, const char *path, const char *name,
+                             const tc_source_options *options, tc_raster **raster_ret, tc_error *error)
 {
-    *recognised = false;
-    const char *dot = strrchr(path, '.');
-    if (!dot || strcasecmp(dot, ".hgt") != 0)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: not an .hgt file", path);
-    *recognised = true;
-    FILE *file = fopen(path, "rb");
-    struct stat about;
-    if (!file || fstat(fileno(file), &about) != 0) {
-        int why = errno;
-        if (file)
-            fclose(file);
-        return tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(why));
-    }
     int64_t width, height;
-    if (!find_size(about.st_size, &width, &height)) {
-        bool odd = about.st_size % 2 != 0; /* which no tile has, whatever its sides */
+    hgt_raster *r = find_size(size, &width, &height) ? calloc(1, sizeof *r + strlen(path) + 1) : NULL;
+    if (!r) {
+        bool odd = size % 2 != 0; /* which no tile has, whatever its sides */
         fclose(file);
+        free(bytes);
+        if (find_size(size, &width, &height))
+            return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory to open it", path);
         return tc_fail(error, TC_ERR_FORMAT,
                        "%s: %sexpected a square or known rectangular number of 16-bit samples, found %lld bytes%s",
-                       path, odd ? "damaged or truncated: " : "", (long long)about.st_size,
-                       odd ? "" : "; it may be truncated");
-    }
-    hgt_raster *r = calloc(1, sizeof *r + strlen(path) + 1);
-    if (!r) {
-        fclose(file);
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory to open it", path);
+                       path, odd ? "damaged or truncated: " : "", (long long)size, odd ? "" : "; it may be truncated");
     }
     r->file = file;
+    r->bytes = bytes;
     strcpy(r->path, path);
     r->base.read = read_rows;
     r->base.close = close_raster;
@@ -278,7 +268,35 @@ tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *
                                     .nodata = -32768,
                                     .scale = 1,
                                     .unit_name = "m"};
-    settle_place(&r->base.info, path, options);
+    settle_place(&r->base.info, name, options);
     *raster_ret = &r->base;
     return TC_OK;
+}
+
+tc_status tc_hgt_open_bytes(const char *path, const char *name, void *bytes, size_t size,
+                            const tc_source_options *options, tc_raster **raster_ret, tc_error *error)
+{
+    FILE *file = size > 0 ? fmemopen(bytes, size, "rb") : NULL;
+    if (file)
+        return open_stream(file, (int64_t)size, bytes, path, name, options, raster_ret, error);
+    free(bytes);
+    return tc_fail(error, TC_ERR_FORMAT, "%s: expected heights, found an empty file", path);
+}
+
+tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *recognised, tc_raster **raster_ret,
+                      tc_error *error)
+{
+    *recognised = false;
+    const char *dot = strrchr(path, '.');
+    if (!dot || strcasecmp(dot, ".hgt") != 0)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: not an .hgt file", path);
+    *recognised = true;
+    FILE *file = fopen(path, "rb");
+    struct stat about;
+    if (file && fstat(fileno(file), &about) == 0)
+        return open_stream(file, about.st_size, NULL, path, path, options, raster_ret, error);
+    int why = errno;
+    if (file)
+        fclose(file);
+    return tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(why));
 }

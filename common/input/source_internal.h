@@ -61,6 +61,10 @@ double tc_unit_by_name(const char *name);
 tc_status tc_hgt_open(const char *path, const tc_source_options *options, bool *recognised, tc_raster **raster_ret,
                       tc_error *error);
 
+/* The same of what an archive held: bytes, which it takes over, of a file `name`; messages name path. */
+tc_status tc_hgt_open_bytes(const char *path, const char *name, void *bytes, size_t size,
+                            const tc_source_options *options, tc_raster **raster_ret, tc_error *error);
+
 /* ---- Truncated files (source_whole.c) -----------------------------------------------------------------------------
  */
 

@@ -134,6 +134,17 @@ static void archives_of_one_file(void **state)
     assert_true(g.z_min == 1000);
     tc_grid_free(&g);
     refused_with(two, (tc_source_options){.layer = "c.tif"}, TC_ERR_USAGE, "--layer: expected one of");
+    /* An .hgt, which GDAL knows by fewer names and sizes, is read as it is outside. */
+    static int16_t heights[41 * 41];
+    for (int i = 0; i < 41 * 41; i++)
+        heights[i] = (int16_t)(i % 41);
+    char hgt[4096];
+    snprintf(hgt, sizeof hgt, "%s", made_path("tile.hgt"));
+    make_hgt(hgt, 41, heights);
+    g = load(make_zip("hgt.zip", (const char *[]){hgt}, (const char *[]){"N46E008.hgt"}, 1), (tc_source_options){0},
+             NULL);
+    assert_true(g.width == 41 && g.z_max == 40 && fabs(g.georef.transform[0] - (8 - 1. / 80)) < 1e-12);
+    tc_grid_free(&g);
     refused(make_zip("none.zip", (const char *[]){notes}, (const char *[]){"notes.txt"}, 1), TC_ERR_UNSUPPORTED,
             "none in it");
     cut_file(two, 700);
