@@ -96,7 +96,7 @@ void tc_gdal_say(const tc_source_options *options, bool warning, const char *for
 typedef struct gdal_raster {
     tc_raster base;
     GDALDatasetH dataset;
-    tc_gdal_globe globe;
+    tc_gdal_lonlat lonlat;
     GDALRasterBandH band, mask;
     GDALDataType type; /* of the buffer */
     char path[];
@@ -227,13 +227,13 @@ static tc_status place(gdal_raster *r, const tc_source_options *options, int ban
         return status;
     bool other = OSRIsProjected(crs) || (OSRIsGeographic(crs) && OSRIsDerivedGeographic(crs));
     if (options->lonlat && info->has_transform && other) {
-        status = tc_gdal_onto_globe(r->path, &r->dataset, band, crs, options, &r->globe, error);
-        if (status == TC_OK && r->globe.straight)
-            memcpy(info->transform, r->globe.transform, sizeof info->transform);
+        status = tc_gdal_onto_globe(r->path, &r->dataset, band, crs, options, &r->lonlat, error);
+        if (status == TC_OK && r->lonlat.straight)
+            memcpy(info->transform, r->lonlat.transform, sizeof info->transform);
         else if (status == TC_OK)
             read_transform(r->dataset, info);
         if (status == TC_OK)
-            status = tc_gdal_read_crs(r->path, r->globe.lonlat, info, error);
+            status = tc_gdal_read_crs(r->path, r->lonlat.crs, info, error);
     } else {
         status = tc_gdal_read_crs(r->path, crs, info, error);
     }
@@ -284,7 +284,7 @@ static void close_raster(tc_raster *raster)
     tc_gdal_listen(&said);
     if (r->dataset)
         GDALClose(r->dataset);
-    tc_gdal_globe_close(&r->globe);
+    tc_gdal_lonlat_close(&r->lonlat);
     tc_gdal_heard(&said);
     CSLDestroy(r->base.info.parts);
     free(r->base.info.crs_wkt);
@@ -396,7 +396,7 @@ static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_e
     status = place(r, options, band, error);
     if (status != TC_OK)
         return status;
-    if (r->globe.stored) { /* it is another dataset now: floats, and whether there are any */
+    if (r->lonlat.stored) { /* it is another dataset now: floats, and whether there are any */
         r->band = GDALGetRasterBand(r->dataset, 1);
         choose_type(r->band, r);
         alpha = true;
@@ -412,7 +412,7 @@ static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_e
     int flags = GDALGetMaskFlags(r->band);
     if (!(flags & (GMF_ALL_VALID | GMF_NODATA)) || alpha) {
         /* Of a warped raster nodata values are one reason for a void; its second band knows all. */
-        r->mask = r->globe.stored ? GDALGetRasterBand(r->dataset, 2) : GDALGetMaskBand(r->band);
+        r->mask = r->lonlat.stored ? GDALGetRasterBand(r->dataset, 2) : GDALGetMaskBand(r->band);
         info->has_mask = r->mask != NULL;
     }
     return TC_OK;

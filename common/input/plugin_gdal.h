@@ -74,19 +74,19 @@ bool tc_gdal_ground(const char *wkt, const double transform[6], int64_t width, i
  */
 
 /* A raster that was brought to longitude and latitude. */
-typedef struct tc_gdal_globe {
-    OGRSpatialReferenceH lonlat; /* NULL: it was not */
-    bool straight;               /* its samples are as stored, in `transform` */
+typedef struct tc_gdal_lonlat {
+    OGRSpatialReferenceH crs; /* of it; NULL: it was not */
+    bool straight;            /* its samples are as stored, in `transform` */
     double transform[6];
     GDALDatasetH stored, floats; /* what the warped dataset is made of, else NULL */
-} tc_gdal_globe;
+} tc_gdal_lonlat;
 
 /* Brings a raster with a coordinate system that is not longitude and latitude there. Where it is warped *dataset
- * becomes the warped one, of one band of floats and one of alpha; the stored one then is globe_ret's. On failure, too,
- * it is closed with tc_gdal_globe_close, after *dataset. */
+ * becomes the warped one, of one band of floats and one of alpha; the stored one then is lonlat_ret's. On failure, too,
+ * it is closed with tc_gdal_lonlat_close, after *dataset. */
 tc_status tc_gdal_onto_globe(const char *path, GDALDatasetH *dataset, int band, OGRSpatialReferenceH crs,
-                             const tc_source_options *options, tc_gdal_globe *globe_ret, tc_error *error);
-void tc_gdal_globe_close(tc_gdal_globe *globe);
+                             const tc_source_options *options, tc_gdal_lonlat *lonlat_ret, tc_error *error);
+void tc_gdal_lonlat_close(tc_gdal_lonlat *lonlat);
 
 tc_status tc_gdal_write_tiff(const char *path, const char *temporary, const tc_tiff_options *options,
                              tc_sample_row_function row, void *context, tc_error *error);

@@ -156,7 +156,7 @@ static GDALDatasetH in_floats(GDALDatasetH dataset, int band)
 }
 
 tc_status tc_gdal_onto_globe(const char *path, GDALDatasetH *dataset, int band, OGRSpatialReferenceH crs,
-                             const tc_source_options *options, tc_gdal_globe *globe_ret, tc_error *error)
+                             const tc_source_options *options, tc_gdal_lonlat *lonlat_ret, tc_error *error)
 {
     OGRSpatialReferenceH lonlat = tc_gdal_lonlat_of(crs);
     double t[6], w = GDALGetRasterXSize(*dataset), h = GDALGetRasterYSize(*dataset);
@@ -164,14 +164,14 @@ tc_status tc_gdal_onto_globe(const char *path, GDALDatasetH *dataset, int band, 
     cover c;
     bool placed = lonlat && GDALGetGeoTransform(*dataset, t) == CE_None && tc_gdal_places_open(crs, lonlat, t, &places);
     tc_status status = TC_OK;
-    *globe_ret = (tc_gdal_globe){.lonlat = lonlat};
+    *lonlat_ret = (tc_gdal_lonlat){.crs = lonlat};
     if (!placed) {
         status = tc_fail(error, TC_ERR_UNSUPPORTED,
                          "%s: expected a coordinate system that can be taken to longitude and latitude, found one that "
                          "PROJ cannot",
                          path);
-    } else if (straight(&places, w, h, globe_ret->transform)) {
-        globe_ret->straight = true;
+    } else if (straight(&places, w, h, lonlat_ret->transform)) {
+        lonlat_ret->straight = true;
     } else if (!find_cover(&places, w, h, has_pole(crs, lonlat, t, w, h, 90), has_pole(crs, lonlat, t, w, h, -90),
                            &c)) {
         status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected places on the globe, found none", path);
@@ -180,10 +180,10 @@ tc_status tc_gdal_onto_globe(const char *path, GDALDatasetH *dataset, int band, 
             tc_fail(error, TC_ERR_UNSUPPORTED,
                     "%s: lossless: expected longitude and latitude, found a map that would have to be resampled", path);
     } else {
-        globe_ret->floats = in_floats(*dataset, band);
-        GDALDatasetH warp = globe_ret->floats ? warped(globe_ret->floats, crs, lonlat, &c) : NULL;
+        lonlat_ret->floats = in_floats(*dataset, band);
+        GDALDatasetH warp = lonlat_ret->floats ? warped(lonlat_ret->floats, crs, lonlat, &c) : NULL;
         if (warp) {
-            globe_ret->stored = *dataset;
+            lonlat_ret->stored = *dataset;
             *dataset = warp;
             tc_gdal_say(options, false,
                         "warped to longitude and latitude while it is read: %d x %d samples from %.0f x %.0f, "
@@ -198,12 +198,12 @@ tc_status tc_gdal_onto_globe(const char *path, GDALDatasetH *dataset, int band, 
     return status;
 }
 
-void tc_gdal_globe_close(tc_gdal_globe *globe)
+void tc_gdal_lonlat_close(tc_gdal_lonlat *lonlat)
 {
-    if (globe->floats)
-        GDALClose(globe->floats);
-    if (globe->stored)
-        GDALClose(globe->stored);
-    OSRDestroySpatialReference(globe->lonlat);
-    *globe = (tc_gdal_globe){0};
+    if (lonlat->floats)
+        GDALClose(lonlat->floats);
+    if (lonlat->stored)
+        GDALClose(lonlat->stored);
+    OSRDestroySpatialReference(lonlat->crs);
+    *lonlat = (tc_gdal_lonlat){0};
 }
