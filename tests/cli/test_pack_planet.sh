@@ -32,7 +32,7 @@ $make_file png globe.png size=320x160
 
 # ---- What is not a globe is refused
 
-refuses 1 'hills.tif: expected longitude and latitude' $pack hills.tif
+refuses 2 'hills.tif: expected a map of all 360 degrees of longitude' $pack hills.tif
 refuses 2 'placed.tif: expected a map of all 360 degrees' $pack placed.tif
 refuses 1 'beyond.tif: expected latitudes from -90 to 90' $pack beyond.tif
 refuses 1 'few.tif: expected at least 4 x 4 samples' $pack few.tif

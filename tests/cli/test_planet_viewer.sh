@@ -38,7 +38,7 @@ $make_file hgt N46E008.hgt
 accepts '' $globe N46E008.hgt $picture
 accepts '' $globe N46E008.hgt $picture --view 8.5,46.5,4000,90,-10
 accepts '' $globe N46E008.hgt $picture --view=-171.5,-46.5,4e6,90,-80
-$make_file tiff degree.tif place=-112,37 heights=voids size=121x121
+$make_file tiff degree.tif place=-112,37 heights=voids nodata=-32768 size=121x121
 accepts '' $globe degree.tif $picture --voids hole
 # A map that goes around but not to the poles: no background shows through beside it.
 $make_file tiff band.tif size=128x40 globe=-180,128,64 from=0,12 area=1 lift=3000
@@ -104,7 +104,7 @@ refuses 1 'No such file' $globe missing.tif $picture
 $make_file png square.png size=65x65 type=u16
 refuses 1 'twice as wide|2:1|longitude' $globe square.png $picture
 $make_file tiff metres.tif size=65x65 metres=30
-refuses 1 'longitude and latitude' $globe metres.tif $picture
+accepts '' $globe metres.tif $picture # warped to longitude and latitude
 $terraclip pack square.png -o flat.tclip -q || fail 'pack'
 refuses 1 'longitude and latitude, or one packed with --planet' $globe flat.tclip $picture
 refuses 1 'radius|relief|centre' $globe globe.tif $picture --radius 1000
