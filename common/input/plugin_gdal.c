@@ -296,18 +296,16 @@ static bool names_remote_files(const char *path)
 {
     static const char *const remote[] = {"/vsicurl",  "/vsis3",      "/vsigs",   "/vsiaz",  "/vsiadls", "/vsioss",
                                          "/vsiswift", "/vsiwebhdfs", "/vsihdfs", "http://", "https://", "ftp://"};
-    FILE *file = fopen(path, "rb");
-    if (!file)
+    GByte *text = NULL; /* also of one in an archive */
+    if (!VSIIngestFile(NULL, path, &text, NULL, 1 << 30))
         return false;
-    char *line = NULL;
-    size_t size = 0;
     bool found = false;
-    while (!found && getline(&line, &size, file) > 0)
+    char *rest = NULL;
+    for (char *line = strtok_r((char *)text, "\n", &rest); line && !found; line = strtok_r(NULL, "\n", &rest))
         for (size_t i = 0; i < sizeof remote / sizeof *remote; i++)
             /* Only where a source is named: coordinate systems cite URLs too. */
             found |= strstr(line, "SourceFilename") && strstr(line, remote[i]);
-    free(line);
-    fclose(file);
+    VSIFree(text);
     return found;
 }
 

@@ -89,6 +89,19 @@ static tc_status read_signature(const char *path, unsigned char signature[8], tc
     return failed ? tc_fail(error, TC_ERR_IO, "%s: cannot be read", path) : TC_OK;
 }
 
+/* Closes a raster that is not GDAL's where something was asked for that only GDAL can do: nothing is passed over in
+ * silence. archive: its layer was found. */
+static tc_status refuse_gdals_options(const char *path, const tc_source_options *options, bool archive,
+                                      tc_raster **raster, tc_error *error)
+{
+    const char *name = options->crs ? "crs" : options->band > 1 ? "band" : options->layer && !archive ? "layer" : NULL;
+    if (!name)
+        return TC_OK;
+    (*raster)->close(*raster);
+    *raster = NULL;
+    return tc_fail(error, TC_ERR_USAGE, "--%s: expected none for %s, which is not read by GDAL", name, path);
+}
+
 /* *raster_ret stays NULL where a file is no archive of an .hgt. */
 static tc_status open_archived_hgt(const struct tc_gdal_plugin *gdal, const char *path,
                                    const tc_source_options *options, tc_raster **raster_ret, tc_error *error)
@@ -99,6 +112,8 @@ static tc_status open_archived_hgt(const struct tc_gdal_plugin *gdal, const char
     tc_status status = gdal->unpack_hgt(path, options, &name, &bytes, &size, error);
     if (bytes)
         status = tc_hgt_open_bytes(path, name, bytes, size, options, raster_ret, error);
+    if (bytes && status == TC_OK)
+        status = refuse_gdals_options(path, options, true, raster_ret, error);
     free(name);
     return status;
 }
@@ -122,7 +137,7 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     if (!tiff && !png && !exr) {
         status = tc_hgt_open(path, options, &recognised, raster_ret, error);
         if (recognised)
-            return status;
+            return status ? status : refuse_gdals_options(path, options, false, raster_ret, error);
     }
     status = tc_check_whole(path, error);
     if (status != TC_OK)
@@ -149,6 +164,8 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     if (status != TC_OK)
         return status;
     status = ((const struct tc_oiio_plugin *)table)->open(path, options, &recognised, raster_ret, error);
+    if (status == TC_OK)
+        status = refuse_gdals_options(path, options, false, raster_ret, error);
     if (recognised || exr)
         return status;
     return tc_fail(

@@ -143,6 +143,8 @@ static void archives_of_one_file(void **state)
     make_hgt(hgt, 41, heights);
     g = load(make_zip("hgt.zip", (const char *[]){hgt}, (const char *[]){"N46E008.hgt"}, 1), (tc_source_options){0},
              NULL);
+    refused_with(hgt, (tc_source_options){.crs = "EPSG:4326"}, TC_ERR_USAGE, "--crs: expected none");
+    refused_with(hgt, (tc_source_options){.layer = "x"}, TC_ERR_USAGE, "--layer: expected none");
     assert_true(g.width == 41 && g.z_max == 40 && fabs(g.georef.transform[0] - (8 - 1. / 80)) < 1e-12);
     tc_grid_free(&g);
     refused(make_zip("none.zip", (const char *[]){notes}, (const char *[]){"notes.txt"}, 1), TC_ERR_UNSUPPORTED,
