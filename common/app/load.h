@@ -36,6 +36,9 @@ tc_status tc_grid_load(const char *path, const tc_source_options *options, tc_gr
 /* Room for a grid's heights, whose size is set; TC_ERR_MEMORY where they, with their levels, would not fit. */
 tc_status tc_grid_room(const char *path, tc_grid *grid, tc_error *error);
 
+/* Sets the number of voids, and the extremes of what is none. */
+void tc_grid_measure(tc_grid *grid);
+
 /* The files of a folder as one grid, voids marked and not filled; on failure, too, tc_grid_free frees it. */
 tc_status tc_grid_read_folder(const char *path, const tc_source_options *options, tc_grid *grid, tc_error *error);
 

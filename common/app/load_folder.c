@@ -6,7 +6,6 @@
 #include "common/input/folder.h"
 #include "common/input/mosaic.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,23 +24,6 @@ static tc_status take_band(void *context, tc_rect rect, const float *z, const ui
             grid->voids[to] = 0;
         }
     return TC_OK;
-}
-
-static void count(tc_grid *grid)
-{
-    grid->z_min = INFINITY, grid->z_max = -INFINITY;
-    for (int64_t i = 0; i < grid->width * grid->height; i++) {
-        if (grid->voids[i]) {
-            grid->void_count++;
-            continue;
-        }
-        grid->z_min = fminf(grid->z_min, grid->z[i]);
-        grid->z_max = fmaxf(grid->z_max, grid->z[i]);
-    }
-    if (grid->void_count == 0) {
-        free(grid->voids);
-        grid->voids = NULL;
-    }
 }
 
 static tc_status read_mosaic(const char *path, tc_mosaic *mosaic, tc_grid *grid, tc_error *error)
@@ -65,9 +47,14 @@ static tc_status read_mosaic(const char *path, tc_mosaic *mosaic, tc_grid *grid,
     memset(grid->z, 0, samples * sizeof *grid->z);
     memset(grid->voids, 1, samples);
     status = tc_mosaic_read(mosaic, take_band, grid, error);
-    if (status == TC_OK)
-        count(grid);
-    return status;
+    if (status != TC_OK)
+        return status;
+    tc_grid_measure(grid);
+    if (grid->void_count == 0) {
+        free(grid->voids);
+        grid->voids = NULL;
+    }
+    return TC_OK;
 }
 
 tc_status tc_grid_read_folder(const char *path, const tc_source_options *options, tc_grid *grid, tc_error *error)

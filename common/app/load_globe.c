@@ -120,20 +120,6 @@ static tc_status resample(const char *path, tc_grid *grid, int64_t width, int th
 
 /* ---- All together --------------------------------------------------------------------------------------------- */
 
-static void measure(tc_grid *grid)
-{
-    grid->z_min = INFINITY, grid->z_max = -INFINITY;
-    grid->void_count = 0;
-    for (int64_t i = 0; i < grid->width * grid->height; i++) {
-        if (grid->voids && grid->voids[i]) {
-            grid->void_count++;
-            continue;
-        }
-        grid->z_min = fminf(grid->z_min, grid->z[i]);
-        grid->z_max = fmaxf(grid->z_max, grid->z[i]);
-    }
-}
-
 static tc_status settle(const char *path, const tc_source_options *options, bool whole, int threads, tc_grid *grid,
                         tc_error *error)
 {
@@ -151,7 +137,7 @@ static tc_status settle(const char *path, const tc_source_options *options, bool
     if (status != TC_OK)
         return status;
     if (changes)
-        measure(grid);
+        tc_grid_measure(grid);
     if (grid->void_count == grid->width * grid->height)
         return tc_fail(error, TC_ERR_FORMAT, "%s: expected heights on the globe, found none", path);
     grid->georef.known = grid->georef.geographic = true;

@@ -96,6 +96,20 @@ tc_status tc_grid_room(const char *path, tc_grid *grid, tc_error *error)
     return grid->z ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for %zu samples", path, samples);
 }
 
+void tc_grid_measure(tc_grid *grid)
+{
+    grid->z_min = INFINITY, grid->z_max = -INFINITY;
+    grid->void_count = 0;
+    for (int64_t i = 0; i < grid->width * grid->height; i++) {
+        if (grid->voids && grid->voids[i]) {
+            grid->void_count++;
+            continue;
+        }
+        grid->z_min = fminf(grid->z_min, grid->z[i]);
+        grid->z_max = fmaxf(grid->z_max, grid->z[i]);
+    }
+}
+
 /* Reads all rows, the file's first ones first. The mask comes into being with the first void. */
 static tc_status read_all(tc_source *source, const char *path, tc_grid *grid, tc_statistics *statistics,
                           tc_error *error)
