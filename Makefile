@@ -158,7 +158,7 @@ $(O)/planar-viewer: $(OBJ)/planar/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRAR
 $(O)/planet-viewer: $(OBJ)/spherical/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/base/status.o
+$(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/input/say.o $(OBJ)/common/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
 $(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/status.o

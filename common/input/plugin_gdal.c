@@ -15,7 +15,6 @@
 
 #include <math.h>
 #include <pthread.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,17 +77,6 @@ void tc_gdal_start(void)
 {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, start_gdal);
-}
-
-void tc_gdal_say(const tc_source_options *options, bool warning, const char *format, ...)
-{
-    char line[512];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(line, sizeof line, format, args);
-    va_end(args);
-    if (options->say)
-        options->say(options->say_context, warning, line);
 }
 
 /* ---- Reading ---------------------------------------------------------------------------------------------------- */
@@ -364,8 +352,8 @@ static tc_status choose_band(const gdal_raster *r, const tc_source_options *opti
                        bands == 3 ? "three" : "more than three", tc_channels_advice());
     if (bands > 1 && !*alpha_ret && options->band == 0) {
         const char *name = GDALGetDescription(chosen);
-        tc_gdal_say(options, true, "%d bands: the first%s%.60s is taken for heights; --band N takes another", bands,
-                    *name ? ", " : "", name);
+        tc_say(options, true, "%d bands: the first%s%.60s is taken for heights; --band N takes another", bands,
+               *name ? ", " : "", name);
     }
     *band_ret = band;
     return TC_OK;

@@ -20,10 +20,6 @@ void tc_gdal_start(void);
 void tc_gdal_listen(tc_gdal_messages *messages);
 const char *tc_gdal_heard(const tc_gdal_messages *messages);
 
-/* Says one line to the user, as tc_say does. */
-void tc_gdal_say(const tc_source_options *options, bool warning, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
 /* ---- Containers and layers (plugin_gdal_layers.c) -----------------------------------------------------------------
  */
 

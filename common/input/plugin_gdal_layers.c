@@ -200,9 +200,8 @@ tc_status tc_gdal_take_layer(const char *path, const tc_source_options *options,
     bool own = bands > 0 && (!options->layer || layer_taken);
     if (own) {
         if (count > 1)
-            tc_gdal_say(options, true,
-                        "the file holds several rasters, of which its own is taken; --layer NAME takes one of %s",
-                        names);
+            tc_say(options, true,
+                   "the file holds several rasters, of which its own is taken; --layer NAME takes one of %s", names);
         return TC_OK;
     }
     if (!options->layer && count > 1)

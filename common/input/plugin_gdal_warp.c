@@ -185,10 +185,10 @@ tc_status tc_gdal_onto_globe(const char *path, GDALDatasetH *dataset, int band, 
         if (warp) {
             lonlat_ret->stored = *dataset;
             *dataset = warp;
-            tc_gdal_say(options, false,
-                        "warped to longitude and latitude while it is read: %d x %d samples from %.0f x %.0f, "
-                        "%.6g to %.6g and %.6g to %.6g degrees",
-                        GDALGetRasterXSize(warp), GDALGetRasterYSize(warp), w, h, c.west, c.east, c.south, c.north);
+            tc_say(options, false,
+                   "warped to longitude and latitude while it is read: %d x %d samples from %.0f x %.0f, "
+                   "%.6g to %.6g and %.6g to %.6g degrees",
+                   GDALGetRasterXSize(warp), GDALGetRasterYSize(warp), w, h, c.west, c.east, c.south, c.north);
         } else {
             status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: cannot be warped to longitude and latitude", path);
         }

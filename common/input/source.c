@@ -13,7 +13,6 @@
 
 #include <errno.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -37,18 +36,6 @@ struct tc_source {
 enum { CHUNK_BYTES = 16 << 20 };
 /* A row must fit in memory; one longer than this comes from a damaged header. */
 enum { LONGEST_ROW = 1 << 30 };
-
-void tc_say(const tc_source_options *options, bool warning, const char *format, ...)
-{
-    if (!options->say)
-        return;
-    char line[512];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(line, sizeof line, format, args);
-    va_end(args);
-    options->say(options->say_context, warning, line);
-}
 
 /* ---- Opening ---------------------------------------------------------------------------------------------------- */
 

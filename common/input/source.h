@@ -35,6 +35,10 @@ typedef struct tc_source_options {
     void *say_context;
 } tc_source_options;
 
+/* Says one line to the user by options->say. */
+void tc_say(const tc_source_options *options, bool warning, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
 typedef struct tc_source_info {
     int64_t width, height;       /* samples */
     double spacing_x, spacing_y; /* metres */

@@ -86,10 +86,6 @@ tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, fl
 /* TC_ERR_USAGE where a number of the options is nonsense. */
 tc_status tc_check_source_options(const tc_source_options *options, tc_error *error);
 
-/* Says one line to the user by options->say. */
-void tc_say(const tc_source_options *options, bool warning, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
 /* Heights beyond this are taken for a wrong unit: the Earth's radius is 6.4e6 m. */
 #define TC_HIGHEST 1e9
 /* Floating-point values beyond this mean "none" in every format that has been seen. */
