@@ -81,6 +81,7 @@ static void look_for_holes(globe_scene *globe, const tc_camera *camera, sight *s
     for (int i = 0; i < c.width * c.height; i++)
         s->not_finite += !isfinite(depth[i]) || depth[i] < 0 || depth[i] > 1;
     free(depth);
+    free(drawn.view);
 }
 
 static void view(rings_capture *capture, const tc_camera *c, sight *s)
