@@ -207,7 +207,8 @@ typedef enum tc_void_policy {
 } tc_void_policy;
 
 typedef enum tc_pack_mode {
-    TC_PACK_RMS = 0,   /* root mean square of the finest level's error at most `error`, and at least 0.97 of it */
+    TC_PACK_RMS = 0,   /* root mean square of the finest level's error at most `error`, and at least 0.97 of it (less
+                        * where max_error leaves no more); max_error holds, too, where it is set */
     TC_PACK_MAX_ERROR, /* no sample of the finest level off by more than `error` */
     TC_PACK_LOSSLESS   /* the source's values themselves */
 } tc_pack_mode;
@@ -254,9 +255,11 @@ typedef struct tc_pack_terrain {
 typedef struct tc_pack_options {
     tc_pack_mode mode;
     tc_pack_codec codec;
-    double error;   /* metres, above 0; not for TC_PACK_LOSSLESS */
-    double lattice; /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
-    int threads;    /* 0: as many as there are processors. The file does not depend on it */
+    double error;     /* metres, above 0; not for TC_PACK_LOSSLESS */
+    double max_error; /* metres: with TC_PACK_RMS also no sample of the finest level is off by more; 0: no bound. Not
+                       * for TC_CODEC_LH04 */
+    double lattice;   /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
+    int threads;      /* 0: as many as there are processors. The file does not depend on it */
     /* Called now and then, from the calling thread, with the share of the whole work that is done, 0 to 1; false stops
      * the packing with TC_ERR_IO. NULL: not called. */
     bool (*progress)(void *context, double done);

@@ -26,6 +26,10 @@
  * models themselves are off by. */
 static const double default_share = 0.06, default_most = 10;
 
+/* The largest error of the default, in rms: of errors spread like noise one in 16,000 is beyond it. What it catches is
+ * crests and single peaks that an rms alone lets go. */
+static const double default_bound = 4;
+
 struct arguments {
     const char **inputs;
     int count;
@@ -69,13 +73,12 @@ static const tc_option table[] = {
      offsetof(struct arguments, output)},
 
     {.help = "What may be lost"},
-    {0, "rms", "M", EXPECTED_ERROR,
-     "root mean square of the error, metres (the default: 6 % of the samples' spacing, 10 m at most)", read_error,
-     offsetof(struct arguments, rms)},
-    {0, "max-error", "M", EXPECTED_ERROR, "no height is off by more than M metres", read_error,
+    {0, "rms", "M", EXPECTED_ERROR, "root mean square of the error, metres; alone it bounds no single height's",
+     read_error, offsetof(struct arguments, rms)},
+    {0, "max-error", "M", EXPECTED_ERROR, "no height is off by more than M metres; alone, or with --rms", read_error,
      offsetof(struct arguments, max_error)},
     TC_SWITCH(struct arguments, lossless, 0, "lossless", "nothing: the stored values come back"),
-    {0, "codec", "NAME", "lifting or lh04", "lifting, or lh04, the paper's, to compare; with --rms only (lifting)",
+    {0, "codec", "NAME", "lifting or lh04", "lifting, or lh04, the paper's, to compare; with an rms only (lifting)",
      read_codec, offsetof(struct arguments, codec)},
 
     {.help = "How the inputs are read"},
@@ -116,10 +119,12 @@ static const tc_command_line line = {
 
 void tc_pack_help(FILE *file)
 {
-    fprintf(file, "Usage: terraclip pack [OPTION]... INPUT... -o FILE.tclip\n"
-                  "Packs elevation models and pictures of heights; of a folder all that are in it. Several inputs are "
-                  "placed by their georeferences,\n"
-                  "whose samples must lie on one lattice; where they overlap the first one holds.\n\n");
+    fputs("Usage: terraclip pack [OPTION]... INPUT... -o FILE.tclip\n"
+          "Packs elevation models and pictures of heights; of a folder all that are in it. Several inputs are placed\n"
+          "by their georeferences, whose samples must lie on one lattice; where they overlap the first one holds.\n"
+          "Without options the rms of the error is 6 % of the samples' spacing, 10 m at most, and no height is off by\n"
+          "more than four times that.\n\n",
+          file);
     tc_arguments_print(&line, file);
 }
 
@@ -129,12 +134,11 @@ static tc_status check_together(const struct arguments *a, tc_error *error)
         return tc_fail(error, TC_ERR_USAGE, "INPUT: expected at least one file, found none");
     if (!a->output)
         return tc_fail(error, TC_ERR_USAGE, "pack: expected -o FILE.tclip, found none");
-    if ((a->rms > 0) + (a->max_error > 0) + a->lossless > 1)
-        return tc_fail(error, TC_ERR_USAGE, "pack: expected one of --rms, --max-error and --lossless, found %s",
-                       !a->lossless    ? "--rms and --max-error"
-                       : !a->max_error ? "--rms and --lossless"
-                       : !(a->rms > 0) ? "--max-error and --lossless"
-                                       : "all of them");
+    if (a->lossless && (a->rms > 0 || a->max_error > 0))
+        return tc_fail(error, TC_ERR_USAGE, "pack: expected --rms, --max-error, both of them or --lossless, found %s",
+                       !(a->max_error > 0) ? "--rms and --lossless"
+                       : !(a->rms > 0)     ? "--max-error and --lossless"
+                                           : "all three");
     if (a->codec == TC_CODEC_LH04 && (a->max_error > 0 || a->lossless))
         return tc_fail(error, TC_ERR_USAGE, "--codec: expected lifting with %s, found lh04, which keeps --rms only",
                        a->lossless ? "--lossless" : "--max-error");
@@ -226,13 +230,17 @@ static tc_pack_options choose_options(const struct arguments *a, const tc_pack_t
         .codec = a->codec, .threads = a->threads, .progress = on_progress, .progress_context = progress};
     if (a->lossless) {
         o.mode = TC_PACK_LOSSLESS;
-    } else if (a->max_error > 0) {
+    } else if (a->max_error > 0 && !(a->rms > 0)) {
         o.mode = TC_PACK_MAX_ERROR;
         o.error = a->max_error;
+    } else if (a->rms > 0) {
+        o.mode = TC_PACK_RMS;
+        o.error = a->rms, o.max_error = a->max_error;
     } else {
         double spacing = 0.5 * (terrain->spacing_x + terrain->spacing_y);
         o.mode = TC_PACK_RMS;
-        o.error = a->rms > 0 ? a->rms : fmin(default_share * spacing, default_most);
+        o.error = fmin(default_share * spacing, default_most);
+        o.max_error = a->codec == TC_CODEC_LH04 ? 0 : default_bound * o.error;
     }
     return o;
 }
@@ -267,17 +275,25 @@ static tc_status open_folders(struct arguments *a, tc_folder *files_ret, tc_erro
     return status;
 }
 
+static void say_plan(const struct arguments *a, const tc_pack_terrain *terrain, const tc_pack_options *options,
+                     tc_progress *progress)
+{
+    char text[256], bound[32] = "";
+    if (options->max_error > 0)
+        snprintf(bound, sizeof bound, ", max-error %.4g", options->max_error);
+    snprintf(text, sizeof text, "%" PRId64 " x %" PRId64 " samples every %.6g x %.6g m from %d input%s, mode %s %.4g%s",
+             terrain->width, terrain->height, terrain->spacing_x, terrain->spacing_y, a->count,
+             a->count == 1 ? "" : "s", mode_names[options->mode], options->error, bound);
+    tc_progress_say(progress, false, text);
+}
+
 /* planet: NULL for a flat terrain. */
 static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_planet_input *planet,
                       tc_progress *progress, tc_error *error)
 {
     const tc_pack_terrain *terrain = planet ? &planet->terrain : tc_mosaic_terrain(mosaic);
     const tc_pack_options options = choose_options(a, terrain, progress);
-    char text[256];
-    snprintf(text, sizeof text, "%" PRId64 " x %" PRId64 " samples every %.6g x %.6g m from %d input%s, mode %s %.4g",
-             terrain->width, terrain->height, terrain->spacing_x, terrain->spacing_y, a->count,
-             a->count == 1 ? "" : "s", mode_names[options.mode], options.error);
-    tc_progress_say(progress, false, text);
+    say_plan(a, terrain, &options, progress);
     progress->samples = (double)terrain->width * (double)terrain->height;
 
     tc_packer *packer = NULL;

@@ -111,7 +111,7 @@ static bool measure(const measure_options *o, const dataset *d)
         return true;
     const char *path = made_path("space.tclip");
     const terrain_file about = {*d, TC_SAMPLE_FLOAT32, 0};
-    double rms = fmin(10, 0.06 * fmin(grid.spacing_x, grid.spacing_y)); /* the packing command's default */
+    double rms = fmin(10, 0.06 * fmin(grid.spacing_x, grid.spacing_y)); /* that of the packing command's default */
     terrain_packed packed = terrain_pack(&grid, &about, &(tc_pack_options){.mode = TC_PACK_RMS, .error = rms}, path);
     terrain_error e = terrain_compare(&grid, path);
     double samples = (double)(grid.width * grid.height), raw = 2 * samples;

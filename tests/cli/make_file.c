@@ -4,8 +4,8 @@
  *
  * FORMAT: tiff, png, exr, pgm, hgt, jp2 (always 16 x 12 samples of heights=plane).
  * NAME:   size=WxH (1201x1201), type=u8|u16|i16|i32|f32|f64 (i16; of tiff, and u8 or u16 of png),
- *         heights=hills|plane|voids|nan|inf (hills): whole metres above 0; the last three are void everywhere but in a
- *         few places, nan and inf of floats only; all=1: void everywhere,
+ *         heights=hills|plane|towers|voids|nan|inf (hills): whole metres above 0; towers are single samples on hills;
+ *         the last three are void everywhere but in a few places, nan and inf of floats only; all=1: void everywhere,
  *         tile=N (tiff: square tiles), channels=N, palette=1, place=LON,LAT (tiff: the degree square north-east of it),
  *         metres=M (tiff: projected, M between samples; 30, 0 for no place at all), nodata=V,
  *         from=X,Y: columns and rows of a larger map before this part of it; lift=M: added to all heights,
@@ -48,6 +48,8 @@ static double height_at(const request *r, int x, int y)
         return (x + y) % 2 ? INFINITY : -INFINITY;
     double u = 6.3 * x / r->width, v = 6.3 * y / r->height;
     double z = 1200 + 700 * sin(u + 0.4) * cos(1.3 * v) + 200 * sin(5 * u + 3 * v) + 60 * cos(17 * v - 11 * u);
+    if (strcmp(r->heights, "towers") == 0 && (x * 31 + y * 57) % 1009 == 0)
+        z += 20 + (x + y) % 130;
     return strcmp(r->type, "u8") == 0 ? round(z / 10) : round(z);
 }
 

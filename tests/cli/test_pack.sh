@@ -60,13 +60,13 @@ done <<end
 --radius    0 -5 6371km
 --output    ""
 end
-refuses 2 'expected one of --rms, --max-error and --lossless, found --rms and --max-error' \
-    $pack hills.tif --rms 1 --max-error 2
-refuses 2 'found --rms and --lossless' $pack hills.tif --rms 1 --lossless
+refuses 2 'expected --rms, --max-error, both of them or --lossless, found --rms and --lossless' \
+    $pack hills.tif --rms 1 --lossless
 refuses 2 'found --max-error and --lossless' $pack hills.tif --max-error 1 --lossless
-refuses 2 'found all of them' $pack hills.tif --max-error 1 --lossless --rms 2
+refuses 2 'found all three' $pack hills.tif --max-error 1 --lossless --rms 2
 refuses 2 '--codec: expected lifting with --lossless' $pack hills.tif --codec lh04 --lossless
 refuses 2 '--codec: expected lifting with --max-error' $pack hills.tif --codec lh04 --max-error 1
+refuses 2 '--codec: expected lifting with --max-error' $pack hills.tif --codec lh04 --rms 1 --max-error 4
 refuses 2 '--radius: expected --planet' $pack hills.tif --radius 6371000
 refuses 1 '--atlas: .*not in this version' $pack hills.tif --atlas cube
 refuses 2 'FILE: expected a packed terrain, found none' $terraclip info
@@ -157,14 +157,31 @@ does '' $terraclip extract hills.tclip -o lossy.tif
 equal hills.tif lossy.tif within=2.5
 does '' $terraclip pack hills.tif -o hills.tclip --rms 0.5 --json
 is_less "$(number rms_m <stdout.txt)" 0.5 '--rms'
-does '' $terraclip pack hills.tif -o hills.tclip --json
-is_less "$(number rms_m <stdout.txt)" 1.8 'the default'
+$make_file tiff towers.tif size=300x200 metres=50 heights=towers
+for bounds in '0.5 2' '0.5 1' '0.5 0.75' '2 1' '0.5 1000'; do
+    does '' $terraclip pack towers.tif -o towers.tclip --rms ${bounds% *} --max-error ${bounds#* } --json
+    is_less "$(number rms_m <stdout.txt)" ${bounds% *} "--rms and --max-error $bounds"
+    is_less "$(number max_error_m <stdout.txt)" ${bounds#* } "--rms and --max-error $bounds"
+    does '' $terraclip extract towers.tclip -o lossy.tif
+    equal towers.tif lossy.tif within=${bounds#* }
+done
+does '' $terraclip pack towers.tif -o towers.tclip --rms 3 --json
+is_less 12 "$(number max_error_m <stdout.txt)" '--rms alone bounds nothing'
+does '' $terraclip pack towers.tif -o towers.tclip --json
+is_less "$(number rms_m <stdout.txt)" 3 'the default'
+is_less "$(number max_error_m <stdout.txt)" 12 'the default'
 grep -q '"mode": "rms",' stdout.txt || fail "pack --json: $(grep mode stdout.txt)"
+does '' $terraclip extract towers.tclip -o lossy.tif
+equal towers.tif lossy.tif within=12
+does '' $terraclip pack towers.tif -o both.tclip --rms 3 --max-error 12
+same towers.tclip both.tclip 'the default and what it stands for'
+does '' $terraclip pack hills.tif -o paper.tclip --codec lh04
 does '' $terraclip pack hills.tif -o paper.tclip --codec lh04 --rms 0.5
 echo "$out" | grep -Eq '^paper.tclip: 300 x 200 samples, [0-9]+ bytes, ' || fail "pack prints $out"
 
 # ---- What it says of itself
 
+does '' $terraclip pack hills.tif -o hills.tclip
 does '' $terraclip info hills.tclip --json
 for key in version atlas levels level width height spacing_m bytes bits_per_sample rms_m max_error_m z_min_m z_max_m \
     voids; do

@@ -23,8 +23,8 @@ static int close_all(void **state)
 static const char *describe(const packing *p)
 {
     static char text[160];
-    snprintf(text, sizeof text, "%d x %d, kind %d, voids %d, mode %d, codec %d, error %g, type %d", (int)p->width,
-             (int)p->height, p->kind, p->voids, p->mode, p->codec, p->error, p->type);
+    snprintf(text, sizeof text, "%d x %d, kind %d, voids %d, mode %d, codec %d, error %g, at most %g, type %d",
+             (int)p->width, (int)p->height, p->kind, p->voids, p->mode, p->codec, p->error, p->max_error, p->type);
     return text;
 }
 
@@ -111,6 +111,8 @@ static void check_levels(const packing *p, const tc_field *file, double unit, co
                 CHECK(rms <= p->error * (1 + 1e-6), "rms %g", rms);
             if (p->mode == TC_PACK_MAX_ERROR)
                 CHECK(most <= p->error + ulp, "off by %g", most);
+            if (p->max_error > 0)
+                CHECK(most <= p->max_error + ulp, "off by %g", most);
             for (int64_t i = 0; i < count && p->mode == TC_PACK_LOSSLESS; i++)
                 CHECK(v[i] || z[i] == given[i], "%.9g is not %.9g", z[i], given[i]);
         } else {
@@ -204,10 +206,11 @@ static void every_mode_and_size_comes_back(void **state)
 {
     (void)state;
     for (int s = 0; s < SIZES; s++)
-        for (int mode = 0; mode < 4; mode++) {
+        for (int mode = 0; mode < 5; mode++) {
             packing p = {.width = sizes[s][0], .height = sizes[s][1], .error = mode == 1 ? 6 : 2};
             p.mode = mode < 3 ? (tc_pack_mode)mode : TC_PACK_RMS;
-            p.codec = mode < 3 ? TC_CODEC_LIFTING : TC_CODEC_LH04;
+            p.codec = mode != 3 ? TC_CODEC_LIFTING : TC_CODEC_LH04;
+            p.max_error = mode == 4 ? 4 * p.error : 0;
             p.kind = mode == 2 || s % 2 ? PACKING_INTEGERS : PACKING_HILLS;
             p.type = p.kind == PACKING_HILLS ? TC_SAMPLE_FLOAT32 : s % 3 ? TC_SAMPLE_INT16 : TC_SAMPLE_FLOAT64;
             p.voids = s % 3 == 1 && p.width > 8 && p.height > 8 ? PACKING_LAKES : PACKING_WHOLE;
@@ -244,6 +247,17 @@ static void odd_terrains_come_back(void **state)
         {.kind = PACKING_DUST, .error = 0.25, .type = TC_SAMPLE_FLOAT32, .offset = 1e6},
         {.kind = PACKING_HILLS, .error = 0.5, .type = TC_SAMPLE_FLOAT32, .offset = 1e6},
         {.kind = PACKING_HILLS, .error = 0.5, .mode = TC_PACK_MAX_ERROR, .type = TC_SAMPLE_FLOAT32, .offset = 1e6},
+        {.kind = PACKING_SPIKES, .error = 2, .max_error = 8, .type = TC_SAMPLE_FLOAT32},
+        {.kind = PACKING_SPIKES, .error = 2, .max_error = 2.5, .type = TC_SAMPLE_FLOAT32},
+        {.kind = PACKING_NEEDLE, .error = 1, .max_error = 4, .type = TC_SAMPLE_FLOAT32},
+        {.kind = PACKING_CONSTANT, .error = 1, .max_error = 4, .type = TC_SAMPLE_FLOAT32},
+        {.kind = PACKING_SLOPE, .error = 0.5, .max_error = 2, .type = TC_SAMPLE_FLOAT32},
+        {.kind = PACKING_WALLS, .error = 1000, .max_error = 4000, .type = TC_SAMPLE_FLOAT32},
+        {.kind = PACKING_NOISE, .error = 5, .max_error = 1e6, .type = TC_SAMPLE_FLOAT32},
+        {.kind = PACKING_DUST, .error = 1e-4, .max_error = 3e-4, .offset = 1e6, .based = true, .type = 7},
+        {.kind = PACKING_HILLS, .error = 0.5, .max_error = 1, .type = TC_SAMPLE_FLOAT32, .offset = 1e6},
+        {.kind = PACKING_INTEGERS, .error = 3, .max_error = 0.1, .type = TC_SAMPLE_INT16},
+        {.kind = PACKING_INTEGERS, .error = 0.3, .max_error = 0.4, .type = TC_SAMPLE_INT16, .unit = 0.1},
         {.kind = PACKING_INTEGERS, .mode = TC_PACK_LOSSLESS, .type = TC_SAMPLE_INT16, .unit = 0.1},
         {.kind = PACKING_INTEGERS, .mode = TC_PACK_LOSSLESS, .type = TC_SAMPLE_FLOAT32, .unit = 0.01},
         {.kind = PACKING_INTEGERS, .error = 0.3, .mode = TC_PACK_MAX_ERROR, .type = TC_SAMPLE_INT16, .unit = 0.1},
@@ -281,10 +295,11 @@ static void terrains_that_wrap_come_back(void **state)
     (void)state;
     static const int64_t widths[][2] = {{2, 40}, {64, 33}, {384, 192}, {600, 150}, {666, 140}, {777, 50}};
     for (int s = 0; s < (int)(sizeof widths / sizeof *widths); s++)
-        for (int mode = 0; mode < 4; mode++) {
+        for (int mode = 0; mode < 5; mode++) {
             packing p = {.width = widths[s][0], .height = widths[s][1], .error = mode == 1 ? 6 : 2, .wraps = true};
             p.mode = mode < 3 ? (tc_pack_mode)mode : TC_PACK_RMS;
-            p.codec = mode < 3 ? TC_CODEC_LIFTING : TC_CODEC_LH04;
+            p.codec = mode != 3 ? TC_CODEC_LIFTING : TC_CODEC_LH04;
+            p.max_error = mode == 4 ? 3 * p.error : 0;
             p.kind = mode == 2 ? PACKING_INTEGERS : PACKING_HILLS;
             p.type = p.kind == PACKING_HILLS ? TC_SAMPLE_FLOAT32 : TC_SAMPLE_INT16;
             p.voids = (s + mode) % 2 ? PACKING_LAKES : PACKING_WHOLE;
@@ -344,6 +359,13 @@ static void what_cannot_be_packed_is_refused(void **state)
         {{.error = NAN}, TC_ERR_USAGE, "error"},
         {{.error = INFINITY, .mode = TC_PACK_MAX_ERROR}, TC_ERR_USAGE, "error"},
         {{.error = 1, .codec = TC_CODEC_LH04, .mode = TC_PACK_MAX_ERROR}, TC_ERR_USAGE, "lh04"},
+        {{.error = 1, .codec = TC_CODEC_LH04, .max_error = 4}, TC_ERR_USAGE, "lh04"},
+        {{.error = 1, .max_error = -1}, TC_ERR_USAGE, "largest error"},
+        {{.error = 1, .max_error = NAN}, TC_ERR_USAGE, "largest error"},
+        {{.error = 1, .max_error = INFINITY}, TC_ERR_USAGE, "largest error"},
+        {{.kind = PACKING_HILLS, .error = 1, .max_error = 1e-6, .type = TC_SAMPLE_FLOAT32, .offset = 0.3},
+         TC_ERR_UNSUPPORTED,
+         "too small"},
         {{.error = 1, .unit = NAN}, TC_ERR_USAGE, "unit"},
     };
     const char *path = made_path("a.tclip");

@@ -15,53 +15,58 @@
 packs_table() {
     cat <<'end'
 land        land.tif --rms 1
+land-default    land.tif
 rocks-lossless  rocks.asc --lossless
 rocks-bound rocks.asc --max-error 2
 rocks-loose rocks.asc --max-error 40
 rocks-lh04  rocks.asc --codec lh04 --rms 2
 small       small.tif --max-error 0.25
-holes       holes.asc --voids hole
+holes       holes.asc --voids hole --rms 6
+holes-default   holes.asc --voids hole
 holes-constant  holes.asc --voids constant=500 --max-error 3
 two         two.asc --lossless
 strip       strip.asc --max-error 1
-cliff       cliff.asc --voids hole
-planet      planet.tif --planet
+cliff       cliff.asc --voids hole --rms 2
+planet      planet.tif --planet --rms 10
+planet-default  globe.tif --planet
 planet-bound    globe.tif --planet --max-error 30
-planet-flat planet.tif
+planet-flat planet.tif --rms 10
 globe       globe.tif --planet --radius 1737400 --rms 5
-pits        pits.asc --planet --voids hole
+pits        pits.asc --planet --voids hole --rms 10
 pits-lossless   pits.asc --planet --lossless
-n37w119     N37W119.hgt
+n37w119     N37W119.hgt --rms 5
 n37w119-lossless    N37W119.hgt --lossless
 n37w119-bound   N37W119.hgt --max-error 5
-n37w120     N37W120.hgt
+n37w120     N37W120.hgt --rms 5
+n37w120-default N37W120.hgt
 n37w120-lossless    N37W120.hgt --lossless
 n37w120-bound   N37W120.hgt --max-error 1
 n37w120-lh04    N37W120.hgt --codec lh04
 sierra      N37W119.hgt N37W120.hgt --rms 8
-n46e008     N46E008.tif --voids hole
+n46e008     N46E008.tif --voids hole --rms 5
 n46e008-lossless    N46E008.tif --lossless
 n46e008-bound   N46E008.tif --max-error 10
-ps          ps_height_1k.png --spacing 160 --unit 0.1
+ps          ps_height_1k.png --spacing 160 --unit 0.1 --rms 9.6
 ps-lossless ps_height_1k.png --spacing 160 --unit 0.1 --lossless
 ps-bound    ps_height_1k.png --spacing 160 --unit 0.1 --max-error 0.2
-etopo       earth_etopo20_1080x540_f32.tif --planet
+etopo       earth_etopo20_1080x540_f32.tif --planet --rms 10
 etopo-lossless  earth_etopo20_1080x540_f32.tif --planet --lossless
 etopo-bound earth_etopo20_1080x540_f32.tif --planet --max-error 40
 etopo-lh04  earth_etopo20_1080x540_f32.tif --planet --codec lh04 --rms 20
-canyonlands srtm3_canyonlands_voids_2401x3601.tif --voids hole
+canyonlands srtm3_canyonlands_voids_2401x3601.tif --voids hole --rms 5
 canyonlands-lossless    canyonlands-part.vrt --lossless
 canyonlands-bound   canyonlands-part.vrt --max-error 8
-tatra       srtm3_tatra_poland_4801.tif
+tatra       srtm3_tatra_poland_4801.tif --rms 5
+tatra-default   tatra-part.vrt
 tatra-lossless  tatra-part.vrt --lossless
 tatra-bound tatra-part.vrt --max-error 6
 moon-nw     moon_gld100_256ppd_ne_4097.png --spacing 118 --rms 2
 moon-nw-lossless    moon-nw-part.vrt --lossless
 moon-nw-bound   moon-nw-part.vrt --max-error 4
-moon-ne     moon_gld100_256ppd_ne_8193.tif
+moon-ne     moon_gld100_256ppd_ne_8193.tif --rms 7
 moon-ne-lossless    moon-ne-part.vrt --lossless
 moon-ne-bound   moon-ne-part.vrt --max-error 3
-moon        moon_gld100_global_5760x2880.tif --planet
+moon        moon_gld100_global_5760x2880.tif --planet --rms 10
 moon-lossless   moon-part.vrt --planet --lossless --radius 1737400
 moon-bound  moon-part.vrt --planet --max-error 50 --radius 1737400
 whole-canyonlands-lossless  srtm3_canyonlands_voids_2401x3601.tif --lossless

@@ -283,7 +283,7 @@ part_bn08() {
 
 part_compression() {
     section compression 'Compression: bits against error'
-    echo '<h3>LH04’s terrains and ours</h3><p>Ours: the files of <a href="#space">space</a>, with what packing takes by default, an rms of 6 % of the
+    echo '<h3>LH04’s terrains and ours</h3><p>Ours: the files of <a href="#space">space</a>, at the rms that packing takes by default, 6 % of the
 spacing; PSNR of the range of heights; packing by processor time (LH04: about 5 hours for the United States).</p>'
     beside space LH04 compression space >"$work/compression.csv"
     table "$work/compression.csv" 'columns=terrain=Terrain;samples=Samples:int;spacing_m=Spacing, m:3;

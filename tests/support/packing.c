@@ -37,6 +37,7 @@ static double height(const packing *p, test_random *r, int64_t x, int64_t y)
     case PACKING_NEEDLE: return x == p->width / 2 && y == p->height / 3 ? 5000 : 10;
     case PACKING_WALLS: return (x / 5 + y / 3) % 2 ? 1e6 : -1e6;
     case PACKING_NOISE: return 50 * noise;
+    case PACKING_SPIKES: return hills + noise + (test_random_unit(r) < 1. / 300 ? test_random_range(r, -120, 120) : 0);
     case PACKING_DUST: return 1e-3 * rint(hills) / 300;
     default: return hills + noise;
     }
@@ -87,7 +88,8 @@ tc_pack_terrain packing_terrain(const packing *p)
 
 tc_pack_options packing_options(const packing *p)
 {
-    return (tc_pack_options){.mode = p->mode, .codec = p->codec, .error = p->error, .threads = p->threads};
+    return (tc_pack_options){
+        .mode = p->mode, .codec = p->codec, .error = p->error, .max_error = p->max_error, .threads = p->threads};
 }
 
 tc_status packing_write(const packing *p, const char *path, tc_pack_result *result_ret, tc_error *error)

@@ -12,7 +12,8 @@ typedef enum packing_kind {
     PACKING_NEEDLE, /* flat but for one sample */
     PACKING_WALLS,  /* -1e6 and 1e6 */
     PACKING_NOISE,
-    PACKING_DUST, /* a relief of 1e-3 m, at 1e6 m where z_base is not used */
+    PACKING_DUST,   /* a relief of 1e-3 m, at 1e6 m where z_base is not used */
+    PACKING_SPIKES, /* hills with some noise, and one sample in 300 up to 120 m beside them */
     PACKING_KINDS
 } packing_kind;
 
@@ -30,7 +31,7 @@ typedef struct packing {
     packing_voids voids;
     tc_pack_mode mode;
     tc_pack_codec codec;
-    double error;
+    double error, max_error; /* the latter 0: none beside the rms */
     tc_sample_type type;
     double unit;   /* 0: 1 */
     double offset; /* metres of the stored 0; z_base is the same where based */

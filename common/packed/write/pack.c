@@ -38,9 +38,26 @@ static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack
     if (t->radius > 0 && (!tc_terrain_globe(t, &globe) || globe.round != t->wraps_x))
         return tc_fail(error, TC_ERR_USAGE,
                        "%s: expected a planet's georeference, in degrees, that wraps where it goes once around", path);
-    if (o->codec == TC_CODEC_LH04 && o->mode != TC_PACK_RMS)
+    if (o->mode == TC_PACK_RMS && !(o->max_error >= 0 && isfinite(o->max_error)))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected a largest error above 0 m, or 0 for any, found %g", path,
+                       o->max_error);
+    if (o->codec == TC_CODEC_LH04 && (o->mode != TC_PACK_RMS || o->max_error > 0))
         return tc_fail(error, TC_ERR_USAGE, "%s: the codec lh04 has a target rms only", path);
     return TC_OK;
+}
+
+/* Metres that no height may be off by more than; 0: any, or lossless. */
+static double bound_of(const tc_pack_options *o)
+{
+    return o->mode == TC_PACK_MAX_ERROR ? o->error : o->mode == TC_PACK_RMS ? o->max_error : 0;
+}
+
+/* Whether keeping to the bound is likely to be all that is to do: errors spread evenly within it have an rms of 1/1.73
+ * of it. No file that keeps to an rms as well takes fewer bytes than one that need not. */
+static bool is_tight(const tc_pack_options *o)
+{
+    const double most = 1.7;
+    return o->mode != TC_PACK_RMS || (o->max_error > 0 && o->max_error <= most * o->error);
 }
 
 tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, const tc_pack_options *options,
@@ -59,7 +76,7 @@ tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, con
     p->body = -1;
     p->most = 1 - tc_pack_caps_share(terrain);
     p->z_min = INFINITY, p->z_max = -INFINITY;
-    p->lattices = terrain->sample_type >= TC_SAMPLE_FLOAT32 && options->mode != TC_PACK_RMS ? UINT32_MAX : 0;
+    p->lattices = terrain->sample_type >= TC_SAMPLE_FLOAT32 && is_tight(options) ? UINT32_MAX : 0;
     tc_pack_terrain *t = &p->container.info.terrain;
     *t = *terrain;
     t->georef.crs_wkt = terrain->georef.crs_wkt ? strdup(terrain->georef.crs_wkt) : NULL;
@@ -108,29 +125,53 @@ static bool held_exactly(double unit, double highest)
     return highest <= ldexp(1, 24 + exponent);
 }
 
-/* Heights become integers. For a target rms: of a unit well below the error, a power of two, or what the range leaves.
- * For a bound: a part of the lattice that the heights lie on, so that they are kept exactly; else as for an rms.
- * *bound_ret and *lattice_ret as for tc_pack_to_bound(). */
+enum { PARTS = 16 }; /* units in the error, or in a step of the lattice: what rounding to them loses does not tell */
+
+/* The bound in units of the lattice's parts. One below the lattice leaves nothing to lose. */
+static int32_t bound_on_lattice(double bound, double lattice, double origin, int32_t parts, double highest)
+{
+    bool exactly = held_exactly(lattice, highest) && origin == rint(origin / lattice) * lattice;
+    double left = bound - (exactly ? 0 : ldexp(highest, -23));
+    return (int32_t)fmin(fmax(0, floor(left / lattice * (1 + 1e-12))) * parts, TC_MAX_STEP / 8);
+}
+
+/* A power of two well below the error, or what the range leaves. */
+static tc_status choose_unit(const tc_packer *p, double least, double *unit_ret, tc_error *error)
+{
+    bool tight = is_tight(&p->options);
+    double range = (double)p->z_max - p->z_min, target = tight ? bound_of(&p->options) : p->options.error;
+    double unit = exp2(floor(log2(target / PARTS)));
+    if (unit < least && tight)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an error of %g m is too small for heights %g m apart", p->path,
+                       target, range);
+    while (unit < least)
+        unit *= 2;
+    if (unit > 2 * target)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an rms of %g m is too small for heights %g m apart", p->path,
+                       target, range);
+    *unit_ret = unit;
+    return TC_OK;
+}
+
+/* Heights become integers: multiples of a unit well below the error. Where a bound is all there is to keep, of a part
+ * of the lattice that they lie on, so that they are kept exactly. *bound_ret and *lattice_ret as for
+ * tc_pack_to_bound(). */
 static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret, tc_error *error)
 {
-    enum { PARTS = 16 };
     tc_container *c = &p->container;
-    bool rms = p->options.mode == TC_PACK_RMS, lossless = p->options.mode == TC_PACK_LOSSLESS;
-    double range = (double)p->z_max - p->z_min, least = 1.01 * range / TC_LIFTING_LIMIT, origin = 0;
-    double highest = fmax(fabs((double)p->z_min), fabs((double)p->z_max));
-    double middle = 0.5 * ((double)p->z_min + p->z_max), lattice = rms ? 0 : tc_pack_lattice(p, &origin);
+    bool lossless = p->options.mode == TC_PACK_LOSSLESS;
+    double range = (double)p->z_max - p->z_min, least = 1.01 * range / TC_LIFTING_LIMIT, origin = 0, unit = 0;
+    double highest = fmax(fabs((double)p->z_min), fabs((double)p->z_max)), bound = bound_of(&p->options);
+    double middle = 0.5 * ((double)p->z_min + p->z_max);
+    double lattice = is_tight(&p->options) ? tc_pack_lattice(p, &origin) : 0;
     *bound_ret = 0, *lattice_ret = 1;
     if (lattice > 0 && lattice >= least) {
         while (*lattice_ret < PARTS && lattice / (2 * *lattice_ret) >= least)
             *lattice_ret *= 2;
         c->z_unit = lattice / *lattice_ret;
         c->z_origin = origin + rint((middle - origin) / lattice) * lattice;
-        /* A bound below the lattice leaves nothing to lose. */
-        bool exactly = held_exactly(lattice, highest) && origin == rint(origin / lattice) * lattice;
-        double error_left = p->options.error - (exactly ? 0 : ldexp(highest, -23));
         if (!lossless)
-            *bound_ret =
-                (int32_t)fmin(fmax(0, floor(error_left / lattice * (1 + 1e-12))) * *lattice_ret, TC_MAX_STEP / 8);
+            *bound_ret = bound_on_lattice(bound, lattice, origin, *lattice_ret, highest);
         return TC_OK;
     }
     if (lossless)
@@ -138,24 +179,20 @@ static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret
                        "%s: lossless: expected heights that are multiples of one unit, found none that fits; "
                        "--unit or --max-error helps",
                        p->path);
-    double unit = exp2(floor(log2(p->options.error / PARTS)));
-    if (unit < least && !rms)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an error of %g m is too small for heights %g m apart", p->path,
-                       p->options.error, range);
-    while (unit < least)
-        unit *= 2;
-    if (unit > 2 * p->options.error)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an rms of %g m is too small for heights %g m apart", p->path,
-                       p->options.error, range);
+    tc_status status = choose_unit(p, least, &unit, error);
+    if (status)
+        return status;
     c->z_unit = unit;
     c->z_origin = rint(middle / unit) * unit;
+    if (bound == 0)
+        return TC_OK;
     /* Rounding to units and to floats has its share of the error. */
     double slack = 0.5 + ldexp(highest, -23) / unit;
-    *bound_ret = rms ? 0 : (int32_t)fmax(0, floor(p->options.error / unit - slack));
-    if (!rms && *bound_ret < 1)
+    *bound_ret = (int32_t)fmin(fmax(0, floor(bound / unit - slack)), TC_MAX_STEP / 8);
+    if (*bound_ret < 1)
         return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "%s: an error of %g m is too small for heights held as floats up to %g m", p->path,
-                       p->options.error, fmax(fabs((double)p->z_min), fabs((double)p->z_max)));
+                       "%s: an error of %g m is too small for heights held as floats up to %g m", p->path, bound,
+                       highest);
     return TC_OK;
 }
 
@@ -192,9 +229,13 @@ static tc_status code_levels(tc_packer *p, int32_t bound, int32_t lattice, tc_er
     const tc_container *c = &p->container;
     if (c->levels == c->base)
         return measure_base(p, error);
-    tc_status status = p->options.mode != TC_PACK_RMS      ? tc_pack_to_bound(p, bound, lattice, error)
-                       : p->options.codec == TC_CODEC_LH04 ? tc_pack_lh04(p, error)
-                                                           : tc_pack_to_rms(p, error);
+    tc_status status = p->options.codec == TC_CODEC_LH04 ? tc_pack_lh04(p, error)
+                       : is_tight(&p->options)           ? tc_pack_to_bound(p, bound, lattice, error)
+                                                         : tc_pack_to_rms(p, bound, lattice, error);
+    /* A tight bound that left more than the rms: both are to be kept. */
+    bool both = p->options.mode == TC_PACK_RMS && is_tight(&p->options) && bound > 0;
+    if (!status && both && (double)c->record[c->levels - 1].rms > p->options.error)
+        status = tc_pack_to_rms(p, bound, lattice, error);
     p->result.rms = c->record[c->levels - 1].rms;
     p->result.max_error = c->record[c->levels - 1].max_error;
     return status ? status : check_lossless(p, error);

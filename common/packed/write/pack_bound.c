@@ -124,7 +124,6 @@ static tc_status code_corrected(tc_packer *p, int32_t bound, int32_t lattice, do
 {
     tc_coding coding;
     int m = p->container.levels;
-    tc_level_record *record = &p->container.record[m - 1];
     double q = STEP_BY_BOUND * bound;
     tc_sample *sample = NULL;
     tc_status status = tc_coding_begin(p, &coding, error);
@@ -134,8 +133,7 @@ static tc_status code_corrected(tc_packer *p, int32_t bound, int32_t lattice, do
         status = tc_pack_sample(p, m, &coding.coarse, TC_TRAINING_TILES, &sample, error);
     if (!status)
         status = tc_coding_choose(&coding, m, q, sample, error);
-    record->coder = TC_CODER_CORRECTIONS;
-    record->correction_snap = lattice, record->correction_step = 2 * bound + lattice;
+    tc_coding_correct(&coding, m, bound, lattice);
     if (!status)
         status = tc_coding_level(&coding, m, bound, false, share, error);
     tc_sample_free(sample);

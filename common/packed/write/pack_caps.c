@@ -137,15 +137,17 @@ static bool keep_on(void *planet, double done)
  * stored unit there, and no error is smaller than what height units and floats hold. */
 static tc_pack_options options_of(tc_packer *p)
 {
-    const double least = 40 * ((double)p->z_max - p->z_min + fmax(fabs((double)p->z_min), fabs((double)p->z_max)));
+    double highest = fmax(fabs((double)p->z_min), fabs((double)p->z_max));
+    double least = fmax(ldexp(40 * ((double)p->z_max - p->z_min + highest), -23), DBL_MIN);
     tc_pack_options o = p->options;
     double origin, error = o.error;
     if (o.mode == TC_PACK_LOSSLESS) {
         o.mode = TC_PACK_MAX_ERROR;
         error = 0.5 * tc_pack_lattice(p, &origin);
     }
-    o.error = fmax(error, ldexp(least, -23));
-    o.error = fmax(o.error, DBL_MIN);
+    o.error = fmax(error, least);
+    if (o.max_error > 0)
+        o.max_error = fmax(o.max_error, least);
     o.lattice = 0;
     o.progress = keep_on;
     o.progress_context = p;

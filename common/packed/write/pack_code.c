@@ -48,6 +48,13 @@ tc_status tc_coding_choose(tc_coding *coding, int l, double q, const tc_sample *
     return TC_OK;
 }
 
+void tc_coding_correct(tc_coding *coding, int l, int32_t bound, int32_t lattice)
+{
+    tc_level_record *record = &coding->p->container.record[l - 1];
+    record->coder = TC_CODER_CORRECTIONS;
+    record->correction_snap = lattice, record->correction_step = 2 * bound + lattice;
+}
+
 tc_status tc_coding_level(tc_coding *coding, int l, int32_t bound, bool keep, double share, tc_error *error)
 {
     tc_packer *p = coding->p;

@@ -6,6 +6,8 @@
  * coarse levels    (pack_level.c)    coarse to fine: tiles encoded against the reconstructed coarser level, and decoded
  *                                 again, so that what the file will give is known and measured
  *     rate      (pack_rate.c)     which quantiser step reaches the target
+ *     outliers  (pack_outliers.c) what corrections to a bound will take off the error
+ *     bound     (pack_bound.c)    or which coder keeps every height within a bound in the least bytes
  *     finish    (pack.c)          the order of all this
  *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
  *     file      (pack_file.c)     head, levels, caps, and the file into its place */
@@ -131,8 +133,9 @@ void tc_sample_free(tc_sample *sample);
 
 /* ---- pack_rate.c ---------------------------------------------------------------------------------------------- */
 
-/* Codes all levels by the lifting so that the target is met. */
-tc_status tc_pack_to_rms(tc_packer *p, tc_error *error);
+/* Codes all levels by the lifting so that the target is met. bound, lattice: as for tc_pack_to_bound(), by corrections
+ * of what the step leaves too far off; a bound of 0: none. */
+tc_status tc_pack_to_rms(tc_packer *p, int32_t bound, int32_t lattice, tc_error *error);
 
 /* The same by LH04's pyramid of residuals. */
 tc_status tc_pack_lh04(tc_packer *p, tc_error *error);
@@ -164,6 +167,9 @@ void tc_coding_steps(const tc_packer *p, int l, double q, int32_t step[TC_BANDS]
 /* Chooses a lifting model for level l and puts it into the level's record. */
 tc_status tc_coding_choose(tc_coding *coding, int l, double q, const tc_sample *sample, tc_error *error);
 
+/* Has level l, whose model is chosen, corrected to a bound, in height units; lattice: as for tc_pack_to_bound(). */
+void tc_coding_correct(tc_coding *coding, int l, int32_t bound, int32_t lattice);
+
 /* Codes level l as its record says. keep: what is reconstructed becomes `coarse`. */
 tc_status tc_coding_level(tc_coding *coding, int l, int32_t bound, bool keep, double share, tc_error *error);
 
@@ -172,6 +178,13 @@ tc_status tc_coding_below(tc_coding *coding, int last, double q, tc_error *error
 
 /* Mean square error of the last level's samples, in squared height units. */
 double tc_coding_error(const tc_coding *coding);
+
+/* ---- pack_outliers.c ------------------------------------------------------------------------------------------- */
+
+/* Share of the square error that corrections to a bound leave, of level l coded by its last model, in a sample of its
+ * tiles. The level's record is then one of corrections. */
+tc_status tc_pack_left_by_corrections(tc_coding *coding, int l, const tc_sample *sample, int32_t bound, int32_t lattice,
+                                      double *left_ret, tc_error *error);
 
 /* ---- pack_caps.c ----------------------------------------------------------------------------------------------- */
 

@@ -60,6 +60,13 @@ typedef struct level_state {
 void tc_pack_code_tile(void *context, int64_t n);
 void tc_pack_finish_tile(void *context, int64_t n);
 
+/* The multiple that corrects a height z as synthesised to within `bound` of what it should be; 0 where it is. */
+static inline int32_t tc_pack_correction(const tc_level_coder *c, int32_t z, int32_t truth, int32_t bound)
+{
+    int64_t off = (int64_t)truth - tc_corrected(c, z, 0), step = c->correction_step;
+    return llabs(off) > bound ? (int32_t)((off + (off > 0 ? step : -step) / 2) / step) : 0;
+}
+
 /* Keeps the first status that is not TC_OK. */
 void tc_pack_fail(level_state *s, tc_status status);
 

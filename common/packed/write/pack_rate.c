@@ -4,7 +4,10 @@
  * errors by their norms. The cascade has counted the details of every level; a model of what a quantiser does to them
  * gives a first step. Coarse levels are coded with it. For the finest level the model is corrected by the ratio of what
  * coding a sample of tiles gives to what the model says of the same tiles, and once the level is coded by what came of
- * it. Seldom is a level coded twice. */
+ * it. Seldom is a level coded twice.
+ *
+ * With a bound, what is too far off is corrected as the finest level is coded, so that its step may be wider by what
+ * corrections take off the error (pack_outliers.c). */
 #include <math.h>
 
 #include "common/base/parallel.h"
@@ -15,6 +18,10 @@
 static const double AIM = 0.986, LEAST = 0.97; /* of the target */
 enum { MOST_TRIES = 12 };
 static const double LARGEST_STEP = 64.0 * TC_MAX_STEP, SMALLER = 0.7;
+
+/* The widest step beside a bound, by it: on smooth terrain, where most details vanish, wider ones leave more to correct
+ * than they spare. */
+static const double WIDEST_BY_BOUND = 5;
 
 /* Square error that quantising a detail leaves: small ones vanish, others are off by an even share of the step. */
 static double quantiser_error(double detail, double step)
@@ -109,6 +116,8 @@ static bool narrow(const curve *c)
 
 typedef struct search {
     tc_coding coding;
+    int32_t bound, lattice;         /* as for tc_pack_to_bound(); 0: no bound */
+    double largest;                 /* step: the widest that is tried */
     double target;                  /* squared error in squared height units */
     double q, fine;                 /* steps of the levels below the finest, and of the finest */
     double best_q, best_fine, best; /* the largest error within the target so far, and its steps; -1: none */
@@ -161,9 +170,11 @@ static tc_status estimate(const search *s, const tc_sample *sample, double q, do
     return TC_OK;
 }
 
+/* Near the target, or as near as the widest step beside a bound comes. */
 static bool meets(const search *s, double error)
 {
-    return error <= s->target && error >= LEAST * LEAST * s->target;
+    bool all = s->bound > 0 && s->fine >= s->largest;
+    return error <= s->target && (all || error >= LEAST * LEAST * s->target);
 }
 
 /* Codes the finest level with step s->fine; *error_ret: what all levels come to. */
@@ -173,8 +184,10 @@ static tc_status code_finest(search *s, const tc_sample *sample, int64_t body, d
     int l = p->container.levels;
     p->body_size = body;
     tc_status status = tc_coding_choose(&s->coding, l, s->fine, sample, error);
+    if (s->bound > 0)
+        tc_coding_correct(&s->coding, l, s->bound, s->lattice);
     if (!status)
-        status = tc_coding_level(&s->coding, l, 0, false, 0.75 * TC_SHARE_LEVELS, error);
+        status = tc_coding_level(&s->coding, l, s->bound, false, 0.75 * TC_SHARE_LEVELS, error);
     if (status)
         return status;
     *error_ret = tc_coding_error(&s->coding);
@@ -194,6 +207,20 @@ static tc_status sample_finest(const search *s, tc_sample **sample_ret, tc_error
                           (int)tc_clamp64(wanted, TC_TRAINING_TILES, TC_SAMPLE_TILES), sample_ret, error);
 }
 
+/* What coding the finest level with step s->q is likely to leave in each of its samples, and the share of all that is
+ * left in them that corrections leave. */
+static tc_status foresee_finest(search *s, const tc_sample *sample, double *own_ret, double *left_ret, tc_error *error)
+{
+    int l = s->coding.p->container.levels;
+    *left_ret = 1;
+    tc_status status = tc_coding_choose(&s->coding, l, s->q, sample, error);
+    if (!status)
+        status = estimate(s, sample, s->q, own_ret, error);
+    if (!status && s->bound > 0)
+        status = tc_pack_left_by_corrections(&s->coding, l, sample, s->bound, s->lattice, left_ret, error);
+    return status;
+}
+
 /* Codes the finest level with steps near s->q that may bring the whole to the target, given what coarser levels leave
  * in its samples. Sets *error_ret to what all levels come to; where a step near s->q is foreseen not to reach the
  * target, and `foresee` allows it, the level is not coded, and *coded_ret false. */
@@ -202,28 +229,27 @@ static tc_status tune_finest(search *s, double carried, bool foresee, double *er
 {
     enum { MOST_CODINGS = 4 };
     const double near = 1.25, far = 1.08;
-    tc_packer *p = s->coding.p;
-    int l = p->container.levels;
     double aim = AIM * AIM * s->target, own = fmax(aim - carried, 0.01 * aim),
            own_most = fmax(s->target - carried, own);
-    double foreseen = 0;
+    double foreseen = 0, left = 1;
     tc_sample *sample = NULL;
     tc_status status = sample_finest(s, &sample, error);
-    s->fine = s->q;
-    if (!status && !(status = tc_coding_choose(&s->coding, l, s->q, sample, error)))
-        status = estimate(s, sample, s->q, &foreseen, error);
-    *error_ret = carried + foreseen;
+    if (!status)
+        status = foresee_finest(s, sample, &foreseen, &left, error);
+    *error_ret = left * (carried + foreseen);
     bool code = *coded_ret = !foresee || fabs(log(*error_ret / aim)) < 2 * log(far);
     curve guess = CURVE(1.6), seen = CURVE(1.8);
-    s->fine = fmin(fmax(next_step(&guess, s->q, foreseen, own, own_most, false), s->q / near), s->q * near);
-    int64_t body = p->body_size;
+    double uncorrected = fmax(aim / left - carried, 0.01 * aim);
+    s->fine = next_step(&guess, s->q, foreseen, uncorrected, own_most, false);
+    s->fine = fmin(fmin(fmax(s->fine, s->q / near), s->q * near), s->largest);
+    int64_t body = s->coding.p->body_size;
     for (int codings = 0; !status && code && codings < MOST_CODINGS; codings++) {
         if ((status = code_finest(s, sample, body, error_ret, error)) || meets(s, *error_ret))
             break;
         double next = next_step(&seen, s->fine, *error_ret - carried, own, own_most, true);
         if (next < s->q / (near * near) || next > s->q * near * near || narrow(&seen))
             break;
-        s->fine = next;
+        s->fine = fmin(next, s->largest);
     }
     tc_sample_free(sample);
     return status;
@@ -263,26 +289,27 @@ static tc_status too_fine(const tc_packer *p, tc_error *error)
                    p->options.error, (double)p->z_max - p->z_min);
 }
 
-tc_status tc_pack_to_rms(tc_packer *p, tc_error *error)
+tc_status tc_pack_to_rms(tc_packer *p, int32_t bound, int32_t lattice, tc_error *error)
 {
     enum { FORESEEN_TRIES = 5 };
-    search s = {.target = squared_target(p), .best = -1};
+    search s = {.bound = bound, .lattice = lattice, .target = squared_target(p), .best = -1};
     double aim = AIM * AIM * s.target;
     curve whole = CURVE(1.2);
     tc_status status = TC_OK;
-    s.q = solve(p, aim);
+    s.largest = bound > 0 ? fmin(WIDEST_BY_BOUND * bound, LARGEST_STEP) : LARGEST_STEP;
+    s.q = fmin(solve(p, aim), s.largest);
     for (int tries = 0; !status && tries < MOST_TRIES; tries++) {
         double found = 0;
-        bool coded = false, foresee = tries < FORESEEN_TRIES && s.q < LARGEST_STEP;
+        bool coded = false, foresee = tries < FORESEEN_TRIES && s.q < s.largest;
         status = code_below(&s, p, error);
         if (!status)
             status = tune_finest(&s, s.coding.carried, foresee, &found, &coded, error);
         tc_coding_end(&s.coding);
         if (status || (coded && meets(&s, found)))
             break;
-        if (s.best >= 0 && (s.q >= LARGEST_STEP || narrow(&whole))) /* as good as it gets */
+        if (s.best >= 0 && (s.q >= s.largest || narrow(&whole))) /* as good as it gets */
             break;
-        s.q = fmin(next_step(&whole, s.q, found, aim, s.target, coded), LARGEST_STEP);
+        s.q = fmin(next_step(&whole, s.q, found, aim, s.target, coded), s.largest);
         if (s.q < 0.1)
             break;
     }

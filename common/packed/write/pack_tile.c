@@ -212,9 +212,7 @@ static tc_status correct_tile(const level_state *s, int64_t tx, int64_t ty, code
         const int32_t *truth = tc_plane_at(&s->truth, r.x0, y);
         const uint8_t *voids = s->voids.v ? voids_at(s, r.x0, y) : NULL;
         for (int64_t i = 0; i < r.x1 - r.x0; i++) {
-            int64_t off = (int64_t)truth[i] - tc_corrected(c, z[i], 0), step = c->correction_step;
-            int64_t up = llabs(off) > s->coding->bound && !(voids && voids[i]) ? off + (off > 0 ? step : -step) / 2 : 0;
-            n[i] = (int32_t)(up / step);
+            n[i] = voids && voids[i] ? 0 : tc_pack_correction(c, z[i], truth[i], s->coding->bound);
             z[i] = tc_corrected(c, z[i], n[i]);
         }
     }
