@@ -255,11 +255,12 @@ typedef struct tc_pack_terrain {
 typedef struct tc_pack_options {
     tc_pack_mode mode;
     tc_pack_codec codec;
-    double error;     /* metres, above 0; not for TC_PACK_LOSSLESS */
-    double max_error; /* metres: with TC_PACK_RMS also no sample of the finest level is off by more; 0: no bound. Not
-                       * for TC_CODEC_LH04 */
-    double lattice;   /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
-    int threads;      /* 0: as many as there are processors. The file does not depend on it */
+    double error;        /* metres, above 0; not for TC_PACK_LOSSLESS */
+    double max_error;    /* metres: with TC_PACK_RMS also no sample of the finest level is off by more; 0: no bound. Not
+                          * for TC_CODEC_LH04 */
+    double lattice;      /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
+    bool price_lossless; /* with TC_PACK_RMS: tell about what the file would take without loss; takes a moment */
+    int threads;         /* 0: as many as there are processors. The file does not depend on it */
     /* Called now and then, from the calling thread, with the share of the whole work that is done, 0 to 1; false stops
      * the packing with TC_ERR_IO. NULL: not called. */
     bool (*progress)(void *context, double done);
@@ -270,6 +271,7 @@ typedef struct tc_pack_result {
     int64_t samples, voids;
     int64_t bytes;               /* of the file */
     double rms, max_error;       /* metres, finest level, without voids, against the heights given */
+    int64_t lossless_bytes;      /* about what the file would take without loss, where asked for; 0: not known */
     int64_t disagreeing;         /* samples given twice with different heights; the first ones hold */
     double largest_disagreement; /* metres */
 } tc_pack_result;
@@ -298,6 +300,7 @@ void tc_packer_destroy(tc_packer *packer);
 typedef struct tc_packed_level {
     int64_t bytes;            /* tiles and index of the level; 0 for levels that are made from the first coded one */
     double rms, max_error;    /* metres, declared: against the filtered source, without voids */
+    double bound;             /* metres: heights that were off by more are corrected; 0: none is */
     double residual_variance; /* square metres: what the level adds to the upsampled coarser one; for synthesis */
 } tc_packed_level;
 

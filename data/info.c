@@ -218,6 +218,8 @@ static void print_table(const facts *f, const char *path)
     printf("\n  packed         %s by %s", mode_names[f->packed->mode], codec_names[f->packed->codec]);
     if (f->packed->mode != TC_PACK_LOSSLESS)
         printf(", %.4g m asked for", f->packed->error);
+    if (f->packed->mode == TC_PACK_RMS && f->finest.bound > 0)
+        printf(", corrected beyond %.4g m", f->finest.bound);
     printf("; rms %.4g m, at most %.4g m off\n  source         %s, %.6g m a unit", f->finest.rms, f->finest.max_error,
            type_names[t->sample_type], t->unit);
     if (t->has_nodata)

@@ -179,6 +179,8 @@ static void print_json(const struct arguments *a, const tc_pack_terrain *terrain
     tc_json_number(result->rms, stdout);
     printf(",\n  \"max_error_m\": ");
     tc_json_number(result->max_error, stdout);
+    if (result->lossless_bytes > 0)
+        printf(",\n  \"lossless_bytes_about\": %" PRId64, result->lossless_bytes);
     printf(",\n  \"voids\": %" PRId64 ",\n  \"seconds\": %.3f,\n  \"msamples_per_s\": ", result->voids, seconds);
     tc_json_number((double)result->samples / seconds * 1e-6, stdout);
     printf(",\n  \"peak_rss_bytes\": %" PRId64 "\n}\n", (int64_t)used.ru_maxrss * 1024);
@@ -193,6 +195,8 @@ static void print_line(const struct arguments *a, const tc_pack_terrain *terrain
         printf("lossless");
     else
         printf("rms %.3g m, at most %.3g m off", result->rms, result->max_error);
+    if (result->lossless_bytes > 0)
+        printf(" (lossless about %" PRId64 " bytes)", result->lossless_bytes);
     if (result->voids > 0)
         printf(", %" PRId64 " voids", result->voids);
     printf("; %.2f s, %.2f Msamples/s\n", seconds, (double)result->samples / seconds * 1e-6);
@@ -234,11 +238,11 @@ static tc_pack_options choose_options(const struct arguments *a, const tc_pack_t
         o.mode = TC_PACK_MAX_ERROR;
         o.error = a->max_error;
     } else if (a->rms > 0) {
-        o.mode = TC_PACK_RMS;
+        o.mode = TC_PACK_RMS, o.price_lossless = true;
         o.error = a->rms, o.max_error = a->max_error;
     } else {
         double spacing = 0.5 * (terrain->spacing_x + terrain->spacing_y);
-        o.mode = TC_PACK_RMS;
+        o.mode = TC_PACK_RMS, o.price_lossless = true;
         o.error = fmin(default_share * spacing, default_most);
         o.max_error = a->codec == TC_CODEC_LH04 ? 0 : default_bound * o.error;
     }
@@ -314,6 +318,8 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_pla
         return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted") : status;
 
     warn_of_disagreement(mosaic, &result, progress);
+    if (result.lossless_bytes > 0 && result.lossless_bytes < result.bytes)
+        tc_progress_say(progress, true, "without loss the file would take fewer bytes: --lossless, or a wider --rms");
     double seconds = tc_progress_seconds(progress);
     if (a->json)
         print_json(a, terrain, options.mode, &result, seconds);

@@ -180,7 +180,7 @@ static void measure_corrected(const crop *c, const tc_plane *z, int bound, doubl
         source.z[i] = (int32_t)k;
     }
     tc_correction *correction = malloc(sizeof *correction);
-    tc_correction_init(correction);
+    tc_correction_init(correction, true);
     uint8_t *bytes = malloc(tc_correction_bound());
     tc_tile_work *work = malloc(tc_tile_work_bytes());
     size_t all = 0;

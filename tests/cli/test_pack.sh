@@ -170,11 +170,17 @@ is_less 12 "$(number max_error_m <stdout.txt)" '--rms alone bounds nothing'
 does '' $terraclip pack towers.tif -o towers.tclip --json
 is_less "$(number rms_m <stdout.txt)" 3 'the default'
 is_less "$(number max_error_m <stdout.txt)" 12 'the default'
+[ "$(json_keys stdout.txt)" = "$(echo "$keys" | sed 's/max_error_m/& lossless_bytes_about/') " ] ||
+    fail "pack --json has the keys $(json_keys stdout.txt)"
 grep -q '"mode": "rms",' stdout.txt || fail "pack --json: $(grep mode stdout.txt)"
 does '' $terraclip extract towers.tclip -o lossy.tif
 equal towers.tif lossy.tif within=12
 does '' $terraclip pack towers.tif -o both.tclip --rms 3 --max-error 12
 same towers.tclip both.tclip 'the default and what it stands for'
+does '' $terraclip info both.tclip
+echo "$out" | grep -Eq '3 m asked for, corrected beyond 1[01]\.?[0-9]* m; rms' || fail "info of a bound prints $out"
+$make_file tiff steps.tif size=300x200 metres=0.1 heights=hills
+does 'without loss the file would take fewer bytes: --lossless' $terraclip pack steps.tif -o steps.tclip
 does '' $terraclip pack hills.tif -o paper.tclip --codec lh04
 does '' $terraclip pack hills.tif -o paper.tclip --codec lh04 --rms 0.5
 echo "$out" | grep -Eq '^paper.tclip: 300 x 200 samples, [0-9]+ bytes, ' || fail "pack prints $out"

@@ -326,11 +326,10 @@ static void damaged_headers(void **state)
 
 /* ---- Corrections --------------------------------------------------------------------------------------------- */
 
-static void corrections(void **state)
+static void corrections_come_back(bool by_squares)
 {
-    (void)state;
     tc_correction *c = malloc(sizeof *c);
-    tc_correction_init(c);
+    tc_correction_init(c, by_squares);
     uint8_t *bytes = malloc(tc_correction_bound());
     const int32_t step[TC_BANDS] = {10, 20, 1};
     for (int round = 0; round < 60; round++) {
@@ -372,6 +371,18 @@ static void corrections(void **state)
     free(bytes), free(c);
 }
 
+static void corrections(void **state)
+{
+    (void)state;
+    corrections_come_back(false);
+}
+
+static void corrections_by_squares(void **state)
+{
+    (void)state;
+    corrections_come_back(true);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -385,6 +396,7 @@ int main(void)
         cmocka_unit_test(damaged_tiles),
         cmocka_unit_test(damaged_headers),
         cmocka_unit_test(corrections),
+        cmocka_unit_test(corrections_by_squares),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

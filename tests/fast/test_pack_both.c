@@ -97,12 +97,35 @@ static void the_other_costs_nothing(void **state)
     assert_true((double)free_of_it.bytes < 1.01 * (double)rms.bytes && free_of_it.most == rms.most);
 }
 
+/* What lossless is told to take is about what it takes; of heights on no lattice nothing is told. */
+static void lossless_is_told(void **state)
+{
+    (void)state;
+    const char *path = made_path("a.tclip");
+    for (int k = 0; k < 3; k++) {
+        packing p = {.width = 700, .height = 500, .kind = k < 2 ? PACKING_INTEGERS : PACKING_SPIKES, .error = 2};
+        p.type = k < 2 ? TC_SAMPLE_INT16 : TC_SAMPLE_FLOAT32;
+        p.voids = k == 1 ? PACKING_LAKES : PACKING_WHOLE;
+        p.price_lossless = true;
+        tc_pack_result told, result;
+        tc_error error;
+        assert_int_equal(packing_write(&p, path, &told, &error), TC_OK);
+        assert_true((told.lossless_bytes > 0) == (k < 2));
+        p.mode = TC_PACK_LOSSLESS;
+        if (k < 2 && packing_write(&p, path, &result, &error))
+            fail_msg("%s", error.text);
+        if (k < 2 && fabs((double)told.lossless_bytes / (double)result.bytes - 1) > 0.1)
+            fail_msg("told about %lld bytes, found %lld", (long long)told.lossless_bytes, (long long)result.bytes);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spikes_are_kept),
         cmocka_unit_test(every_ratio_is_kept),
         cmocka_unit_test(the_other_costs_nothing),
+        cmocka_unit_test(lossless_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, close_all);
 }

@@ -56,7 +56,7 @@ static void decode_tile(const fuzz_tile *f)
                 tiles_y = (size.height + TC_TILE_SIDE - 1) / TC_TILE_SIDE;
         int64_t tx = f->tile % tiles_x, ty = f->tile / tiles_x % tiles_y;
         tc_tile_entry entry = {.size = {(uint32_t)f->size}};
-        if (f->kind == TC_CODER_CORRECTIONS) {
+        if (tc_coder_corrects((tc_coder)f->kind)) {
             entry.size[1] = (uint32_t)(f->size / 3);
             entry.size[0] -= entry.size[1];
         }

@@ -271,7 +271,9 @@ int main(int argc, char **argv)
         pack(path, s);
         check(path, 3, s->planet ? 3 : 1);
         snprintf(older, sizeof older, "%s/reader/v%d-%s", argv[1], s->planet ? 2 : 1, s->name);
-        if (s->kind != NOISE) { /* which those versions have no tiles for */
+        /* Those versions have no raw tiles, and corrections that are no longer written: their seeds (and those of
+         * tiles, corrections*) are kept as they are. */
+        if (s->kind != NOISE && s->mode != TC_PACK_MAX_ERROR) {
             write_older(path, older, s);
             check(older, s->planet ? 2 : 1, s->planet ? 3 : 1);
         }

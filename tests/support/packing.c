@@ -88,8 +88,12 @@ tc_pack_terrain packing_terrain(const packing *p)
 
 tc_pack_options packing_options(const packing *p)
 {
-    return (tc_pack_options){
-        .mode = p->mode, .codec = p->codec, .error = p->error, .max_error = p->max_error, .threads = p->threads};
+    return (tc_pack_options){.mode = p->mode,
+                             .codec = p->codec,
+                             .error = p->error,
+                             .max_error = p->max_error,
+                             .price_lossless = p->price_lossless,
+                             .threads = p->threads};
 }
 
 tc_status packing_write(const packing *p, const char *path, tc_pack_result *result_ret, tc_error *error)

@@ -228,7 +228,7 @@ static tc_status read_record(tc_level_record *l, tc_byte_reader *r)
     const uint8_t *model = tc_get_bytes(r, l->model_size);
     bad |= r->failed || l->lowest > l->highest || l->correction_step < 0 || l->correction_step > TC_MAX_STEP ||
            l->correction_snap < 0 || l->correction_snap > TC_MAX_STEP;
-    bad |= l->coder == TC_CODER_CORRECTIONS && (l->correction_step < 1 || l->correction_snap < 1);
+    bad |= tc_coder_corrects(l->coder) && (l->correction_step < 1 || l->correction_snap < 1);
     bad |= !not_negative(l->rms) || !not_negative(l->max_error) || !not_negative(l->residual_variance);
     bad |= l->lowest < -2 * TC_LIFTING_LIMIT || l->highest > 2 * TC_LIFTING_LIMIT;
     if (bad)

@@ -30,8 +30,14 @@ typedef enum tc_coder {
     TC_CODER_CORRECTIONS, /* codec.h, then codec_correction.h on the heights that result */
     TC_CODER_EXACT,       /* codec_exact.h */
     TC_CODER_LH04,        /* codec_lh04.h */
+    TC_CODER_SPARSE,      /* as TC_CODER_CORRECTIONS, by squares; which is read only since this one is written */
     TC_CODERS
 } tc_coder;
+
+static inline bool tc_coder_corrects(tc_coder coder)
+{
+    return coder == TC_CODER_CORRECTIONS || coder == TC_CODER_SPARSE;
+}
 
 /* A level that is coded in tiles. */
 typedef struct tc_level_record {
@@ -41,7 +47,7 @@ typedef struct tc_level_record {
     int32_t lowest, highest;                 /* reconstructed heights, in height units */
     float rms, max_error, residual_variance; /* metres, square metres */
     int32_t correction_snap;                 /* height units; heights are rounded to multiples before corrections */
-    int32_t correction_step;                 /* height units; TC_CODER_CORRECTIONS */
+    int32_t correction_step;                 /* height units; of coders that correct */
     uint8_t *model;                          /* header of the level's model; owned */
     size_t model_size;
 } tc_level_record;
@@ -89,7 +95,7 @@ static inline int64_t tc_directory_chunk_offset(int64_t chunk)
 /* What its pages tell; steps: as of the container. */
 static inline tc_page_form tc_level_form(const tc_level_record *record, bool steps)
 {
-    return (tc_page_form){record->coder == TC_CODER_CORRECTIONS, record->mask, steps,
+    return (tc_page_form){tc_coder_corrects(record->coder), record->mask, steps,
                           steps && record->coder == TC_CODER_EXACT};
 }
 

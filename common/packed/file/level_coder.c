@@ -7,7 +7,7 @@
 
 size_t tc_decoded_tile_bytes(tc_coder coder)
 {
-    return coder == TC_CODER_CORRECTIONS ? sizeof(tc_decoded_tile) : offsetof(tc_decoded_tile, correction);
+    return tc_coder_corrects(coder) ? sizeof(tc_decoded_tile) : offsetof(tc_decoded_tile, correction);
 }
 
 static tc_status init_lifting(tc_level_coder *c, const tc_level_record *record)
@@ -25,7 +25,7 @@ static tc_status init_lifting(tc_level_coder *c, const tc_level_record *record)
         return TC_ERR_FORMAT;
     if (!(c->correction = malloc(sizeof *c->correction)))
         return TC_ERR_MEMORY;
-    tc_correction_init(c->correction);
+    tc_correction_init(c->correction, record->coder == TC_CODER_SPARSE);
     return TC_OK;
 }
 
@@ -59,10 +59,9 @@ tc_status tc_level_coder_init(tc_level_coder *c, const tc_lifting_level *level, 
                           .correction_step = record->correction_step,
                           .correction_snap = record->correction_snap};
     switch (record->coder) {
-    case TC_CODER_LIFTING:
-    case TC_CODER_CORRECTIONS: return init_lifting(c, record);
     case TC_CODER_EXACT: return init_exact(c, record);
-    default: return init_lh04(c, record);
+    case TC_CODER_LH04: return init_lh04(c, record);
+    default: return init_lifting(c, record);
     }
 }
 
@@ -108,10 +107,9 @@ tc_rect tc_level_coder_positions(const tc_level_coder *c, int64_t tx, int64_t ty
 tc_rect tc_level_coder_needs(const tc_level_coder *c, int64_t tx, int64_t ty)
 {
     switch (c->coder) {
-    case TC_CODER_LIFTING:
-    case TC_CODER_CORRECTIONS: return tc_codec_tile_needs(c->codec, tc_level_coder_positions(c, tx, ty));
     case TC_CODER_EXACT: return tc_exact_tile_needs(c->exact, tx, ty);
-    default: return (tc_rect){0, 0, 0, 0};
+    case TC_CODER_LH04: return (tc_rect){0, 0, 0, 0};
+    default: return tc_codec_tile_needs(c->codec, tc_level_coder_positions(c, tx, ty));
     }
 }
 
@@ -157,11 +155,6 @@ static void upsample_tile(const tc_plane *coarse, const tc_plane *fine)
         }
 }
 
-static bool is_lifting(const tc_level_coder *c)
-{
-    return c->coder == TC_CODER_LIFTING || c->coder == TC_CODER_CORRECTIONS;
-}
-
 static void decode_tile(const tc_level_coder *c, tc_level_tile *t, const tc_plane *coarse)
 {
     tc_plane samples = {t->to->sample[0], TC_TILE_SIDE, tc_level_coder_samples(c, t->tx, t->ty)};
@@ -185,7 +178,7 @@ static void decode_tile(const tc_level_coder *c, tc_level_tile *t, const tc_plan
 
 void tc_level_coder_decode(const tc_level_coder *c, tc_level_tile *tile, int count, const tc_plane *coarse)
 {
-    if (count < 2 || !is_lifting(c) || !tile[0].bytes || !tile[1].bytes) {
+    if (count < 2 || !c->codec || !tile[0].bytes || !tile[1].bytes) {
         for (int n = 0; n < count; n++)
             decode_tile(c, &tile[n], coarse);
         return;
@@ -194,4 +187,15 @@ void tc_level_coder_decode(const tc_level_coder *c, tc_level_tile *tile, int cou
     for (int n = 0; n < count; n++)
         if (tile[n].status)
             memset(tile[n].to, 0, tc_decoded_tile_bytes(c->coder));
+}
+
+void tc_level_coder_correct(const tc_level_coder *c, int32_t *z, const int32_t *k, int64_t count)
+{
+    const uint32_t step = (uint32_t)c->correction_step;
+    if (c->correction_snap == 1)
+        for (int64_t i = 0; i < count; i++)
+            z[i] = (int32_t)((uint32_t)z[i] + (uint32_t)k[i] * step);
+    else
+        for (int64_t i = 0; i < count; i++)
+            z[i] = tc_corrected(c, z[i], k[i]);
 }

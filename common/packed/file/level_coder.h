@@ -13,10 +13,10 @@ enum { TC_TILE_SIDE = 2 * TC_TILE }; /* samples */
 /* A decoded tile, before the coarser level is added. */
 typedef struct tc_decoded_tile {
     union {
-        int32_t band[TC_BANDS][TC_TILE][TC_TILE];   /* TC_CODER_LIFTING, TC_CODER_CORRECTIONS: details */
+        int32_t band[TC_BANDS][TC_TILE][TC_TILE];   /* of the lifting, corrected or not: details */
         int32_t sample[TC_TILE_SIDE][TC_TILE_SIDE]; /* TC_CODER_EXACT: heights; TC_CODER_LH04: residuals */
     };
-    int32_t correction[TC_TILE_SIDE][TC_TILE_SIDE]; /* multiples; there for TC_CODER_CORRECTIONS only */
+    int32_t correction[TC_TILE_SIDE][TC_TILE_SIDE]; /* multiples; there for coders that correct only */
 } tc_decoded_tile;
 
 /* Bytes of it that a coder uses. */
@@ -70,5 +70,8 @@ static inline int32_t tc_corrected(const tc_level_coder *c, int32_t z, int32_t k
     int64_t snapped = (up >= 0 ? up / snap : -((-up + snap - 1) / snap)) * snap;
     return (int32_t)(uint32_t)(uint64_t)(snapped + (int64_t)k * c->correction_step);
 }
+
+/* The same of a row. */
+void tc_level_coder_correct(const tc_level_coder *coder, int32_t *z, const int32_t *k, int64_t count);
 
 #endif

@@ -211,7 +211,15 @@ tc_packed_level tc_field_packed_level(const tc_field *field, int level)
     const tc_level_record *r = &c->record[level - 1];
     if (level <= c->base) { /* rounding to height units, which keep a lossless source's own values */
         bool exact = c->info.mode == TC_PACK_LOSSLESS && level == c->levels && c->levels == c->base;
-        return (tc_packed_level){0, exact ? 0 : 0.5 * c->z_unit, exact ? 0 : 0.5 * c->z_unit, 0};
+        double rounding = exact ? 0 : 0.5 * c->z_unit;
+        return (tc_packed_level){.rms = rounding, .max_error = rounding};
     }
-    return (tc_packed_level){r->end - r->begin, r->rms, r->max_error, r->residual_variance};
+    bool corrects = tc_coder_corrects(r->coder);
+    return (tc_packed_level){
+        .bytes = r->end - r->begin,
+        .rms = r->rms,
+        .max_error = r->max_error,
+        .bound = corrects ? 0.5 * c->z_unit * (r->correction_step - r->correction_snap) : 0,
+        .residual_variance = r->residual_variance,
+    };
 }

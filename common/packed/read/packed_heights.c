@@ -313,12 +313,9 @@ static tc_status synthesise_lifting(packed_field *p, int l, const tc_plane *to, 
     if (status)
         return status;
     tc_lifting_synthesise(&coder->level, &coarse, planes.band, to, work, TC_SIMD_AUTO);
-    for (int64_t y = to->rect.y0; y < to->rect.y1 && coder->correction; y++) {
-        int32_t *z = tc_plane_at(to, to->rect.x0, y);
-        const int32_t *k = tc_plane_at(&planes.correction, to->rect.x0, y);
-        for (int64_t i = 0; i < to->rect.x1 - to->rect.x0; i++)
-            z[i] = tc_corrected(coder, z[i], k[i]);
-    }
+    for (int64_t y = to->rect.y0; y < to->rect.y1 && coder->correction; y++)
+        tc_level_coder_correct(coder, tc_plane_at(to, to->rect.x0, y), tc_plane_at(&planes.correction, to->rect.x0, y),
+                               to->rect.x1 - to->rect.x0);
     return TC_OK;
 }
 

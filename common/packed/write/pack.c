@@ -287,6 +287,8 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
         status = tc_pack_caps(p, cap, error);
     if (!status)
         status = tc_pack_put_in_place(p, cap, error);
+    for (int n = 0; n < TC_CAP_CHARTS && !status && p->result.lossless_bytes > 0; n++)
+        p->result.lossless_bytes += cap[n] ? cap[n]->result.lossless_bytes : 0;
     if (!status)
         *result_ret = p->result;
     for (int n = 0; n < TC_CAP_CHARTS; n++)

@@ -51,7 +51,7 @@ tc_status tc_coding_choose(tc_coding *coding, int l, double q, const tc_sample *
 void tc_coding_correct(tc_coding *coding, int l, int32_t bound, int32_t lattice)
 {
     tc_level_record *record = &coding->p->container.record[l - 1];
-    record->coder = TC_CODER_CORRECTIONS;
+    record->coder = TC_CODER_SPARSE;
     record->correction_snap = lattice, record->correction_step = 2 * bound + lattice;
 }
 

@@ -7,6 +7,7 @@
  *                                 again, so that what the file will give is known and measured
  *     rate      (pack_rate.c)     which quantiser step reaches the target
  *     outliers  (pack_outliers.c) what corrections to a bound will take off the error
+ *     lossless  (pack_lossless.c) what the heights would take without loss
  *     bound     (pack_bound.c)    or which coder keeps every height within a bound in the least bytes
  *     finish    (pack.c)          the order of all this
  *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
@@ -185,6 +186,11 @@ double tc_coding_error(const tc_coding *coding);
  * tiles. The level's record is then one of corrections. */
 tc_status tc_pack_left_by_corrections(tc_coding *coding, int l, const tc_sample *sample, int32_t bound, int32_t lattice,
                                       double *left_ret, tc_error *error);
+
+/* ---- pack_lossless.c ------------------------------------------------------------------------------------------- */
+
+/* Sets p->result.lossless_bytes from a sample of the finest level, the levels below which the body has. */
+tc_status tc_pack_price_lossless(tc_packer *p, const tc_sample *sample, tc_error *error);
 
 /* ---- pack_caps.c ----------------------------------------------------------------------------------------------- */
 
