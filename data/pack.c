@@ -29,6 +29,7 @@ static const double default_share = 0.06, default_most = 10;
 /* The largest error of the default, in rms: of errors spread like noise one in 16,000 is beyond it. What it catches is
  * crests and single peaks that an rms alone lets go. */
 static const double default_bound = 4;
+static const int64_t worth_telling = 10000; /* bytes of a file that might be a smaller one without loss */
 
 struct arguments {
     const char **inputs;
@@ -318,7 +319,7 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_pla
         return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted") : status;
 
     warn_of_disagreement(mosaic, &result, progress);
-    if (result.lossless_bytes > 0 && result.lossless_bytes < result.bytes)
+    if (result.lossless_bytes > 0 && result.lossless_bytes < result.bytes && result.bytes > worth_telling)
         tc_progress_say(progress, true, "without loss the file would take fewer bytes: --lossless, or a wider --rms");
     double seconds = tc_progress_seconds(progress);
     if (a->json)

@@ -28,8 +28,8 @@ const char *tc_gdal_heard(const tc_gdal_messages *messages);
 tc_status tc_gdal_look_inside(const char *path, const tc_source_options *options, char **inner_ret,
                               bool *layer_taken_ret, tc_error *error);
 
-tc_status tc_gdal_unpack_hgt(const char *path, const tc_source_options *options, char **name_ret, void **bytes_ret,
-                             size_t *size_ret, tc_error *error);
+tc_status tc_gdal_unpack_hgt(const char *path, const tc_source_options *options, char **name_ret, bool *layer_taken_ret,
+                             void **bytes_ret, size_t *size_ret, tc_error *error);
 
 /* Where a dataset is a list of layers (NetCDF, HDF, GeoPackage) it becomes the one that options->layer names, or the
  * only one; else an error lists them. */

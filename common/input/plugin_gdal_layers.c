@@ -117,15 +117,14 @@ tc_status tc_gdal_look_inside(const char *path, const tc_source_options *options
     return status;
 }
 
-tc_status tc_gdal_unpack_hgt(const char *path, const tc_source_options *options, char **name_ret, void **bytes_ret,
-                             size_t *size_ret, tc_error *error)
+tc_status tc_gdal_unpack_hgt(const char *path, const tc_source_options *options, char **name_ret, bool *layer_taken_ret,
+                             void **bytes_ret, size_t *size_ret, tc_error *error)
 {
     enum { MOST = 1 << 30 };
     char *inner = NULL;
-    bool taken;
     *name_ret = NULL, *bytes_ret = NULL, *size_ret = 0;
     tc_gdal_start();
-    tc_status status = tc_gdal_look_inside(path, options, &inner, &taken, error);
+    tc_status status = tc_gdal_look_inside(path, options, &inner, layer_taken_ret, error);
     size_t length = inner ? strlen(inner) : 0;
     if (length > 3 && EQUAL(inner + length - 3, ".gz"))
         length -= 3; /* a .gz is named as what it holds */

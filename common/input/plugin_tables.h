@@ -70,9 +70,10 @@ typedef tc_status (*tc_sample_row_function)(void *context, int64_t y, void *samp
 struct tc_gdal_plugin {
     tc_raster_open open;
     /* What an archive holds where that is an .hgt, which needs no library but must be unpacked: its name, and its
-     * bytes, both to be freed; NULL for any other file. Errors are those of archives that open() would refuse, too. */
-    tc_status (*unpack_hgt)(const char *path, const tc_source_options *options, char **name_ret, void **bytes_ret,
-                            size_t *size_ret, tc_error *error);
+     * bytes, both to be freed; NULL for any other file. *layer_taken_ret: options->layer named it. Errors are those of
+     * archives that open() would refuse, too. */
+    tc_status (*unpack_hgt)(const char *path, const tc_source_options *options, char **name_ret, bool *layer_taken_ret,
+                            void **bytes_ret, size_t *size_ret, tc_error *error);
     /* Whether a file, or a folder (Zarr, MFF2), is of a format of this library. */
     bool (*recognises)(const char *path);
     /* As tc_write_tiff, straight to the file temporary; messages name path. Rows are asked for from the north in the

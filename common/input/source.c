@@ -23,11 +23,11 @@ struct tc_source {
     tc_source_options options;
     tc_raster *raster;
     tc_conversion conversion;
-    bool flip_x, flip_y;                    /* the file's columns run east to west, its rows south to north */
-    int64_t chunk_rows;                     /* that fit the buffers */
-    void *samples;                          /* chunk_rows rows in the file's type; made when first needed */
-    uint8_t *mask;                          /* likewise; NULL where the raster has no mask */
-    bool warned_of_fills, warned_of_lowest; /* once is enough */
+    bool flip_x, flip_y; /* the file's columns run east to west, its rows south to north */
+    int64_t chunk_rows;  /* that fit the buffers */
+    void *samples;       /* chunk_rows rows in the file's type; made when first needed */
+    uint8_t *mask;       /* likewise; NULL where the raster has no mask */
+    tc_suspicion suspicion;
     char path[];
 };
 
@@ -77,11 +77,14 @@ static tc_status read_signature(const char *path, unsigned char signature[8], tc
 }
 
 /* Closes a raster that is not GDAL's where something was asked for that only GDAL can do: nothing is passed over in
- * silence. archive: its layer was found. */
-static tc_status refuse_gdals_options(const char *path, const tc_source_options *options, bool archive,
+ * silence. layer_taken: it named a file of an archive. */
+static tc_status refuse_gdals_options(const char *path, const tc_source_options *options, bool layer_taken,
                                       tc_raster **raster, tc_error *error)
 {
-    const char *name = options->crs ? "crs" : options->band > 1 ? "band" : options->layer && !archive ? "layer" : NULL;
+    const char *name = options->crs                     ? "crs"
+                       : options->band > 1              ? "band"
+                       : options->layer && !layer_taken ? "layer"
+                                                        : NULL;
     if (!name)
         return TC_OK;
     (*raster)->close(*raster);
@@ -96,11 +99,12 @@ static tc_status open_archived_hgt(const struct tc_gdal_plugin *gdal, const char
     char *name = NULL;
     void *bytes = NULL;
     size_t size = 0;
-    tc_status status = gdal->unpack_hgt(path, options, &name, &bytes, &size, error);
+    bool layer_taken = false;
+    tc_status status = gdal->unpack_hgt(path, options, &name, &layer_taken, &bytes, &size, error);
     if (bytes)
         status = tc_hgt_open_bytes(path, name, bytes, size, options, raster_ret, error);
     if (bytes && status == TC_OK)
-        status = refuse_gdals_options(path, options, true, raster_ret, error);
+        status = refuse_gdals_options(path, options, layer_taken, raster_ret, error);
     free(name);
     return status;
 }
@@ -350,6 +354,7 @@ tc_status tc_source_open(const char *path, const tc_source_options *options, tc_
     }
     strcpy(source->path, path);
     source->options = *options;
+    source->suspicion = TC_SUSPICION_NONE;
     source->raster = raster;
     for (char **part = raster->info.parts; part && *part && status == TC_OK; part++) {
         status = tc_outputs_spare(options->outputs, *part, error);
@@ -426,20 +431,6 @@ static tc_status check_heights(const tc_source *source, int64_t y, const float *
     return TC_OK;
 }
 
-/* Lowest heights that stand for "none" where a file says so, and often where it forgot to. */
-static void suspect_lowest(tc_source *source, double lowest)
-{
-    static const double suspects[] = {-9999, -32768, -32767, -99999};
-    double stored = tc_stored_value((float)lowest, source->conversion.offset, source->conversion.scale);
-    for (size_t i = 0; i < sizeof suspects / sizeof *suspects && !source->warned_of_lowest; i++)
-        if (fabs(stored - suspects[i]) < 1e-3) {
-            source->warned_of_lowest = true;
-            tc_say(&source->options, true,
-                   "its lowest value, %.6g, is taken for a height; where it means none, --nodata %.6g says so",
-                   suspects[i], suspects[i]);
-        }
-}
-
 tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, float *z, uint8_t *voids,
                                  tc_statistics *statistics, tc_error *error)
 {
@@ -466,6 +457,7 @@ tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, fl
             const uint8_t *mask = source->mask ? source->mask + k * width : NULL;
             const void *samples = (const char *)source->samples + (size_t)(k * width) * size;
             tc_convert_row(&source->conversion, samples, mask, width, to, to_voids, statistics);
+            tc_suspect_row(&source->suspicion, &source->conversion, to, to_voids, width, statistics);
             if (source->options.exact) {
                 status = check_exact(source, row + k, samples, to_voids, to, error);
                 if (status != TC_OK)
@@ -481,12 +473,7 @@ tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, fl
                 mirror_row(to, to_voids, width);
         }
     }
-    if (statistics->low <= statistics->high)
-        suspect_lowest(source, statistics->low);
-    if (statistics->fills > 0 && !source->warned_of_fills) {
-        source->warned_of_fills = true;
-        tc_say(&source->options, true, "values beyond 1e30 are taken as voids, though no nodata value announces them");
-    }
+    tc_suspect_rows(&source->suspicion, &source->conversion, rows, height, statistics, &source->options);
     return TC_OK;
 }
 

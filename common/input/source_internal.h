@@ -83,6 +83,26 @@ bool tc_is_tclip(const unsigned char signature[8]);
 tc_status tc_source_read_counted(tc_source *source, int64_t y0, int64_t rows, float *z, uint8_t *voids,
                                  tc_statistics *statistics, tc_error *error);
 
+/* ---- Values that may stand for no height (source_suspect.c) -------------------------------------------------------
+ */
+
+/* What was seen of a source so far, and told. Start with TC_SUSPICION_NONE. */
+typedef struct tc_suspicion {
+    bool told_lowest, told_fills, told_zeros; /* once is enough */
+    bool no_zeros;                            /* heights go on below 0, or come near it from above */
+    int64_t zeros, rows;                      /* seen */
+    float next, highest;                      /* the lowest height above 0 */
+} tc_suspicion;
+#define TC_SUSPICION_NONE ((tc_suspicion){.next = INFINITY, .highest = -INFINITY})
+
+/* A row as tc_convert_row() left it, with the statistics of it and of rows before. */
+void tc_suspect_row(tc_suspicion *suspicion, const tc_conversion *conversion, const float *z, const uint8_t *voids,
+                    int64_t width, const tc_statistics *statistics);
+
+/* That many rows of a source of height rows were looked at: says what is to be said. */
+void tc_suspect_rows(tc_suspicion *suspicion, const tc_conversion *conversion, int64_t rows, int64_t height,
+                     const tc_statistics *statistics, const tc_source_options *options);
+
 /* TC_ERR_USAGE where a number of the options is nonsense. */
 tc_status tc_check_source_options(const tc_source_options *options, tc_error *error);
 

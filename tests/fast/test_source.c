@@ -294,6 +294,45 @@ static void voids_of_all_kinds(void **state)
     tc_source_close(source);
 }
 
+/* Values that mostly mean none are told where nothing declares them, and heights like them are not. */
+static void suspicious_values(void **state)
+{
+    (void)state;
+    enum { SIDE = 40 };
+    static const struct {
+        int fill, first, step; /* around heights from `first` on */
+        const char *said;      /* NULL: nothing */
+    } cases[] = {
+        {-9999, 300, 3, "--nodata -9999 says so"},
+        {-32768, 5, 1, "--nodata -32768 says so"},
+        {-9998, 300, 3, NULL},
+        {0, 300, 3, "--nodata 0 says so"},
+        {0, 1, 3, NULL} /* a coast */,
+        {0, -70, 3, NULL},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        int16_t heights[SIDE * SIDE];
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            int x = i % SIDE, y = i / SIDE, inside = x > 3 && x < SIDE - 2 && y > 0;
+            heights[i] = (int16_t)(inside ? cases[k].first + cases[k].step * (x - 4) + y % 3 : cases[k].fill);
+        }
+        made_tiff tiff = {.width = SIDE, .height = SIDE, .bits = 16, .format = MADE_INT, .samples = heights};
+        sayings said;
+        const char *path = made_path("suspect.tif");
+        make_tiff(path, &tiff);
+        tc_grid g = load(path, (tc_source_options){.spacing = 10}, &said);
+        assert_int_equal(said.warnings, cases[k].said != NULL);
+        assert_true(!cases[k].said || strstr(said.text, cases[k].said));
+        assert_int_equal(g.void_count, 0);
+        tc_grid_free(&g);
+        if (!cases[k].said)
+            continue;
+        g = load(path, (tc_source_options){.spacing = 10, .has_nodata = true, .nodata = cases[k].fill}, &said);
+        assert_true(said.warnings == 0 && g.void_count == SIDE * SIDE - (SIDE - 6) * (SIDE - 1));
+        tc_grid_free(&g);
+    }
+}
+
 static void sizes_at_the_edge(void **state)
 {
     (void)state;
@@ -376,6 +415,7 @@ int main(void)
         cmocka_unit_test(units),
         cmocka_unit_test(small_relief_far_up),
         cmocka_unit_test(voids_of_all_kinds),
+        cmocka_unit_test(suspicious_values),
         cmocka_unit_test(sizes_at_the_edge),
         cmocka_unit_test(real_data),
     };
