@@ -2,7 +2,7 @@
  *
  * Two bands: one is being read while the other is being worked on. A band has room for as many rows as its file decodes
  * together, so that no block is decoded twice, but for a bounded number of bytes. */
-#include "mosaic_read.h"
+#include "mosaic_internal.h"
 
 #include "common/base/rect.h"
 #include "common/base/status.h"

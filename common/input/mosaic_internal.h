@@ -1,6 +1,6 @@
-/* mosaic_read.h - what mosaic.c and mosaic_read.c share. */
-#ifndef TC_MOSAIC_READ_H
-#define TC_MOSAIC_READ_H
+/* mosaic_internal.h - what the files mosaic*.c share. */
+#ifndef TC_MOSAIC_INTERNAL_H
+#define TC_MOSAIC_INTERNAL_H
 
 #include "mosaic.h"
 
@@ -28,5 +28,15 @@ struct tc_mosaic {
 
 /* Opens a part; its heights are above the terrain's z_base. */
 tc_status tc_mosaic_open_part(tc_mosaic *mosaic, int part, tc_source **source_ret, tc_error *error);
+
+/* ---- mosaic_place.c ---------------------------------------------------------------------------------------------- */
+
+/* Finds where a file begins in columns and rows of the first one. */
+tc_status tc_mosaic_place(const tc_mosaic *mosaic, const char *path, const tc_source_info *info, int64_t *column_ret,
+                          int64_t *row_ret, tc_error *error);
+
+/* All files are placed: sets where they lie in the rectangle around them, which becomes the terrain, and counts their
+ * samples. */
+tc_status tc_mosaic_lay_out(tc_mosaic *mosaic, tc_error *error);
 
 #endif
