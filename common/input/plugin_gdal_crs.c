@@ -11,8 +11,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double radians_per_degree = 0.017453292519943295;
-
 /* ---- Systems ---------------------------------------------------------------------------------------------------- */
 
 OGRSpatialReferenceH tc_gdal_lonlat_of(OGRSpatialReferenceH crs)
@@ -22,12 +20,12 @@ OGRSpatialReferenceH tc_gdal_lonlat_of(OGRSpatialReferenceH crs)
         return NULL;
     char *meridian = NULL; /* GDAL's */
     double unit = OSRGetAngularUnits(base, NULL), from = OSRGetPrimeMeridian(base, &meridian);
-    if (from != 0 || fabs(unit / radians_per_degree - 1) > 1e-9 || OSRIsDerivedGeographic(base)) {
+    if (from != 0 || fabs(unit / TC_RADIANS_PER_DEGREE - 1) > 1e-9 || OSRIsDerivedGeographic(base)) {
         const char *name = OSRGetAttrValue(base, "GEOGCS", 0), *datum = OSRGetAttrValue(base, "DATUM", 0),
                    *spheroid = OSRGetAttrValue(base, "SPHEROID", 0);
         OGRSpatialReferenceH own = OSRNewSpatialReference(NULL);
         OGRErr failed = OSRSetGeogCS(own, name, datum, spheroid, OSRGetSemiMajor(base, NULL),
-                                     OSRGetInvFlattening(base, NULL), "Greenwich", 0, "degree", radians_per_degree);
+                                     OSRGetInvFlattening(base, NULL), "Greenwich", 0, "degree", TC_RADIANS_PER_DEGREE);
         OSRDestroySpatialReference(base);
         base = own;
         if (failed != OGRERR_NONE) {
@@ -65,7 +63,7 @@ static void read_vertical_unit(OGRSpatialReferenceH crs, tc_raster_info *info)
 static void to_degrees(OGRSpatialReferenceH crs, tc_raster_info *info)
 {
     char *name = NULL; /* GDAL's */
-    double unit = info->crs_unit / radians_per_degree, meridian = OSRGetPrimeMeridian(crs, &name);
+    double unit = info->crs_unit / TC_RADIANS_PER_DEGREE, meridian = OSRGetPrimeMeridian(crs, &name);
     OGRSpatialReferenceH lonlat = fabs(unit - 1) > 1e-9 || meridian != 0 ? tc_gdal_lonlat_of(crs) : NULL;
     if (!lonlat) {
         keep_wkt(crs, info);
@@ -75,7 +73,7 @@ static void to_degrees(OGRSpatialReferenceH crs, tc_raster_info *info)
     for (int i = 0; i < 6; i++)
         info->transform[i] *= unit;
     info->transform[0] += meridian;
-    info->crs_unit = radians_per_degree;
+    info->crs_unit = TC_RADIANS_PER_DEGREE;
     keep_wkt(lonlat, info);
     OSRDestroySpatialReference(lonlat);
 }
@@ -153,7 +151,8 @@ double tc_gdal_turn(double degrees)
 /* Metres from the body's middle. */
 static void in_space(const tc_gdal_places *places, const double degrees[2], double p[3])
 {
-    double longitude = degrees[0] * radians_per_degree, latitude = degrees[1] * radians_per_degree, s = sin(latitude);
+    double longitude = degrees[0] * TC_RADIANS_PER_DEGREE, latitude = degrees[1] * TC_RADIANS_PER_DEGREE,
+           s = sin(latitude);
     double n = places->semi_major / sqrt(1 - places->e2 * s * s);
     p[0] = n * cos(latitude) * cos(longitude), p[1] = n * cos(latitude) * sin(longitude);
     p[2] = n * (1 - places->e2) * s;

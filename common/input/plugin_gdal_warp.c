@@ -16,8 +16,6 @@
 #include <stdio.h>
 #include <string.h>
 
-static const double radians_per_degree = 0.017453292519943295;
-
 enum { PARTS = 64 }; /* along a side of a raster: places that are looked at */
 
 /* ---- Straight ways ---------------------------------------------------------------------------------------------- */
@@ -92,7 +90,7 @@ static bool find_cover(const tc_gdal_places *places, double w, double h, bool no
                 continue;
             double from = hypot(column / w - 0.5, row / h - 0.5);
             double metres = tc_gdal_spacing_at(places, column, row, 0.5, &x, &y) ? sqrt(x * y) : NAN;
-            double degrees = metres / places->semi_major / radians_per_degree;
+            double degrees = metres / places->semi_major / TC_RADIANS_PER_DEGREE;
             if (turn == 0 && from < nearest && degrees > 0)
                 nearest = from, middle = place[0], c.rows = degrees;
             if (turn == 0 || isnan(middle))
@@ -101,7 +99,7 @@ static bool find_cover(const tc_gdal_places *places, double w, double h, bool no
             c.west = fmin(c.west, longitude), c.east = fmax(c.east, longitude);
             c.south = fmin(c.south, place[1]), c.north = fmax(c.north, place[1]);
             if (degrees > 0 && fabs(place[1]) < 89.9)
-                c.columns = fmin(c.columns, degrees / cos(place[1] * radians_per_degree));
+                c.columns = fmin(c.columns, degrees / cos(place[1] * TC_RADIANS_PER_DEGREE));
         }
     if (!(c.west < c.east) || !(c.south < c.north) || !(c.rows > 0) || !isfinite(c.columns))
         return false;

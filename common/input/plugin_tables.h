@@ -11,6 +11,8 @@
 extern "C" {
 #endif
 
+#define TC_RADIANS_PER_DEGREE 0.017453292519943295
+
 /* Coordinate systems by what their unit measures. */
 typedef enum tc_crs_kind {
     TC_CRS_NONE,       /* the file names none */

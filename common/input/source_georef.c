@@ -12,7 +12,6 @@
 #include <strings.h>
 
 static const double wgs84_semi_major = 6378137, wgs84_inverse_flattening = 298.257223563;
-static const double radians_per_degree = 0.017453292519943295;
 
 double tc_unit_by_name(const char *name)
 {
@@ -69,7 +68,7 @@ static void degrees_to_metres(const double t[6], int64_t width, int64_t height, 
     double inverse = semi_major > 0 ? inverse_flattening : wgs84_inverse_flattening;
     double f = inverse > 0 ? 1 / inverse : 0, e2 = f * (2 - f);
     double middle = sample_latitude(t, 0.5 * (double)(width - 1), 0.5 * (double)(height - 1)) * unit;
-    double limit = 89.9 * radians_per_degree; /* at a pole itself columns would have no distance */
+    double limit = 89.9 * TC_RADIANS_PER_DEGREE; /* at a pole itself columns would have no distance */
     double latitude = fmax(-limit, fmin(limit, middle));
     double w2 = 1 - e2 * sin(latitude) * sin(latitude);
     double east = a * cos(latitude) / sqrt(w2), north = a * (1 - e2) / (w2 * sqrt(w2));
@@ -148,7 +147,7 @@ static void orient(const tc_raster_info *raster, double t[6], bool *flip_x, bool
 double tc_crs_unit(const tc_raster_info *raster, const tc_georef *georef)
 {
     /* Degrees without a coordinate system are a guess. */
-    return raster->crs == TC_CRS_NONE && georef->geographic ? radians_per_degree
+    return raster->crs == TC_CRS_NONE && georef->geographic ? TC_RADIANS_PER_DEGREE
            : raster->crs_unit > 0                           ? raster->crs_unit
                                                             : 1;
 }
@@ -187,7 +186,7 @@ void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *opt
         double unit = raster->crs_unit > 0 ? raster->crs_unit : 1;
         if (raster->crs == TC_CRS_NONE && looks_like_degrees(raster, &could_be)) {
             degrees = guessed = true;
-            unit = radians_per_degree;
+            unit = TC_RADIANS_PER_DEGREE;
         }
         double tx = hypot(t[1], t[4]) * unit, ty = hypot(t[2], t[5]) * unit;
         if (degrees)
@@ -212,10 +211,10 @@ void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *opt
                 tc_say(options, guessed,
                        "%s: %.9g x %.9g degrees become %.6g x %.6g m at the mean latitude of %.4f degrees",
                        guessed ? "no coordinate system, but what look like degrees" : "geographic coordinates",
-                       hypot(t[1], t[4]) * unit / radians_per_degree, hypot(t[2], t[5]) * unit / radians_per_degree, x,
-                       y,
+                       hypot(t[1], t[4]) * unit / TC_RADIANS_PER_DEGREE,
+                       hypot(t[2], t[5]) * unit / TC_RADIANS_PER_DEGREE, x, y,
                        sample_latitude(t, 0.5 * (double)(raster->width - 1), 0.5 * (double)(raster->height - 1)) *
-                           unit / radians_per_degree);
+                           unit / TC_RADIANS_PER_DEGREE);
             if (t[2] != 0 || t[4] != 0)
                 tc_say(options, true, "the raster is rotated on the map: shown unrotated, its columns taken as north");
         } else {

@@ -185,15 +185,15 @@ static bool parse_name(const char *path, const tc_raster_info *info, place *plac
     return true;
 }
 
-static const double radians = 0.017453292519943295, equator = 6378137;
+static const double equator = 6378137;
 
 static void settle_nowhere(tc_raster_info *info, bool begun, const tc_source_options *options)
 {
     const char *why = begun ? " that is understood" : " (as N46E008.hgt would)";
     double dx = 1. / (double)(info->width - 1), dy = 1. / (double)(info->height - 1);
     bool degree = is_degree(info);
-    info->nominal_x = degree ? dx * radians * equator : 1;
-    info->nominal_y = degree ? dy * radians * equator : 1;
+    info->nominal_x = degree ? dx * TC_RADIANS_PER_DEGREE * equator : 1;
+    info->nominal_y = degree ? dy * TC_RADIANS_PER_DEGREE * equator : 1;
     if (options->spacing > 0)
         return;
     if (degree)
@@ -228,7 +228,7 @@ static void settle_place(tc_raster_info *info, const char *path, const tc_source
     memcpy(info->transform, transform, sizeof transform);
     info->has_transform = true;
     info->crs = TC_CRS_GEOGRAPHIC;
-    info->crs_unit = radians;
+    info->crs_unit = TC_RADIANS_PER_DEGREE;
     info->semi_major = equator;
     info->inverse_flattening = 298.257223563;
     info->crs_wkt = strdup(wgs84);
