@@ -17,6 +17,9 @@ struct Spot {
     vec2 at;     // samples from the viewer's nearest
 };
 
+// Samples that a place brought to the side of a map may lie beyond it by rounding.
+const float ROUNDING = 1.0 / 1024.0;
+
 // The wanted level where it is held, else the next coarser one that is. False where there is none.
 bool find_spot(Stack stack, vec2 place, float shift, out Spot spot)
 {
@@ -28,9 +31,9 @@ bool find_spot(Stack stack, vec2 place, float shift, out Spot spot)
         spot.at = l.xy + place * l.zw;
         vec2 inside = min(spot.at - held.xy, held.zw - spot.at);
         float edge = min(inside.x, inside.y);
-        if (edge < 0.0)
+        if (edge < -ROUNDING)
             continue;
-        spot.alpha = k < stack.coarsest ? max(spot.alpha, 1.0 - edge * stack.passage) : 0.0;
+        spot.alpha = k < stack.coarsest ? max(spot.alpha, min(1.0 - edge * stack.passage, 1.0)) : 0.0;
         return true;
     }
     return false;

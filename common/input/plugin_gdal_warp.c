@@ -124,7 +124,10 @@ static GDALDatasetH warped(GDALDatasetH dataset, OGRSpatialReferenceH crs, OGRSp
     if (!(width >= 1 && height >= 1 && width < 1 << 30 && height < 1 << 30))
         return NULL;
     static const char *const wkt2[] = {"FORMAT=WKT2_2018", NULL};
-    OSRExportToWktEx(lonlat, &wkt, wkt2), OSRExportToWktEx(crs, &from, wkt2);
+    OGRSpatialReferenceH flat = OSRClone(crs); /* heights stay in their unit, which source.c takes to metres */
+    OSRStripVertical(flat);
+    OSRExportToWktEx(lonlat, &wkt, wkt2), OSRExportToWktEx(flat, &from, wkt2);
+    OSRDestroySpatialReference(flat);
     const double edges[4] = {c->west, c->south, c->east, c->north};
     for (int i = 0; i < 4; i++)
         snprintf(numbers[i], sizeof numbers[i], "%.15g", edges[i]);

@@ -29,18 +29,18 @@ static double relief(double longitude, double latitude)
 }
 
 static const struct way {
-    const char *name, *crs;
+    const char *name, *crs, *datum;
     double unit; /* metres per stored unit */
     bool point, south_up, zipped;
 } ways[] = {
-    {"utm.tif", "EPSG:32631", 1, false, false, false},
-    {"mercator.tif", "EPSG:3857", 1, false, false, false},
-    {"area.tif", "EPSG:4326", 1, false, false, false},
-    {"point.tif", "EPSG:4326", 1, true, false, false},
-    {"grads.tif", "EPSG:4807", 1, false, false, false},
-    {"feet.tif", "EPSG:32631+6360", 1200. / 3937, false, false, false},
-    {"south-up.tif", "EPSG:32631", 1, false, true, false},
-    {"zipped.zip", "EPSG:32631", 1, false, false, true},
+    {"utm.tif", "EPSG:32631", "EPSG:4326", 1, false, false, false},
+    {"mercator.tif", "EPSG:3857", "EPSG:4326", 1, false, false, false},
+    {"area.tif", "EPSG:4326", "EPSG:4326", 1, false, false, false},
+    {"point.tif", "EPSG:4326", "EPSG:4326", 1, true, false, false},
+    {"grads.tif", "EPSG:4807", "EPSG:4275", 1, false, false, false},
+    {"feet.tif", "EPSG:32631+6360", "EPSG:4326", 1200. / 3937, false, false, false},
+    {"south-up.tif", "EPSG:32631", "EPSG:4326", 1, false, true, false},
+    {"zipped.zip", "EPSG:32631", "EPSG:4326", 1, false, false, true},
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
@@ -154,6 +154,29 @@ static void ask(const struct way *way, const char *path, double heights[PLACES])
     assert_int_equal(pclose(told), 0);
 }
 
+/* The map as planets have it, in longitude and latitude: the most that a sample is off. */
+static double off_on_globe(const struct way *way, const char *path)
+{
+    tc_grid g = load(path, (tc_source_options){.lonlat = true}, NULL);
+    const double *t = g.georef.transform;
+    double worst = 0;
+    OGRCoordinateTransformationH wgs84 = between(way->datum, "EPSG:4326");
+    const int64_t side = 8; /* where resampling has nothing beyond */
+    for (int64_t j = side; j < g.height - side; j++)
+        for (int64_t i = side; i < g.width - side; i++) {
+            double longitude = t[0] + ((double)i + 0.5) * t[1];
+            double latitude = t[3] + ((double)(g.height - 1 - j) + 0.5) * t[5];
+            if (g.voids && g.voids[j * g.width + i])
+                continue;
+            transformed(wgs84, &longitude, &latitude);
+            worst = fmax(worst, fabs(g.z_base + g.z[j * g.width + i] - relief(longitude, latitude)));
+        }
+    OCTDestroyCoordinateTransformation(wgs84);
+    assert_true(g.void_count < g.width * g.height / 20);
+    tc_grid_free(&g);
+    return worst;
+}
+
 static void one_terrain_in_eight_ways(void **state)
 {
     (void)state;
@@ -177,6 +200,9 @@ static void one_terrain_in_eight_ways(void **state)
             fail_msg("%s: expected samples %.3f x %.3f m apart, found %.3f x %.3f", ways[i].name, spacing[0],
                      spacing[1], g.spacing_x, g.spacing_y);
         tc_grid_free(&g);
+        double off = off_on_globe(&ways[i], path);
+        if (off > 0.2) /* a metre or two of place between the ways to a datum */
+            fail_msg("%s: on a globe up to %.3f m off", ways[i].name, off);
     }
     print_message("at most %.4f m off\n", worst);
 }
