@@ -7,7 +7,7 @@
 #include "common/base/status.h"
 #include "pack_internal.h"
 
-enum { TILES = 12 };
+enum { TILES = TC_SAMPLE_TILES, TRAINED = 8 };
 
 typedef struct pricing {
     tc_exact *codec;
@@ -45,6 +45,16 @@ static void price_tile(void *context, int64_t n)
     free(work), free(bytes);
 }
 
+/* A model from some of the tiles, spread over all of them: training takes longer than coding. */
+static tc_status learn(const pricing *all, const tc_sample *sample, int count, int32_t step, tc_exact_model *model)
+{
+    tc_exact_tile tile[TRAINED];
+    int trained = (int)tc_min64(count, TRAINED);
+    for (int n = 0; n < trained; n++)
+        tile[n] = all->tile[n * count / trained];
+    return tc_exact_train(&sample->level, tile, trained, step, model);
+}
+
 static tc_status price(pricing *all, const tc_sample *sample, int count, int32_t step, int threads, double *bytes_ret,
                        tc_error *error)
 {
@@ -53,7 +63,7 @@ static tc_status price(pricing *all, const tc_sample *sample, int count, int32_t
     all->codec = malloc(sizeof *all->codec);
     tc_status status = model && header && all->codec ? TC_OK : TC_ERR_MEMORY;
     if (!status)
-        status = tc_exact_train(&sample->level, all->tile, count, step, model);
+        status = learn(all, sample, count, step, model);
     double bytes = 0, samples = 0;
     if (!status) {
         tc_exact_init(all->codec, &sample->level, model);
@@ -78,14 +88,13 @@ tc_status tc_pack_price_lossless(tc_packer *p, const tc_sample *sample, tc_error
     if (!(step >= 1) || step != rint(step) || step > TC_MAX_STEP || shift != rint(shift))
         return TC_OK;
     pricing all = {0};
-    int count = (int)tc_min64(sample->count, TILES);
+    int count = sample->count;
     bool good = true;
     for (int n = 0; n < count; n++) {
-        int from = n * sample->count / count;
-        const tc_training_tile *t = &sample->tile[from];
+        const tc_training_tile *t = &sample->tile[n];
         all.tile[n].tx = t->tx, all.tile[n].ty = t->ty;
         good &= copy_shifted(&t->coarse, (int32_t)fmod(shift, step), 1, &all.tile[n].coarse);
-        good &= copy_shifted(&sample->fine[from], (int32_t)fmod(shift, step), (int32_t)step, &all.tile[n].fine);
+        good &= copy_shifted(&sample->fine[n], (int32_t)fmod(shift, step), (int32_t)step, &all.tile[n].fine);
     }
     double bytes = 0;
     tc_status status = good ? price(&all, sample, count, (int32_t)step, p->options.threads, &bytes, error)
