@@ -5,12 +5,33 @@
 INTERPOLATED in vec3 v_direction; // rings.vert
 INTERPOLATED in vec2 v_terrain;
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
+const float EDGE_ON = 0.05; // radians of the globe in a pixel
 #ifdef LIT
 layout(binding = 2) uniform sampler2DArray normals_map;
 #endif
 #ifdef HOLES
 layout(binding = 3) uniform sampler2DArray voids_map;
 #endif
+
+// Unit, in the eye's axes: east, north, up.
+vec3 view_ray()
+{
+    return normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
+                     (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);
+}
+
+// Direction of the ground that is seen. Of faces that are edge on, at the globe's limb, a sample may lie outside by the
+// rounding of its place, and what is interpolated many degrees beside them: there it is where the ray passes the globe.
+vec3 direction_seen()
+{
+    vec3 s = v_direction;
+    if (length(fwidth(s)) < EDGE_ON)
+        return s;
+    vec3 view = view_ray();
+    float eye_radius = surface[1].x + surface[1].y;
+    vec3 up = normalize(vec3(0.0, 0.0, eye_radius) + max(-view.z, 0.0) * eye_radius * view);
+    return vec3(-up.y, up.x, 1.0 - up.z);
+}
 
 float fragment_shift()
 {
@@ -30,10 +51,10 @@ struct Charted {
 #endif
 };
 
-Charted look(int chart)
+Charted look(int chart, vec3 s)
 {
     float share;
-    vec2 place = map_chart(chart, v_direction, 0.0, share), t;
+    vec2 place = map_chart(chart, s, 0.0, share), t;
     Charted c;
     c.height = v_terrain.x;
     c.known = share >= 1.0;
@@ -97,7 +118,7 @@ vec3 eye_axes(vec3 p)
 // one after the other are all run by a renderer that does not branch.
 Ground surface_ground()
 {
-    vec3 s = v_direction;
+    vec3 s = direction_seen();
     float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z;
     vec3 p = normalize(vec3(ct * s.x + st * c, s.y, ct * c - st * s.x)), slope = vec3(0.0);
     vec2 caps = cap_weights(s);
@@ -107,7 +128,7 @@ Ground surface_ground()
     Ground g;
     g.height = 0.0;
     for (int chart = rest > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && rest < 1.0 ? cap : 3) {
-        Charted there = look(chart);
+        Charted there = look(chart, s);
         float share = chart == 0 ? rest : 1.0 - rest;
         g.height += share * there.height;
         known = there.known;
@@ -141,10 +162,9 @@ float surface_haze()
 {
     float radius = surface[1].x - surface[1].z, thickness = AIR_THICKNESS * radius;
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
-    vec3 view = normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
-                          (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);
+    vec3 view = view_ray();
     float away = haze.w / NEARNESS * sqrt(1.0 + dot(across, across));
-    vec3 s = v_direction, up = vec3(s.y, -s.x, 1.0 - s.z);
+    vec3 s = direction_seen(), up = vec3(s.y, -s.x, 1.0 - s.z);
     float steep = max(-dot(view, up), 0.0), path = min(away, thickness / (steep + 0.035));
     float d = path / (0.018 * radius) * exp(-max(v_terrain.x - heights.x, 0.0) / thickness);
     return d * d;

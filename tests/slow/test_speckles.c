@@ -10,6 +10,7 @@
 
 #include "common/gl/context.h"
 #include "tests/support/datasets.h"
+#include "tests/support/planet_scene.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 #include "tests/support/test.h"
@@ -109,6 +110,53 @@ static void real(void **state)
         skip();
 }
 
+/* Pixels that are bright while all around them lies in the dark. */
+static int lone_lights(const uint8_t *rgb)
+{
+    enum { DARK = 40 };
+    int count = 0;
+    for (int y = 1; y < HEIGHT - 1; y++)
+        for (int x = 1; x < WIDTH - 1; x++) {
+            int most = 0;
+            for (int k = 0; k < 9; k++) {
+                int there = grey(rgb + 3 * ((y + k / 3 - 1) * WIDTH + x + k % 3 - 1));
+                most = k != 4 && there > most ? there : most;
+            }
+            count += most < DARK && grey(rgb + 3 * (y * WIDTH + x)) > most + 20;
+        }
+    return count;
+}
+
+/* At a globe's limb faces are edge on, and what is interpolated a rounding beside them is from far away, where it may
+ * be day. */
+static void limb_at_night(void **state)
+{
+    (void)state;
+    static uint8_t rgb[3 * WIDTH * HEIGHT];
+    const double radius = 6371000;
+    tc_map *planet = planet_made(PLANET_DEFAULT, 1024, radius, 1);
+    int found = 0;
+    scene s = planet_scene(context, planet, &(tc_rings_options){.n_phi = 512},
+                           &(tc_scene_options){.samples = 4, .budget = -1});
+    for (int view = 0; view < 60; view++) {
+        tc_camera c = {.x = -3 + 0.1 * view,
+                       .y = 1.2 - 0.04 * view,
+                       .z = (1 + 0.02 * view) * radius,
+                       .heading = view,
+                       .pitch = -1.5707,
+                       .fov = 1.3,
+                       .width = WIDTH,
+                       .height = HEIGHT};
+        scene_draw(&s, &c, true);
+        tc_renderer_read(s.renderer, rgb, NULL);
+        found += lone_lights(rgb);
+    }
+    scene_destroy(&s);
+    printf("a globe's limb: %d lone lights in the dark\n", found);
+    assert_int_equal(found, 0);
+    tc_map_destroy(planet);
+}
+
 static int set_up(void **state)
 {
     (void)state;
@@ -125,6 +173,7 @@ static int tear_down(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(made_up), cmocka_unit_test(real)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(made_up), cmocka_unit_test(real),
+                                       cmocka_unit_test(limb_at_night)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
