@@ -16,7 +16,8 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { PARTS = 64 }; /* along a side of a raster: places that are looked at */
+/* Along a side of a raster: places that are looked at, and those by which it is told how far it goes. */
+enum { PARTS = 64, EXTENT_PARTS = 512 };
 
 /* ---- Straight ways ---------------------------------------------------------------------------------------------- */
 
@@ -95,12 +96,19 @@ static bool find_cover(const tc_gdal_places *places, double w, double h, bool no
                 nearest = from, middle = place[0], c.rows = degrees;
             if (turn == 0 || isnan(middle))
                 continue;
-            double longitude = middle + tc_gdal_turn(place[0] - middle);
-            c.west = fmin(c.west, longitude), c.east = fmax(c.east, longitude);
-            c.south = fmin(c.south, place[1]), c.north = fmax(c.north, place[1]);
             if (degrees > 0 && fabs(place[1]) < 89.9)
                 c.columns = fmin(c.columns, degrees / cos(place[1] * TC_RADIANS_PER_DEGREE));
         }
+    /* Interrupted maps come to a pole in points. */
+    int across = (int)fmin(w, EXTENT_PARTS), down = (int)fmin(h, EXTENT_PARTS);
+    for (int k = 0; k < (across + 1) * (down + 1) && !isnan(middle); k++) {
+        double place[2];
+        if (!tc_gdal_place_of(places, w * (k % (across + 1)) / across, h * (k / (across + 1)) / down, place))
+            continue;
+        double longitude = middle + tc_gdal_turn(place[0] - middle);
+        c.west = fmin(c.west, longitude), c.east = fmax(c.east, longitude);
+        c.south = fmin(c.south, place[1]), c.north = fmax(c.north, place[1]);
+    }
     if (!(c.west < c.east) || !(c.south < c.north) || !(c.rows > 0) || !isfinite(c.columns))
         return false;
     c.north = north_pole ? 90 : c.north, c.south = south_pole ? -90 : c.south;
