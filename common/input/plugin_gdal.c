@@ -174,6 +174,7 @@ static void read_transform(GDALDatasetH dataset, tc_raster_info *info)
         info->has_transform = true;
         memcpy(info->transform, t, sizeof t);
     }
+    info->has_control_points = !info->has_transform && GDALGetGCPCount(dataset) > 0;
     const char *registration = GDALGetMetadataItem(dataset, "AREA_OR_POINT", NULL);
     info->area_registered = info->has_transform && !(registration && EQUAL(registration, "Point"));
 }

@@ -33,9 +33,9 @@ typedef struct tc_raster_info {
     char unit_name[32];   /* of the values; empty where not said */
     double vertical_unit; /* metres per unit of heights, by the coordinate system; 0: it says nothing of heights */
     char vertical_name[32];
-    bool area_registered; /* samples stand for areas; the transform is that of corners either way */
-    bool has_transform;
-    double transform[6];         /* GDAL's geotransform: from (column, row) of pixel corners to the CRS */
+    bool area_registered;                   /* samples stand for areas; the transform is that of corners either way */
+    bool has_transform, has_control_points; /* the latter only without the former */
+    double transform[6];                    /* GDAL's geotransform: from (column, row) of pixel corners to the CRS */
     double nominal_x, nominal_y; /* metres between samples, for a format that tells without a transform; 0 unknown */
     tc_crs_kind crs;
     double crs_unit;           /* radians or metres per unit of the CRS */

@@ -221,7 +221,8 @@ void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *opt
             tc_say(options, true, "its georeference makes no sense (samples %g x %g m apart) and is not used", tx, ty);
         }
     } else if (raster->nominal_x <= 0 && !quiet) {
-        tc_say(options, true, "no georeference: samples taken to be 1 m apart; --spacing and --unit set the scale");
+        tc_say(options, true, "no georeference%s: samples taken to be 1 m apart; --spacing and --unit set the scale",
+               raster->has_control_points ? " but control points, by which `gdalwarp FILE MAP.tif` makes a map" : "");
     }
     *spacing_x = quiet ? options->spacing : x;
     *spacing_y = quiet ? options->spacing : y;

@@ -173,9 +173,35 @@ static void formats_open_as_gdal_reads_them(void **state)
     CSLDestroy(left);
 }
 
+/* A file that is placed by control points alone has no place here; it says so, and how to come by one. */
+static void control_points(void **state)
+{
+    (void)state;
+    const char *path = made_path("points.tif");
+    GDALDatasetH to = GDALCreate(GDALGetDriverByName("GTiff"), path, WIDTH, HEIGHT, 1, GDT_Int16, NULL);
+    GDALDatasetH like = make(GDT_Int16);
+    assert_non_null(to);
+    assert_int_equal(GDALDatasetCopyWholeRaster(like, to, NULL, NULL, NULL), CE_None);
+    GDAL_GCP point[4];
+    GDALInitGCPs(4, point);
+    for (int k = 0; k < 4; k++) {
+        point[k].dfGCPPixel = k % 2 * WIDTH, point[k].dfGCPLine = k / 2 * HEIGHT;
+        point[k].dfGCPX = 8 + k % 2, point[k].dfGCPY = 47 - k / 2;
+    }
+    assert_int_equal(GDALSetGCPs2(to, 4, point, GDALGetSpatialRef(like)), CE_None);
+    GDALClose(to);
+    GDALClose(like);
+    GDALDeinitGCPs(4, point);
+    sayings said;
+    tc_grid g = load(path, (tc_source_options){0}, &said);
+    assert_true(strstr(said.text, "no georeference but control points") && g.spacing_x == 1);
+    tc_grid_free(&g);
+}
+
 int main(void)
 {
     GDALAllRegister();
-    const struct CMUnitTest tests[] = {cmocka_unit_test(formats_open_as_gdal_reads_them)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(control_points),
+                                       cmocka_unit_test(formats_open_as_gdal_reads_them)};
     return cmocka_run_group_tests(tests, NULL, remove_folder);
 }
