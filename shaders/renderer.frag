@@ -1,7 +1,7 @@
 // renderer.frag - colour of the ground (ground.glsl): ramp by height, light from normals, haze.
 //
 // Colours are squares of what is shown, so that light adds up; the root is taken at the end.
-layout(binding = 1) uniform sampler1D ramp_map; // sea (first half, deep to shallow), then land
+layout(binding = 1) uniform sampler1D ramp_map; // sea (first half, deep to shallow), then land; or all heights, given
 layout(location = 0) out vec4 colour;
 
 void main()
@@ -11,18 +11,23 @@ void main()
     if (ground.hole)
         discard;
 #endif
+#ifdef GIVEN_COLOURS
+    float h = ground.height - heights.x, last = float(textureSize(ramp_map, 0) - 1);
+    float at = (clamp((h - heights.w) * heights.z, 0.0, 1.0) * last + 0.5) / (last + 1.0);
+#else
     // The shore lies a little above the sea, so that filtered heights around sea level do not flicker.
     float h = ground.height - heights.x, at = 0.5 + clamp(h * heights.z, 0.001, 0.999) * 0.5;
 #ifdef WATER
     bool sea = h <= heights.w;
     at = sea ? 0.5 - clamp(-h * heights.y, 0.001, 0.999) * 0.5 : at;
 #endif
+#endif
     vec3 c = textureLod(ramp_map, at, 0.0).rgb;
     c = mix(c, ground.colour.rgb, ground.colour.a);
 #ifdef LIT
     vec3 up = ground.up, n = ground.normal;
     float upright = dot(n, up);
-#ifdef NATURAL_LAND
+#if defined(NATURAL_LAND) && !defined(GIVEN_COLOURS)
     // Bare rock where it is steep, and snow that does not lie there.
     float steep = clamp((0.92 - upright) * 2.2, 0.0, 0.65);
 #ifdef WATER

@@ -98,6 +98,8 @@ static const tc_option table[] = {
     {0, "view", NULL, NULL, NULL, set_view, 0},
     {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)},
     {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
+    {0, "colours", "FILE", "a file name", "of heights, as `gdaldem color-relief` reads them: HEIGHT RED GREEN BLUE",
+     tc_read_text, offsetof(tc_options, colours)},
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
      offsetof(tc_options, scene)},

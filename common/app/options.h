@@ -21,9 +21,10 @@ typedef struct tc_options {
     int width, height;  /* pixels */
     bool has_view;
     tc_pose view;
-    double fov;       /* horizontal, radians */
-    const char *path; /* of a flight; NULL none */
-    int frames;       /* of the flight; in a window without a path: how many until it closes. 0: not given */
+    double fov;          /* horizontal, radians */
+    const char *colours; /* file of a height ramp; NULL none */
+    const char *path;    /* of a flight; NULL none */
+    int frames;          /* of the flight; in a window without a path: how many until it closes. 0: not given */
     tc_backend backend;
     const char *stats; /* JSON file; NULL none */
     int threads;       /* 0: as many as there are processors */

@@ -3,6 +3,7 @@
 #include "viewer_internal.h"
 #include "common/base/status.h"
 #include "common/base/outfile.h"
+#include "colour_file.h"
 #include "explain.h"
 #include "interrupt.h"
 #include "common/gl/debug.h"
@@ -206,6 +207,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
     v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
+    v->scene.colours = v->colours.count > 0 ? &v->colours : NULL;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
     if (v->options.output && !v->scene.budget)
         v->scene.budget = -1;
@@ -328,6 +330,8 @@ static tc_status list_outputs(tc_viewer *v, tc_error *error)
         status = tc_outputs_spare(&v->outputs, o->terrain, error);
     if (status == TC_OK && o->path)
         status = tc_outputs_spare(&v->outputs, o->path, error);
+    if (status == TC_OK && o->colours)
+        status = tc_outputs_spare(&v->outputs, o->colours, error);
     return status;
 }
 
@@ -351,6 +355,8 @@ static tc_status run(tc_viewer *v, tc_error *error)
         status = check_writable(v->options.output, error);
     if (status == TC_OK && v->options.output)
         status = tc_check_picture_name(v->options.output, error);
+    if (status == TC_OK && v->options.colours)
+        status = tc_colour_file_read(v->options.colours, &v->colours, error);
     if (status == TC_OK)
         status = load_terrain(v, error);
     if (status == TC_OK)
@@ -414,5 +420,6 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     tc_flight_path_free(&viewer.path);
     tc_outputs_free(&viewer.outputs);
     tc_stats_destroy(viewer.stats);
+    free(viewer.colours.stop);
     return tc_exit_code(status);
 }

@@ -58,3 +58,34 @@ tc_palette tc_palette_make(const tc_terrain_info *info)
     p.heights[3] = (float)(SHORE * fmax(hi - bottom, 0));
     return p;
 }
+
+/* The colour, as seen, that a height above the sea has without a user's. */
+static void own_colour(const tc_palette *p, double above_sea, double rgb[3])
+{
+    bool under = p->water && above_sea <= (double)p->heights[3];
+    double share = fmin(fmax(under ? -above_sea * (double)p->heights[1] : above_sea * (double)p->heights[2], 0), 1);
+    int at = under ? (int)lrint((1 - share) * (HALF - 1)) : HALF + (int)lrint(share * (HALF - 1));
+    for (int c = 0; c < 3; c++)
+        rgb[c] = sqrt(p->ramp[at][c] / 255.0);
+}
+
+void tc_palette_give(tc_palette *palette, const tc_terrain_info *info, const tc_colour_ramp *colours,
+                     uint16_t ramp[TC_GIVEN_SIZE][4])
+{
+    const tc_palette own = *palette;
+    double low = info->z_min + info->z_base, high = fmax(info->z_max + info->z_base, low + 1e-3);
+    double level = (double)own.heights[0] + info->z_base;
+    for (int i = 0; i < TC_GIVEN_SIZE; i++) {
+        double height = low + (high - low) * i / (TC_GIVEN_SIZE - 1), rgba[4], rgb[3];
+        tc_colour_ramp_at(colours, height, low, high, rgba);
+        own_colour(&own, height - level, rgb);
+        for (int c = 0; c < 3; c++) {
+            double v = rgb[c] + rgba[3] * (rgba[c] - rgb[c]);
+            ramp[i][c] = (uint16_t)lrint(65535 * v * v);
+        }
+        ramp[i][3] = 65535;
+    }
+    palette->water = false;
+    palette->heights[2] = (float)(1 / (high - low));
+    palette->heights[3] = (float)(low - level);
+}

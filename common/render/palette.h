@@ -2,13 +2,15 @@
 #ifndef TC_PALETTE_H
 #define TC_PALETTE_H
 
+#include "colour_ramp.h"
 #include "common/terraclip.h"
 
-enum { TC_RAMP_SIZE = 512 };
+enum { TC_RAMP_SIZE = 512, TC_GIVEN_SIZE = 4096 };
 
 typedef struct tc_palette {
     uint8_t ramp[TC_RAMP_SIZE][4]; /* squared colours: sea from deep to shallow, then land from shore to summit */
-    float heights[4];              /* sea level above z_base, 1 / depth, 1 / height of the land, height of the shore */
+    float heights[4];              /* sea level above z_base, 1 / depth, 1 / height of the land, height of the shore;
+                                    * of given colours the latter two: 1 / relief, lowest height above sea level */
     bool water;                    /* some of the terrain lies below the sea */
     bool natural;                  /* a land with soil, rock and snow under air, not another body's dust under space */
     float horizon[3], zenith[3];   /* squared colours of the sky */
@@ -17,5 +19,9 @@ typedef struct tc_palette {
 /* Colours for a terrain: an Earth-like land gets water below zero, green lowlands, rock and snow by absolute height;
  * another body shades of its dust from its lowest to its highest point. */
 tc_palette tc_palette_make(const tc_terrain_info *info);
+
+/* Gives the heights of a terrain, from its lowest to its highest, a user's colours: squares in steps of 1/65535. */
+void tc_palette_give(tc_palette *palette, const tc_terrain_info *info, const tc_colour_ramp *colours,
+                     uint16_t ramp[TC_GIVEN_SIZE][4]);
 
 #endif

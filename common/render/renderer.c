@@ -52,7 +52,7 @@ static tc_status build_programs(tc_renderer *r, const tc_scene_needs *needs, tc_
 
 static tc_status make_objects(tc_renderer *r, tc_error *error)
 {
-    tc_status status = tc_scene_objects_create(r->gl, r->surface, &r->objects, error);
+    tc_status status = tc_scene_objects_create(r->gl, r->surface, r->options.colours, &r->objects, error);
     return status == TC_OK ? build_programs(r, &r->needs, error) : status;
 }
 

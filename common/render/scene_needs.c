@@ -14,7 +14,8 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
                             .sky = !options->background_set,
                             .haze = !options->background_set && palette.natural, /* no air in space */
                             .land = palette.natural,
-                            .water = palette.water,
+                            .water = palette.water && !options->colours,
+                            .given = options->colours != NULL,
                             .holes = options->holes && info->void_count > 0,
                             .level_colours = options->level_colours,
                             .morph = !options->frame.no_morph,
@@ -32,6 +33,7 @@ static const struct need {
     {offsetof(tc_scene_needs, morph), NULL, "morph: switched off"},
     {offsetof(tc_scene_needs, land), "NATURAL_LAND", "rock and snow: another body's dust"},
     {offsetof(tc_scene_needs, water), "WATER", "water: nothing lies below the sea"},
+    {offsetof(tc_scene_needs, given), "GIVEN_COLOURS", NULL},
     {offsetof(tc_scene_needs, level_colours), "LEVEL_COLOURS", "level colours: not asked for"},
     {offsetof(tc_scene_needs, multisampled), "MULTISAMPLED", "smooth edges: one sample a pixel"},
     {offsetof(tc_scene_needs, linear), "LINEAR_LIGHT", NULL},
@@ -57,8 +59,11 @@ int tc_scene_needs_left_out(const tc_scene_needs *needs, const char *lines[TC_SC
     int n = 0;
     for (int i = 0; i < NEEDS; i++) {
         bool both = table[i].offset == offsetof(tc_scene_needs, haze) && !needs->sky;
+        bool dry = table[i].offset == offsetof(tc_scene_needs, water) && needs->given;
         if (table[i].why && !needed(needs, &table[i]))
-            lines[n++] = both ? "sky and haze: flat background" : table[i].why;
+            lines[n++] = both  ? "sky and haze: flat background"
+                         : dry ? "water, rock and snow: colours are given"
+                               : table[i].why;
     }
     lines[n++] = "imagery: none given";
     return n;

@@ -3,18 +3,20 @@
 #ifndef TC_SCENE_NEEDS_H
 #define TC_SCENE_NEEDS_H
 
+#include "colour_ramp.h"
 #include "surface.h"
 #include "common/terraclip.h"
 
 /* What may be asked of a scene. */
 typedef struct tc_scene_options {
-    bool unlit;            /* colours without light: no normal map */
-    bool background_set;   /* flat background: no sky, no haze */
-    uint8_t background[3]; /* RGB */
-    bool holes;            /* voids, where there are any, are left out of the mesh */
-    int samples;           /* a pixel; 0: 1. The most that the driver has where it has fewer */
-    int64_t budget;        /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
-    bool level_colours;    /* may be switched while running, as may the next two */
+    bool unlit;                    /* colours without light: no normal map */
+    bool background_set;           /* flat background: no sky, no haze */
+    uint8_t background[3];         /* RGB */
+    bool holes;                    /* voids, where there are any, are left out of the mesh */
+    int samples;                   /* a pixel; 0: 1. The most that the driver has where it has fewer */
+    int64_t budget;                /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
+    const tc_colour_ramp *colours; /* of heights, in place of the terrain's own; outlives the renderer. NULL: those */
+    bool level_colours;            /* may be switched while running, as may the next two */
     bool wireframe;
     tc_frame_options frame;
 } tc_scene_options;
@@ -25,6 +27,7 @@ typedef struct tc_scene_needs {
     bool haze;          /* air before the terrain */
     bool land;          /* rock and snow, not another body's dust */
     bool water;         /* some of it lies below the sea */
+    bool given;         /* colours of heights, without rock, snow and water */
     bool holes;         /* the mask of voids */
     bool level_colours; /* may be switched, as may the next */
     bool morph;         /* else levels meet abruptly */

@@ -23,32 +23,47 @@ static void create_geometry(const tc_gl *gl, tc_scene_objects *o)
     gl->NamedBufferStorage(o->indices, (GLsizeiptr)indices, g->indices, 0);
 }
 
-static void create_ramp(const tc_gl *gl, tc_scene_objects *o)
+static void create_ramp(const tc_gl *gl, tc_scene_objects *o, bool given)
 {
     gl->CreateTextures(GL_TEXTURE_1D, 1, &o->ramp);
-    gl->TextureStorage1D(o->ramp, 1, GL_RGBA8, TC_RAMP_SIZE);
+    gl->TextureStorage1D(o->ramp, 1, given ? GL_RGBA16 : GL_RGBA8, given ? TC_GIVEN_SIZE : TC_RAMP_SIZE);
     gl->TextureParameteri(o->ramp, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     gl->TextureParameteri(o->ramp, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     gl->TextureParameteri(o->ramp, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
 }
 
-tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, tc_scene_objects **objects_ret,
-                                  tc_error *error)
+static void fill_ramp(const tc_gl *gl, tc_scene_objects *o, uint16_t (*given)[4])
 {
+    if (given)
+        gl->TextureSubImage1D(o->ramp, 0, 0, TC_GIVEN_SIZE, GL_RGBA, GL_UNSIGNED_SHORT, given);
+    else
+        gl->TextureSubImage1D(o->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, o->palette.ramp);
+}
+
+tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_colour_ramp *colours,
+                                  tc_scene_objects **objects_ret, tc_error *error)
+{
+    const tc_terrain_info *info = tc_field_info(surface->field);
     tc_scene_objects *o = calloc(1, sizeof *o);
-    if (!o)
+    uint16_t(*given)[4] = colours ? malloc(TC_GIVEN_SIZE * sizeof *given) : NULL;
+    if (!o || (colours && !given)) {
+        free(o), free(given);
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
-    *o = (tc_scene_objects){.users = 1, .surface = surface, .palette = tc_palette_make(tc_field_info(surface->field))};
+    }
+    *o = (tc_scene_objects){.users = 1, .surface = surface, .palette = tc_palette_make(info)};
+    if (given)
+        tc_palette_give(&o->palette, info, colours, given);
     tc_gl_forget_errors(gl); /* what went wrong before is none of ours */
     create_geometry(gl, o);
-    create_ramp(gl, o);
+    create_ramp(gl, o, given);
     tc_status status = tc_gl_allocated(gl, "geometry", error);
     if (status == TC_OK) {
-        gl->TextureSubImage1D(o->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, o->palette.ramp);
+        fill_ramp(gl, o, given);
         *objects_ret = o;
     } else {
         tc_scene_objects_release(gl, o);
     }
+    free(given);
     return status;
 }
 

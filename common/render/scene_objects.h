@@ -16,9 +16,10 @@ typedef struct tc_scene_objects {
     tc_scene_programs programs;
 } tc_scene_objects;
 
-/* For one user, without programs so far. The surface outlives them. */
-tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, tc_scene_objects **objects_ret,
-                                  tc_error *error);
+/* For one user, without programs so far. The surface outlives them. colours: of heights, NULL for those of the
+ * terrain's kind. */
+tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_colour_ramp *colours,
+                                  tc_scene_objects **objects_ret, tc_error *error);
 
 /* The same for one more user. */
 tc_scene_objects *tc_scene_objects_share(tc_scene_objects *objects);
