@@ -258,10 +258,14 @@ static uint64_t print_container(bytes head, bytes file, const char *chart, bool 
         if (end < begin)
             fail("a level ends before it begins");
         bytes model = part(head, at + 48, number(head, at + 46, 2));
-        level now = {chart,         l,
-                     w[levels - l], h[levels - l],
-                     coder == 1,    number(head, at + 1, 1) != 0,
-                     steps,         steps && coder == 2};
+        level now = {chart,
+                     l,
+                     w[levels - l],
+                     h[levels - l],
+                     coder == 1 || coder == 4,
+                     number(head, at + 1, 1) != 0,
+                     steps,
+                     steps && coder == 2};
         printf("%s level %d: coder %" PRIu64 ", %" PRId64 " x %" PRId64 ", heights %d to %d, corrections %" PRIu64
                " snap %" PRIu64 ", model %zu bytes, %08" PRIx32 "\n",
                chart, l, coder, now.width, now.height, (int)(int32_t)number(head, at + 18, 4),
