@@ -167,6 +167,7 @@ done <<end
 --background  12345 1234567 gggggg #123456 ""
 --samples     0 17 -1 1.5 ""
 --output      ""
+--colours     ""
 --path        ""
 --frames      0 -1 1000001 1e3 ""
 --backend     gl Window ""
@@ -194,6 +195,7 @@ refuses 2 '--backend: expected -o FILE or --path' $viewer hills.tif --backend os
 echo 0,0,5000,0,-45 >views.txt
 refuses 2 '--view: expected either it or --path' $viewer hills.tif --view 0,0,1,0,0 --path views.txt --frames 5
 
+echo '10 1 2' >ramp.txt && refuses 1 'ramp.txt: line 1' $viewer hills.tif $picture --colours ramp.txt
 : >none.txt && refuses 1 'none.txt' $viewer hills.tif --path none.txt --frames 5
 echo 0,0,nan,0,0 >nan.txt && refuses 1 'nan.txt' $viewer hills.tif --path nan.txt --frames 5
 echo 0,0,5 >short.txt && refuses 1 'short.txt' $viewer hills.tif --path short.txt --frames 5

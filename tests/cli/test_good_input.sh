@@ -184,7 +184,7 @@ for program in $viewer $terraclip; do
 done
 run $viewer --help
 # Every option that the table of bad values knows is in the help, and the keys of the window are.
-for word in --view --fov --size --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
+for word in --view --fov --size --colours --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
     --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --stats --json --explain \
     --quiet --verbose 'W A S D' F11; do
     grep -q -- "$word" stdout.txt || fail "the help does not tell of $word"

@@ -12,6 +12,7 @@ cat >dem.vrt <<end
 <SourceFilename relativeToVRT="1">dem.tif</SourceFilename></SimpleSource></VRTRasterBand></VRTDataset>
 end
 sed 's/dem.tif/dem.vrt/' dem.vrt >nested.vrt
+printf '0%% black\n100%% white\n' >ramp.png
 printf '0,0,5000,0,-30\n0,9000,5000,0,-30\n' >flight.txt
 printf '0,0,5e6,0,-90\n9,0,5e6,0,-90\n' >globe.txt
 mkdir folder
@@ -49,6 +50,7 @@ for program in $viewer $globe; do
     never out/a.png $program dem.tif -o out/a.png --stats out/a.png $small
     never out/a.png $program dem.tif -o out/a.png --stats ./out/../out/a.png $small
 done
+never ramp.png $viewer dem.tif --colours ramp.png -o ramp.png $small
 never flight.txt $viewer dem.tif --path flight.txt --frames 2 --stats flight.txt $small
 never globe.txt $globe globe.tif --path globe.txt --frames 2 --stats globe.txt $small
 never frame-0003.png $viewer frame-0003.png --path flight.txt --frames 6 -o frame-%04d.png $small
