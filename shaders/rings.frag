@@ -5,7 +5,7 @@
 INTERPOLATED in vec3 v_direction; // rings.vert
 INTERPOLATED in vec2 v_terrain;
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
-const float EDGE_ON = 0.05; // radians of the globe in a pixel
+const float EDGE_ON = 0.12; // radians of the globe in a pixel
 #ifdef LIT
 layout(binding = 2) uniform sampler2DArray normals_map;
 #endif
@@ -21,15 +21,18 @@ vec3 view_ray()
 }
 
 // Direction of the ground that is seen. Of faces that are edge on, at the globe's limb, a sample may lie outside by the
-// rounding of its place, and what is interpolated many degrees beside them: there it is where the ray passes the globe.
+// rounding of its place, and what is interpolated many degrees beside them: there it is where the ray meets the sphere,
+// or comes nearest to it.
 vec3 direction_seen()
 {
     vec3 s = v_direction;
     if (length(fwidth(s)) < EDGE_ON)
         return s;
     vec3 view = view_ray();
-    float eye_radius = surface[1].x + surface[1].y;
-    vec3 up = normalize(vec3(0.0, 0.0, eye_radius) + max(-view.z, 0.0) * eye_radius * view);
+    float eye_radius = surface[1].x + surface[1].y, radius = surface[1].x - surface[1].z;
+    float middle = -view.z * eye_radius, aside = eye_radius * sqrt(max(1.0 - view.z * view.z, 0.0));
+    float inside = sqrt(max((radius - aside) * (radius + aside), 0.0));
+    vec3 up = normalize(vec3(0.0, 0.0, eye_radius) + max(middle - inside, 0.0) * view);
     return vec3(-up.y, up.x, 1.0 - up.z);
 }
 
