@@ -33,6 +33,7 @@ bool find_spot(Stack stack, vec2 place, float shift, out Spot spot)
         float edge = min(inside.x, inside.y);
         if (edge < -ROUNDING)
             continue;
+        spot.at = clamp(spot.at, held.xy, held.zw);
         spot.alpha = k < stack.coarsest ? max(spot.alpha, min(1.0 - edge * stack.passage, 1.0)) : 0.0;
         return true;
     }

@@ -44,7 +44,8 @@ static void tell_zeros(tc_suspicion *s, const tc_conversion *c, const tc_source_
     enum { LEAST_ZEROS = 16 };
     const double least_gap = 0.02; /* of the relief */
     double zero = (float)c->offset, gap = (double)s->next - zero;
-    if (s->no_zeros || s->zeros < LEAST_ZEROS || !(gap >= least_gap * ((double)s->highest - zero)))
+    if (s->no_zeros || s->zeros < LEAST_ZEROS || !(s->next < INFINITY) ||
+        !(gap >= least_gap * ((double)s->highest - zero)))
         return;
     tc_say(options, true,
            "%lld of its values are 0, and no other is below %.6g: taken for heights; where they mean none, --nodata 0 "

@@ -309,6 +309,7 @@ static void suspicious_values(void **state)
         {0, 300, 3, "--nodata 0 says so"},
         {0, 1, 3, NULL} /* a coast */,
         {0, -70, 3, NULL},
+        {0, 0, 0, NULL} /* sea */,
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         int16_t heights[SIDE * SIDE];

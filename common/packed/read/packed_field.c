@@ -219,7 +219,9 @@ tc_packed_level tc_field_packed_level(const tc_field *field, int level)
         .bytes = r->end - r->begin,
         .rms = r->rms,
         .max_error = r->max_error,
-        .bound = corrects ? 0.5 * c->z_unit * (r->correction_step - r->correction_snap) : 0,
+        .bound = corrects && r->correction_step > r->correction_snap
+                     ? 0.5 * c->z_unit * (r->correction_step - r->correction_snap)
+                     : 0,
         .residual_variance = r->residual_variance,
     };
 }

@@ -287,8 +287,12 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
         status = tc_pack_caps(p, cap, error);
     if (!status)
         status = tc_pack_put_in_place(p, cap, error);
-    for (int n = 0; n < TC_CAP_CHARTS && !status && p->result.lossless_bytes > 0; n++)
-        p->result.lossless_bytes += cap[n] ? cap[n]->result.lossless_bytes : 0;
+    int64_t of_caps = 0; /* samples, which take about as much as the map's */
+    for (int n = 0; n < TC_CAP_CHARTS && !status; n++)
+        of_caps += cap[n] ? cap[n]->result.samples : 0;
+    const tc_pack_terrain *t = &p->container.info.terrain;
+    p->result.lossless_bytes +=
+        llrint((double)p->result.lossless_bytes * (double)of_caps / ((double)t->width * (double)t->height));
     if (!status)
         *result_ret = p->result;
     for (int n = 0; n < TC_CAP_CHARTS; n++)

@@ -148,7 +148,7 @@ static tc_pack_options options_of(tc_packer *p)
     o.error = fmax(error, least);
     if (o.max_error > 0)
         o.max_error = fmax(o.max_error, least);
-    o.lattice = 0;
+    o.lattice = 0, o.price_lossless = false;
     o.progress = keep_on;
     o.progress_context = p;
     return o;

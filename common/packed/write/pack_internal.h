@@ -189,8 +189,9 @@ tc_status tc_pack_left_by_corrections(tc_coding *coding, int l, const tc_sample 
 
 /* ---- pack_lossless.c ------------------------------------------------------------------------------------------- */
 
-/* Sets p->result.lossless_bytes from a sample of the finest level, the levels below which the body has. */
-tc_status tc_pack_price_lossless(tc_packer *p, const tc_sample *sample, tc_error *error);
+/* Sets p->result.lossless_bytes from a sample of the finest level, the levels below which the body has; 0 where it
+ * cannot be told. */
+void tc_pack_price_lossless(tc_packer *p, const tc_sample *sample);
 
 /* ---- pack_caps.c ----------------------------------------------------------------------------------------------- */
 

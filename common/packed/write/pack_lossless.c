@@ -4,7 +4,6 @@
 
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
-#include "common/base/status.h"
 #include "pack_internal.h"
 
 enum { TILES = TC_SAMPLE_TILES, TRAINED = 8 };
@@ -55,8 +54,7 @@ static tc_status learn(const pricing *all, const tc_sample *sample, int count, i
     return tc_exact_train(&sample->level, tile, trained, step, model);
 }
 
-static tc_status price(pricing *all, const tc_sample *sample, int count, int32_t step, int threads, double *bytes_ret,
-                       tc_error *error)
+static tc_status price(pricing *all, const tc_sample *sample, int count, int32_t step, int threads, double *bytes_ret)
 {
     tc_exact_model *model = malloc(sizeof *model);
     uint8_t *header = malloc(tc_exact_model_bound());
@@ -76,17 +74,17 @@ static tc_status price(pricing *all, const tc_sample *sample, int count, int32_t
                      (double)tc_exact_model_write(model, header);
     }
     free(model), free(header), free(all->codec);
-    return status ? tc_fail(error, status, "what lossless takes cannot be told: %s", tc_status_text(status)) : TC_OK;
+    return status;
 }
 
-tc_status tc_pack_price_lossless(tc_packer *p, const tc_sample *sample, tc_error *error)
+void tc_pack_price_lossless(tc_packer *p, const tc_sample *sample)
 {
     const tc_container *c = &p->container;
     double origin = 0, lattice = tc_pack_lattice(p, &origin), step = lattice / c->z_unit;
     double shift = (origin - c->z_origin) / c->z_unit;
     p->result.lossless_bytes = 0;
     if (!(step >= 1) || step != rint(step) || step > TC_MAX_STEP || shift != rint(shift))
-        return TC_OK;
+        return;
     pricing all = {0};
     int count = sample->count;
     bool good = true;
@@ -97,11 +95,8 @@ tc_status tc_pack_price_lossless(tc_packer *p, const tc_sample *sample, tc_error
         good &= copy_shifted(&sample->fine[n], (int32_t)fmod(shift, step), (int32_t)step, &all.tile[n].fine);
     }
     double bytes = 0;
-    tc_status status = good ? price(&all, sample, count, (int32_t)step, p->options.threads, &bytes, error)
-                            : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    if (!status)
+    if (good && !price(&all, sample, count, (int32_t)step, p->options.threads, &bytes))
         p->result.lossless_bytes = (int64_t)bytes + p->body_size;
     for (int n = 0; n < count; n++)
         free(all.tile[n].coarse.z), free(all.tile[n].fine.z);
-    return status;
 }

@@ -244,7 +244,7 @@ static tc_status tune_finest(search *s, double carried, bool foresee, double *er
     s->fine = fmin(fmin(fmax(s->fine, s->q / near), s->q * near), s->largest);
     int64_t body = s->coding.p->body_size;
     if (!status && code && s->coding.p->options.price_lossless && s->coding.p->result.lossless_bytes == 0)
-        status = tc_pack_price_lossless(s->coding.p, sample, error);
+        tc_pack_price_lossless(s->coding.p, sample);
     for (int codings = 0; !status && code && codings < MOST_CODINGS; codings++) {
         if ((status = code_finest(s, sample, body, error_ret, error)) || meets(s, *error_ret))
             break;
