@@ -83,22 +83,18 @@ static bool find_cover(const tc_gdal_places *places, double w, double h, bool no
 {
     cover c = {INFINITY, INFINITY, -INFINITY, -INFINITY, INFINITY, 0};
     double middle = NAN, nearest = INFINITY;
-    for (int turn = 0; turn < 2;
-         turn++) /* first the place nearest to the middle, which all longitudes are counted from */
-        for (int k = 0; k < (PARTS + 1) * (PARTS + 1); k++) {
-            double column = w * (k % (PARTS + 1)) / PARTS, row = h * (k / (PARTS + 1)) / PARTS, place[2], x, y;
-            if (!tc_gdal_place_of(places, column, row, place))
-                continue;
-            double from = hypot(column / w - 0.5, row / h - 0.5);
-            double metres = tc_gdal_spacing_at(places, column, row, 0.5, &x, &y) ? sqrt(x * y) : NAN;
-            double degrees = metres / places->semi_major / TC_RADIANS_PER_DEGREE;
-            if (turn == 0 && from < nearest && degrees > 0)
-                nearest = from, middle = place[0], c.rows = degrees;
-            if (turn == 0 || isnan(middle))
-                continue;
-            if (degrees > 0 && fabs(place[1]) < 89.9)
-                c.columns = fmin(c.columns, degrees / cos(place[1] * TC_RADIANS_PER_DEGREE));
-        }
+    /* All longitudes are counted from the place nearest to the middle. */
+    for (int k = 0; k < (PARTS + 1) * (PARTS + 1); k++) {
+        double column = w * (k % (PARTS + 1)) / PARTS, row = h * (k / (PARTS + 1)) / PARTS, place[2], x, y;
+        if (!tc_gdal_place_of(places, column, row, place) || !tc_gdal_spacing_at(places, column, row, 0.5, &x, &y))
+            continue;
+        double from = hypot(column / w - 0.5, row / h - 0.5);
+        double degrees = sqrt(x * y) / places->semi_major / TC_RADIANS_PER_DEGREE;
+        if (from < nearest && degrees > 0)
+            nearest = from, middle = place[0], c.rows = degrees;
+        if (degrees > 0 && fabs(place[1]) < 89.9)
+            c.columns = fmin(c.columns, degrees / cos(place[1] * TC_RADIANS_PER_DEGREE));
+    }
     /* Interrupted maps come to a pole in points. */
     int across = (int)fmin(w, EXTENT_PARTS), down = (int)fmin(h, EXTENT_PARTS);
     for (int k = 0; k < (across + 1) * (down + 1) && !isnan(middle); k++) {

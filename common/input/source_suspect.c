@@ -19,12 +19,14 @@ static void suspect_lowest(tc_suspicion *s, const tc_conversion *c, float lowest
 }
 
 /* Zeros below all other heights: of a coast the next height is near, of what fills a gap or a frame it is not. */
-static void look_for_zeros(tc_suspicion *s, const tc_conversion *c, const float *z, const uint8_t *voids, int64_t width,
-                           float lowest, float highest)
+void tc_suspect_row(tc_suspicion *s, const tc_conversion *c, const float *z, const uint8_t *voids, int64_t width,
+                    const tc_statistics *statistics)
 {
     const double coast = 10; /* stored units */
-    float zero = (float)c->offset;
-    s->highest = fmaxf(s->highest, highest);
+    float zero = (float)c->offset, lowest = statistics->low;
+    if (s->no_zeros)
+        return;
+    s->highest = fmaxf(s->highest, statistics->high);
     s->no_zeros |= lowest < zero || !(c->scale > 0);
     if (s->no_zeros)
         return;
@@ -51,13 +53,6 @@ static void tell_zeros(tc_suspicion *s, const tc_conversion *c, const tc_source_
            "%lld of its values are 0, and no other is below %.6g: taken for heights; where they mean none, --nodata 0 "
            "says so",
            (long long)s->zeros, tc_stored_value(s->next, c->offset, c->scale));
-}
-
-void tc_suspect_row(tc_suspicion *s, const tc_conversion *c, const float *z, const uint8_t *voids, int64_t width,
-                    const tc_statistics *statistics)
-{
-    if (!s->no_zeros)
-        look_for_zeros(s, c, z, voids, width, statistics->low, statistics->high);
 }
 
 void tc_suspect_rows(tc_suspicion *s, const tc_conversion *c, int64_t rows, int64_t height,
