@@ -255,13 +255,15 @@ typedef struct tc_pack_terrain {
 typedef struct tc_pack_options {
     tc_pack_mode mode;
     tc_pack_codec codec;
-    double error;        /* metres, above 0; not for TC_PACK_LOSSLESS */
-    double max_error;    /* metres: with TC_PACK_RMS also no sample of the finest level is off by more; 0: no bound. Not
-                          * for TC_CODEC_LH04 */
-    double lattice;      /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
-    bool price_lossless; /* with TC_PACK_RMS: tell about what the file would take without loss, where heights are
-                          * integers and the rms is not far above their unit; takes a moment */
-    int threads;         /* 0: as many as there are processors. The file does not depend on it */
+    double error;     /* metres, above 0; not for TC_PACK_LOSSLESS */
+    double max_error; /* metres: with TC_PACK_RMS also no sample of the finest level is off by more; 0: no bound. Not
+                       * for TC_CODEC_LH04 */
+    bool max_error_may_yield; /* a max_error beside an rms that floats or the range of heights cannot hold is dropped,
+                               * instead of TC_ERR_UNSUPPORTED */
+    double lattice;           /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
+    bool price_lossless;      /* with TC_PACK_RMS: tell about what the file would take without loss, where heights are
+                               * integers and the rms is not far above their unit; takes a moment */
+    int threads;              /* 0: as many as there are processors. The file does not depend on it */
     /* Called now and then, from the calling thread, with the share of the whole work that is done, 0 to 1; false stops
      * the packing with TC_ERR_IO. NULL: not called. */
     bool (*progress)(void *context, double done);

@@ -246,6 +246,7 @@ static tc_pack_options choose_options(const struct arguments *a, const tc_pack_t
         o.mode = TC_PACK_RMS, o.price_lossless = true;
         o.error = fmin(default_share * spacing, default_most);
         o.max_error = a->codec == TC_CODEC_LH04 ? 0 : default_bound * o.error;
+        o.max_error_may_yield = true;
     }
     return o;
 }
@@ -321,6 +322,9 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_pla
     warn_of_disagreement(mosaic, &result, progress);
     if (result.lossless_bytes > 0 && result.lossless_bytes < result.bytes && result.bytes > worth_telling)
         tc_progress_say(progress, true, "without loss the file would take fewer bytes: --lossless, or a wider --rms");
+    if (options.max_error_may_yield && options.max_error > 0 && result.max_error > options.max_error)
+        tc_progress_say(progress, true,
+                        "these heights are not held finely enough for a largest error: the rms alone is kept");
     double seconds = tc_progress_seconds(progress);
     if (a->json)
         print_json(a, terrain, options.mode, &result, seconds);

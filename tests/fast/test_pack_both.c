@@ -97,26 +97,44 @@ static void the_other_costs_nothing(void **state)
     assert_true((double)free_of_it.bytes < 1.01 * (double)rms.bytes && free_of_it.most == rms.most);
 }
 
-/* What lossless is told to take is about what it takes; of heights on no lattice nothing is told. */
+/* What lossless is told to take is about what it takes, whatever type the heights come in; of heights on no lattice
+ * nothing is told. */
 static void lossless_is_told(void **state)
 {
     (void)state;
     const char *path = made_path("a.tclip");
-    for (int k = 0; k < 3; k++) {
-        packing p = {.width = 700, .height = 500, .kind = k < 2 ? PACKING_INTEGERS : PACKING_SPIKES, .error = 2};
+    for (int k = 0; k < 4; k++) {
+        bool lattice = k != 2;
+        packing p = {.width = 700, .height = 500, .kind = lattice ? PACKING_INTEGERS : PACKING_SPIKES, .error = 2};
         p.type = k < 2 ? TC_SAMPLE_INT16 : TC_SAMPLE_FLOAT32;
         p.voids = k == 1 ? PACKING_LAKES : PACKING_WHOLE;
         p.price_lossless = true;
         tc_pack_result told, result;
         tc_error error;
         assert_int_equal(packing_write(&p, path, &told, &error), TC_OK);
-        assert_true((told.lossless_bytes > 0) == (k < 2));
+        assert_true((told.lossless_bytes > 0) == lattice);
         p.mode = TC_PACK_LOSSLESS;
-        if (k < 2 && packing_write(&p, path, &result, &error))
+        if (lattice && packing_write(&p, path, &result, &error))
             fail_msg("%s", error.text);
-        if (k < 2 && fabs((double)told.lossless_bytes / (double)result.bytes - 1) > 0.1)
+        if (lattice && fabs((double)told.lossless_bytes / (double)result.bytes - 1) > 0.1)
             fail_msg("told about %lld bytes, found %lld", (long long)told.lossless_bytes, (long long)result.bytes);
     }
+}
+
+/* Floats a million metres up are 0.06 m apart: a bound that they cannot hold is refused, or dropped where it may. */
+static void bound_that_may_yield_is_dropped(void **state)
+{
+    (void)state;
+    packing p = {
+        .width = 190, .height = 140, .kind = PACKING_DUST, .type = TC_SAMPLE_FLOAT32, .error = 0.01, .offset = 1e6};
+    p.max_error = 4 * p.error;
+    tc_pack_result result;
+    tc_error error;
+    assert_int_equal(packing_write(&p, made_path("a.tclip"), &result, &error), TC_ERR_UNSUPPORTED);
+    p.max_error_may_yield = true;
+    if (packing_write(&p, made_path("a.tclip"), &result, &error))
+        fail_msg("%s", error.text);
+    assert_true(result.rms <= p.error);
 }
 
 int main(void)
@@ -126,6 +144,7 @@ int main(void)
         cmocka_unit_test(every_ratio_is_kept),
         cmocka_unit_test(the_other_costs_nothing),
         cmocka_unit_test(lossless_is_told),
+        cmocka_unit_test(bound_that_may_yield_is_dropped),
     };
     return cmocka_run_group_tests(tests, NULL, close_all);
 }

@@ -92,6 +92,7 @@ tc_pack_options packing_options(const packing *p)
                              .codec = p->codec,
                              .error = p->error,
                              .max_error = p->max_error,
+                             .max_error_may_yield = p->max_error_may_yield,
                              .price_lossless = p->price_lossless,
                              .threads = p->threads};
 }

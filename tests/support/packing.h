@@ -35,7 +35,7 @@ typedef struct packing {
     tc_sample_type type;
     double unit;   /* 0: 1 */
     double offset; /* metres of the stored 0; z_base is the same where based */
-    bool based, wraps, price_lossless;
+    bool based, wraps, price_lossless, max_error_may_yield;
     int threads;
 } packing;
 

@@ -76,7 +76,8 @@ tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, con
     p->body = -1;
     p->most = 1 - tc_pack_caps_share(terrain);
     p->z_min = INFINITY, p->z_max = -INFINITY;
-    p->lattices = terrain->sample_type >= TC_SAMPLE_FLOAT32 && is_tight(options) ? UINT32_MAX : 0;
+    bool asked = is_tight(options) || options->price_lossless;
+    p->lattices = terrain->sample_type >= TC_SAMPLE_FLOAT32 && asked ? UINT32_MAX : 0;
     tc_pack_terrain *t = &p->container.info.terrain;
     *t = *terrain;
     t->georef.crs_wkt = terrain->georef.crs_wkt ? strdup(terrain->georef.crs_wkt) : NULL;
@@ -154,7 +155,8 @@ static tc_status choose_unit(const tc_packer *p, double least, double *unit_ret,
 }
 
 /* Heights become integers: multiples of a unit well below the error. Where a bound is all there is to keep, of a part
- * of the lattice that they lie on, so that they are kept exactly. *bound_ret and *lattice_ret as for
+ * of the lattice that they lie on, so that they are kept exactly. A bound that units cannot keep and that may yield is
+ * dropped from the options. *bound_ret and *lattice_ret as for
  * tc_pack_to_bound(). */
 static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret, tc_error *error)
 {
@@ -189,11 +191,17 @@ static tc_status set_unit(tc_packer *p, int32_t *bound_ret, int32_t *lattice_ret
     /* Rounding to units and to floats has its share of the error. */
     double slack = 0.5 + ldexp(highest, -23) / unit;
     *bound_ret = (int32_t)fmin(fmax(0, floor(bound / unit - slack)), TC_MAX_STEP / 8);
-    if (*bound_ret < 1)
-        return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "%s: an error of %g m is too small for heights held as floats up to %g m", p->path, bound,
-                       highest);
-    return TC_OK;
+    if (*bound_ret >= 1)
+        return TC_OK;
+    if (p->options.max_error_may_yield && !is_tight(&p->options)) {
+        p->options.max_error = 0, *bound_ret = 0;
+        return TC_OK;
+    }
+    if (slack < 1)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an error of %g m is too small for heights %g m apart", p->path,
+                       bound, range);
+    return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: an error of %g m is too small for heights held as floats up to %g m",
+                   p->path, bound, highest);
 }
 
 static tc_status check_lossless(const tc_packer *p, tc_error *error)
