@@ -249,8 +249,8 @@ static tc_status tune_finest(search *s, double carried, bool foresee, double *er
         if ((status = code_finest(s, sample, body, error_ret, error)) || meets(s, *error_ret))
             break;
         /* Corrections take off what coarser levels left as well: then only the whole tells. */
-        double next = s->bound > 0 ? next_step(&seen, s->fine, *error_ret, aim, s->target, true)
-                                   : next_step(&seen, s->fine, *error_ret - carried, own, own_most, true);
+        double next = left < 1 ? next_step(&seen, s->fine, *error_ret, aim, s->target, true)
+                               : next_step(&seen, s->fine, *error_ret - carried, own, own_most, true);
         if (next < s->q / (near * near) || next > s->q * near * near || narrow(&seen))
             break;
         s->fine = fmin(next, s->largest);
