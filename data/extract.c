@@ -20,7 +20,8 @@
 
 struct arguments {
     const char *file, *output;
-    int level; /* 0: the finest */
+    int level;     /* 0: the finest */
+    int synthesis; /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     bool has_rect;
     int64_t rect[4]; /* X, Y from the north-west, W, H */
     bool quiet, verbose;
@@ -45,6 +46,8 @@ static bool set_rect(void *arguments, const char *value)
 static const tc_option table[] = {
     {0, "level", "L", TC_EXPECTED_LEVEL, "of detail; 1 is the coarsest (the finest)", tc_read_level,
      offsetof(struct arguments, level)},
+    {0, "synthesis", "LEVELS", TC_EXPECTED_SYNTHESIS, TC_SYNTHESIS_HELP, tc_read_synthesis,
+     offsetof(struct arguments, synthesis)},
     {0, "rect", "X,Y,W,H", "whole numbers X,Y,W,H, W and H 1 or more",
      "a part, in samples of that level: column X and row Y of its north-west sample, counted from the level's "
      "north-west; width and height (all)",
@@ -113,7 +116,7 @@ typedef struct job {
 /* Finest samples between those of the level. */
 static double stride_of(const tc_pack_terrain *terrain, tc_level level)
 {
-    return rint(level.spacing_x / terrain->spacing_x);
+    return exp2(rint(log2(level.spacing_x / terrain->spacing_x)));
 }
 
 /* The place of the rectangle: sample (i, j) of the level lies on finest sample (i s, j s), counted from the south-west.
@@ -335,6 +338,8 @@ tc_status tc_extract_main(int argc, char **argv, tc_error *error)
     const tc_source_options options = {.say = tc_progress_say, .say_context = &progress};
     tc_map *map = NULL;
     status = tc_map_load_packed(a.file, &options, &(tc_load_options){.body = &tc_plane_body}, &map, error);
+    if (status == TC_OK && a.synthesis != 0)
+        status = tc_map_synthesise(map, a.synthesis, error);
     if (status == TC_OK)
         status = tc_outfile_probe(a.output, error);
     if (status == TC_OK) {

@@ -27,6 +27,7 @@ struct arguments {
     const char *texts[2]; /* of the point */
     int count;            /* of them */
     int level;            /* 0: the finest */
+    int synthesis;        /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     bool quiet, verbose;
     tc_source_options source;
 };
@@ -36,6 +37,8 @@ struct arguments {
 static const tc_option table[] = {
     {0, "level", "L", TC_EXPECTED_LEVEL, "of detail; 1 is the coarsest (the finest)", tc_read_level,
      offsetof(struct arguments, level)},
+    {0, "synthesis", "LEVELS", TC_EXPECTED_SYNTHESIS, TC_SYNTHESIS_HELP, tc_read_synthesis,
+     offsetof(struct arguments, synthesis)},
     {0, "voids", "POLICY", TC_EXPECTED_VOIDS,
      "where there is no height: fill, constant=V, or hole, which is told as nan (fill; as packed)", tc_read_voids,
      offsetof(struct arguments, source)},
@@ -344,8 +347,8 @@ static tc_status tell(const struct arguments *a, const tc_map *map, double x, do
         return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
     place p = {.map = map, .field = field, .level = a->level ? a->level : levels};
     const tc_level level = tc_field_level(field, p.level);
-    p.stride_x = rint(level.spacing_x / map->spacing_x);
-    p.stride_y = rint(level.spacing_y / map->spacing_y);
+    p.stride_x = exp2(rint(log2(level.spacing_x / map->spacing_x)));
+    p.stride_y = exp2(rint(log2(level.spacing_y / map->spacing_y)));
     find_around(&p);
     tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
     int64_t damaged = tc_map_damaged(map);
@@ -373,11 +376,12 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
             return tc_fail(error, TC_ERR_USAGE, "point: expected two numbers, found '%s'", a.texts[i]);
     a.source.say = say;
     a.source.say_context = &a;
-    tc_map *map;
+    tc_map *map = NULL;
     status = tc_map_load(a.file, &a.source, NULL, &map, error);
-    if (status != TC_OK)
-        return status;
-    status = tell(&a, map, point[0], point[1], error);
+    if (status == TC_OK && a.synthesis != 0)
+        status = tc_map_synthesise(map, a.synthesis, error);
+    if (status == TC_OK)
+        status = tell(&a, map, point[0], point[1], error);
     tc_map_destroy(map);
     return status;
 }

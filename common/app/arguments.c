@@ -141,6 +141,14 @@ bool tc_read_level(void *level, const char *value)
     return tc_read_int(value, 1, 48, level);
 }
 
+bool tc_read_synthesis(void *levels, const char *value)
+{
+    if (strcmp(value, "auto") != 0)
+        return tc_read_int(value, 1, 20, levels);
+    *(int *)levels = TC_SYNTHESIS_AUTO;
+    return true;
+}
+
 bool tc_read_spacing(void *spacing, const char *value)
 {
     return tc_read_number(value, 1e-6, 1e7, spacing);

@@ -90,21 +90,24 @@ tc_status tc_arguments_read(const tc_command_line *line, int argc, char **argv, 
 void tc_arguments_print(const tc_command_line *line, FILE *file);
 
 /* Setters that several programs have, of members of these types; false where the value is not what is expected. */
-bool tc_read_text(void *text, const char *value);       /* const char *; "" is not expected */
-bool tc_read_level(void *level, const char *value);     /* int */
-bool tc_read_spacing(void *spacing, const char *value); /* double */
-bool tc_read_unit(void *unit, const char *value);       /* double */
-bool tc_read_offset(void *source, const char *value);   /* tc_source_options */
-bool tc_read_band(void *band, const char *value);       /* int */
-bool tc_read_nodata(void *source, const char *value);   /* tc_source_options */
-bool tc_read_voids(void *source, const char *value);    /* tc_source_options */
-bool tc_read_threads(void *threads, const char *value); /* int */
+bool tc_read_text(void *text, const char *value);        /* const char *; "" is not expected */
+bool tc_read_level(void *level, const char *value);      /* int */
+bool tc_read_synthesis(void *levels, const char *value); /* int */
+bool tc_read_spacing(void *spacing, const char *value);  /* double */
+bool tc_read_unit(void *unit, const char *value);        /* double */
+bool tc_read_offset(void *source, const char *value);    /* tc_source_options */
+bool tc_read_band(void *band, const char *value);        /* int */
+bool tc_read_nodata(void *source, const char *value);    /* tc_source_options */
+bool tc_read_voids(void *source, const char *value);     /* tc_source_options */
+bool tc_read_threads(void *threads, const char *value);  /* int */
 
 /* For the operand of a program that has one, FILE: a const char * at first NULL; more are errors. */
 tc_status tc_take_file(void *file, const char *operand, tc_error *error);
 
 /* What the setters expect. */
 #define TC_EXPECTED_LEVEL "1..48"
+#define TC_EXPECTED_SYNTHESIS "auto or 1..20"
+#define TC_SYNTHESIS_HELP "of detail finer than the data, like its own; auto: until samples are 0.1 m apart (none)"
 #define TC_EXPECTED_SPACING "metres of 1e-6..1e7"
 #define TC_EXPECTED_UNIT "metres of 1e-9..1e9, or negative ones"
 #define TC_EXPECTED_NODATA "a number"

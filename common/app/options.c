@@ -100,6 +100,8 @@ static const tc_option table[] = {
     {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
     {0, "colours", "FILE", "a file name", "of heights, as `gdaldem color-relief` reads them: HEIGHT RED GREEN BLUE",
      tc_read_text, offsetof(tc_options, colours)},
+    {0, "synthesis", "LEVELS", TC_EXPECTED_SYNTHESIS, TC_SYNTHESIS_HELP, tc_read_synthesis,
+     offsetof(tc_options, synthesis)},
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
      offsetof(tc_options, scene)},

@@ -30,6 +30,7 @@ typedef struct tc_options {
     int threads;       /* 0: as many as there are processors */
     bool explain, json, quiet, verbose;
     tc_source_options source; /* without say */
+    int synthesis;            /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     int n, levels;            /* of the clipmap; 0: not given */
     const tc_scheme *scheme;  /* NULL: not given */
     int steps;                /* outwards in a level; 0: not given */

@@ -40,7 +40,10 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     source.say_context = v;
     source.outputs = &v->outputs;
     const tc_load_options load = {.body = v->program->body, .radius = v->options.radius, .threads = v->options.threads};
-    return tc_map_load(v->options.terrain, &source, &load, &v->map, error);
+    tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
+    if (status == TC_OK && v->options.synthesis != 0)
+        status = tc_map_synthesise(v->map, v->options.synthesis, error);
+    return status;
 }
 
 bool tc_viewer_interactive(const tc_options *options)

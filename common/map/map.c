@@ -43,6 +43,7 @@ void tc_map_destroy(tc_map *map)
     for (int k = 0; k < map->charts; k++)
         tc_field_destroy(map->chart[k].field);
     free(map->chart);
+    free(map->noise);
     free(map);
 }
 

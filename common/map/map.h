@@ -19,7 +19,11 @@ struct tc_map {
     double spacing_x, spacing_y; /* metres; on a globe at the equator */
     tc_void_policy voids;        /* how they are to be shown */
     double read_ms, build_ms;    /* that it took, where it was loaded from a file */
+    int synthesised;             /* levels finer than the data */
+    struct tc_map_noise *noise;  /* of them, one a chart */
 };
+
+enum { TC_MAP_CHARTS = 3 }; /* at most */
 
 /* A map without charts, with room for so many: fields that are put into them become its own. NULL: no memory. */
 tc_map *tc_map_create(tc_body body, int charts);

@@ -19,7 +19,8 @@ chart            base field
 packed/file      base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart
 packed/read      base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
 packed/write     base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
-map              base field chart packed/file packed/read
+synthesis        base field
+map              base field synthesis chart packed/file packed/read
 view             base map
 window           base field view
 content          base field window

@@ -1,0 +1,82 @@
+/* map_synthesis.c - levels finer than the data on all charts of a map, by one fit. */
+#include "map.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "common/base/status.h"
+#include "common/synthesis/synthesis.h"
+
+struct tc_map_noise {
+    const tc_map *map;
+    const tc_chart_class *class;
+    double x0, y0, dx, dy; /* of the data's finest level */
+};
+
+/* Where charts share a place each one's noise is its own, of which a mean would have less: 1 / the root of the sum of
+ * the shares' squares. */
+static float noise_share(const void *context, double i, double j)
+{
+    const struct tc_map_noise *n = context;
+    double place_x, place_y, share[TC_MAP_CHARTS], sum = 0;
+    n->class->to_place(n->x0 + i * n->dx, n->y0 + j * n->dy, &place_x, &place_y);
+    double latitude = fabs(place_y) * 180 / M_PI;
+    if (latitude <= TC_CAP_BLEND_START || latitude >= TC_CAP_BLEND_END)
+        return 1;
+    tc_map_shares(n->map, sin(place_y), share);
+    for (int k = 0; k < n->map->charts; k++)
+        sum += share[k] * share[k];
+    return (float)(1 / sqrt(sum));
+}
+
+/* Levels until samples are a tenth of a metre apart. */
+static int levels_for(const tc_map *map)
+{
+    const double near = 0.1;
+    double apart = fmax(map->chart[0].dx, map->chart[0].dy) * (map->body.radius > 0 ? map->body.radius : 1);
+    int levels = 0;
+    for (; apart > near && levels < TC_SYNTHESIS_MOST; apart /= 2)
+        levels++;
+    return levels;
+}
+
+/* Replaces a chart's field by one with more levels. */
+static tc_status add_levels(tc_map *map, int k, int levels, const tc_synthesis_fit *fit, tc_error *error)
+{
+    tc_chart *c = &map->chart[k];
+    const tc_level finest = tc_field_level(c->field, tc_field_info(c->field)->levels);
+    if (finest.width < 2 && finest.height < 2)
+        return TC_OK;
+    tc_synthesis_share share = {NULL, NULL};
+    if (map->charts > 1)
+        share = (tc_synthesis_share){noise_share, &map->noise[k]};
+    tc_field *field = c->field;
+    c->field = NULL;
+    tc_status status = tc_synthesis_create(field, levels, fit, k, share, &field, error);
+    if (status == TC_OK)
+        *c = tc_chart_over(c->class, field, k, c->x0, c->y0, ldexp(c->dx, -levels), ldexp(c->dy, -levels));
+    return status;
+}
+
+tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
+{
+    const int most = 31; /* levels that views draw, less one */
+    tc_synthesis_fit fit;
+    if (levels == TC_SYNTHESIS_AUTO)
+        levels = levels_for(map);
+    for (int k = 0; k < map->charts; k++)
+        levels = (int)fmin(levels, most - tc_field_info(map->chart[k].field)->levels);
+    if (levels <= 0)
+        return TC_OK;
+    tc_status status = tc_synthesis_learn(map->chart[0].field, &fit, error);
+    if (status == TC_OK && !(map->noise = calloc((size_t)map->charts, sizeof *map->noise)))
+        status = tc_fail(error, TC_ERR_MEMORY, "synthesis: not enough memory");
+    for (int k = 0; k < map->charts && status == TC_OK; k++) {
+        const tc_chart *c = &map->chart[k];
+        map->noise[k] = (struct tc_map_noise){map, c->class, c->x0, c->y0, c->dx, c->dy};
+        status = add_levels(map, k, levels, &fit, error);
+    }
+    if (status == TC_OK)
+        map->synthesised = levels;
+    return status;
+}

@@ -1,0 +1,142 @@
+/* bench_synthesis.c - synthesised levels against the real ones: a terrain's two finest levels are dropped, synthesised
+ * from what is left, and compared; beside one Gaussian a level (LH04). And what a level costs.
+ *
+ *     bench_synthesis truth        bench_synthesis time */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/base/clock.h"
+#include "common/base/rect.h"
+#include "common/synthesis/synthesis.h"
+#include "tests/support/datasets.h"
+#include "tests/support/detail.h"
+
+enum { DROPPED = 2 };
+
+static void die(const char *what, const tc_error *error)
+{
+    printf("%s: %s\n", what, error->text);
+    exit(1);
+}
+
+/* The levels of a field up to one of them, as a field of its own. */
+static tc_field *cut_off(const tc_field *field, int finest)
+{
+    const tc_level size = tc_field_level(field, finest);
+    tc_grid g = {.width = size.width, .height = size.height, .spacing_x = size.spacing_x, .spacing_y = size.spacing_y};
+    size_t count = (size_t)(size.width * size.height);
+    tc_field *cut;
+    tc_error error = {TC_OK, ""};
+    g.z = malloc(count * sizeof *g.z), g.voids = malloc(count);
+    if (!g.z || !g.voids ||
+        tc_field_read(field, finest, (tc_rect){0, 0, size.width, size.height}, g.z, g.voids, size.width))
+        abort();
+    g.z_min = INFINITY, g.z_max = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        g.void_count += g.voids[i];
+        g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
+    }
+    if (tc_field_build(&g, 0, &cut, &error))
+        die("levels", &error);
+    return cut;
+}
+
+static tc_field *synthesise(const tc_field *from, int finest, bool uniform, tc_synthesis_fit *fit)
+{
+    tc_error error = {TC_OK, ""};
+    tc_field *cut = cut_off(from, finest), *made;
+    if (tc_synthesis_learn(cut, fit, &error))
+        die("fit", &error);
+    if (uniform)
+        tc_synthesis_uniform(fit);
+    if (tc_synthesis_create(cut, DROPPED, fit, 0, (tc_synthesis_share){0}, &made, &error))
+        die("synthesis", &error);
+    return made;
+}
+
+static void truth(const dataset *d)
+{
+    tc_grid grid;
+    tc_field *real;
+    tc_error error = {TC_OK, ""};
+    if (!dataset_load(d, &grid))
+        return;
+    if (tc_field_build(&grid, 0, &real, &error))
+        die(d->name, &error);
+    int m = tc_field_info(real)->levels;
+    tc_synthesis_fit fit[2];
+    tc_field *made[2] = {synthesise(real, m - DROPPED, false, &fit[0]), synthesise(real, m - DROPPED, true, &fit[1])};
+    printf("%s: ratio %.2f, anisotropy %.2f, kurtosis %.1f -> b %.2f c %.2f smear %.2f spread %.2f peak %.2f curvature "
+           "%.2f %.2f "
+           "bands %.2f "
+           "%.2f %.2f\n",
+           d->name, fit[0].ratio, fit[0].anisotropy, fit[0].kurtosis, (double)fit[0].level[0].b,
+           (double)fit[0].level[0].c, (double)fit[0].smear, (double)fit[0].spread, (double)fit[0].peak,
+           (double)fit[0].curvature[0], (double)fit[0].curvature[1], (double)fit[0].band[0], (double)fit[0].band[1],
+           (double)fit[0].band[2]);
+    for (int l = m - 1; l <= m; l++) {
+        const int64_t side = 2400;
+        const detail_figures t = detail_measure(real, real, l, side);
+        for (int k = 0; k < 2; k++) {
+            const detail_figures s = detail_measure(made[k], real, l, side);
+            double mean, worst;
+            detail_compare(&s, &t, &mean, &worst);
+            printf(
+                "  %d %-8s rms %7.3f of %7.3f  deciles %.2f %.2f  kurtosis %6.1f of %6.1f  across/along %.2f of %.2f  "
+                "spectrum %.2f of %.2f\n",
+                l - m + DROPPED, k ? "gaussian" : "fitted", s.rms, t.rms, mean, worst, s.kurtosis, t.kurtosis,
+                s.anisotropy, t.anisotropy, s.spectrum, t.spectrum);
+        }
+    }
+    tc_field_destroy(made[0]), tc_field_destroy(made[1]);
+    tc_field_destroy(real);
+}
+
+static void time_levels(const dataset *d)
+{
+    enum { N = 255, TIMES = 200 };
+    tc_grid grid;
+    tc_field *real, *made;
+    tc_error error = {TC_OK, ""};
+    tc_synthesis_fit fit;
+    if (!dataset_load(d, &grid))
+        return;
+    if (tc_field_build(&grid, 0, &real, &error))
+        die(d->name, &error);
+    double start = tc_clock_ms();
+    if (tc_synthesis_learn(real, &fit, &error))
+        die(d->name, &error);
+    double fitted = tc_clock_ms() - start;
+    int m = tc_field_info(real)->levels;
+    if (tc_synthesis_create(real, 8, &fit, 0, (tc_synthesis_share){0}, &made, &error))
+        die(d->name, &error);
+    float *z = malloc(N * N * sizeof *z);
+    printf("%-40s fit %.0f ms;", d->name, fitted);
+    for (int l = m + 1; l <= m + 8; l++) {
+        double best = INFINITY;
+        const tc_level size = tc_field_level(made, l);
+        int64_t x = size.width / 2, y = size.height / 2;
+        for (int n = 0; n < TIMES; n++) {
+            start = tc_clock_ms();
+            if (tc_field_read(made, l, (tc_rect){x, y, x + N, y + N}, z, NULL, N))
+                abort();
+            best = fmin(best, tc_clock_ms() - start);
+        }
+        printf(" %.3f", best);
+    }
+    printf(" ms\n");
+    free(z);
+    tc_field_destroy(made);
+}
+
+int main(int argc, char **argv)
+{
+    dataset list[DATASETS_MAX];
+    int count = dataset_list(list, DATASETS_MAX);
+    bool timed = argc > 1 && !strcmp(argv[1], "time");
+    for (int n = 0; n < count; n++)
+        (timed ? time_levels : truth)(&list[n]);
+    return 0;
+}
