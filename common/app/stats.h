@@ -35,6 +35,7 @@ typedef struct tc_stats_context {
     const char *renderer, *backend;
     tc_memory_stats memory;
     int64_t bytes_decoded;       /* of a packed terrain's tiles */
+    int synthesised;             /* levels finer than the data */
     const char *const *left_out; /* NULL-terminated */
 } tc_stats_context;
 

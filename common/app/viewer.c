@@ -272,6 +272,8 @@ tc_status tc_viewer_write_frame(tc_viewer *v, const char *path, uint8_t *rgb, tc
 static void explain(const tc_viewer *v, const tc_left_out *left_out)
 {
     tc_explain_uses(v->renderer, stdout);
+    if (v->map->synthesised > 0)
+        printf("uses: synthesis: %d levels finer than the data\n", v->map->synthesised);
     for (int i = 0; i < left_out->count; i++)
         printf("left out: %s\n", left_out->lines[i]);
 }
@@ -286,6 +288,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
     tc_stats_context context = {.renderer = (const char *)v->gl->GetString(GL_RENDERER),
                                 .backend = v->context ? tc_context_backend(v->context) : "window",
                                 .bytes_decoded = tc_map_bytes_decoded(v->map),
+                                .synthesised = v->map->synthesised,
                                 .left_out = left_out.lines};
     tc_renderer_memory(v->renderer, &context.memory);
     if (v->options.explain && !v->options.json) /* which says it, too */

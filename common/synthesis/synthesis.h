@@ -34,6 +34,7 @@ typedef struct tc_synthesis_fit {
     float spread;                /* of neighbours in the noise: across a band's high axis, negative along it */
     float smear;                 /* -1 .. 1: along the slope, negative across it */
     float peak;                  /* n + peak n^3 has the kurtosis of the terrain's own detail */
+    double spacing;              /* metres, of level m */
     double rms[3];               /* metres, of the details of levels m - 2, m - 1, m */
     double ratio;                /* of a level's rms to the next finer one's, from these */
     double anisotropy, kurtosis; /* of level m's detail, normalised: across the slope over along it; measured */

@@ -70,12 +70,14 @@ static void regress(const tc_pair pairs[2], double x[UNKNOWNS])
     }
 }
 
-/* Ratio of a level's rms to the next finer one's, k levels beyond the data: the trend, which soon becomes that of
- * eroded terrain at scales of metres, where slopes of details no longer grow. */
-static double ratio_at(double trend, int k)
+/* Ratio of a level's rms to that of level m + k. Of the first two it is the trend. At scales of kilometres mountains'
+ * slopes grow from level to level, though not for ever; at those of metres they no longer do: the ratio passes into one
+ * a little above 2, at which they stay, between samples 200 m and 25 m apart. */
+static double ratio_at(const tc_synthesis_fit *fit, int k)
 {
-    const double settled = 2.1;
-    double share = k <= 2 ? 0 : fmin((k - 2) / 3.0, 1);
+    const double settled = 2.1, least = 1.5, from = 200, octaves = 3;
+    double share = k <= 2 ? 0 : fmin(fmax(log2(from / ldexp(fit->spacing, -k)) / octaves, 0), 1);
+    double trend = k <= 2 ? fit->ratio : fmax(fit->ratio, least);
     return trend + share * (settled - trend);
 }
 
@@ -84,7 +86,7 @@ static void carry_on(const tc_pair *finest, const double x[UNKNOWNS], tc_synthes
 {
     double b = x[2], c = x[3], bk = b, ck = c, target = fit->rms[2];
     for (int k = 1; k <= TC_SYNTHESIS_MOST; k++) {
-        target /= ratio_at(fit->ratio, k);
+        target /= ratio_at(fit, k);
         double sum = 0, most = 0;
         for (int64_t n = 0; n < finest->base_cells; n++) {
             double e = exp2(bk * finest->base[n].energy + ck * finest->base[n].slope);
@@ -104,6 +106,8 @@ tc_status tc_synthesis_learn(const tc_field *field, tc_synthesis_fit *fit_ret, t
     tc_synthesis_fit *fit = fit_ret;
     *fit = (tc_synthesis_fit){.band = {1, 1, 1}, .none = true};
     int m = tc_field_info(field)->levels;
+    const tc_level finest = tc_field_level(field, m);
+    fit->spacing = sqrt(finest.spacing_x * finest.spacing_y);
     tc_pair pairs[2] = {{0}}; /* m - 2 to m - 1, m - 1 to m */
     tc_status status = TC_OK;
     for (int p = 0; p < 2 && !status && m >= 4; p++)
@@ -132,7 +136,7 @@ void tc_synthesis_uniform(tc_synthesis_fit *fit)
 {
     double target = fit->rms[2];
     for (int k = 1; k <= TC_SYNTHESIS_MOST; k++) {
-        target /= ratio_at(fit->ratio, k);
+        target /= ratio_at(fit, k);
         fit->level[k - 1].a = (float)(2 * log2(fmax(target, 1e-30)));
         fit->level[k - 1].b = fit->level[k - 1].c = 0;
         fit->level[k - 1].cap = (float)(2 * target);

@@ -178,20 +178,38 @@ INLINE void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t s
     }
 }
 
-/* Adds what curvature foretells and puts the bands into planes of their own. */
-INLINE void bands_row(const tc_level_recipe *r, const float *restrict z, ptrdiff_t s, const float *restrict noise,
-                      const float *restrict open, int64_t count, float *restrict hx, float *restrict hy,
-                      float *restrict hxy)
+/* Four values a cell into a row for each of the three bands. */
+INLINE void split_bands(const float *noise, int64_t count, float *restrict x, float *restrict y, float *restrict xy)
+{
+    int64_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+        quad a, b, c, d;
+        memcpy(&a, noise + 4 * i, sizeof a), memcpy(&b, noise + 4 * i + 4, sizeof b);
+        memcpy(&c, noise + 4 * i + 8, sizeof c), memcpy(&d, noise + 4 * i + 12, sizeof d);
+        quad low = __builtin_shufflevector(a, b, 0, 4, 1, 5), low2 = __builtin_shufflevector(c, d, 0, 4, 1, 5);
+        quad high = __builtin_shufflevector(a, b, 2, 6, 3, 7), high2 = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+        quad first = __builtin_shufflevector(low, low2, 0, 1, 4, 5);
+        quad second = __builtin_shufflevector(low, low2, 2, 3, 6, 7);
+        quad third = __builtin_shufflevector(high, high2, 0, 1, 4, 5);
+        memcpy(x + i, &first, sizeof first), memcpy(y + i, &second, sizeof second),
+            memcpy(xy + i, &third, sizeof third);
+    }
+    for (; i < count; i++)
+        x[i] = noise[4 * i], y[i] = noise[4 * i + 1], xy[i] = noise[4 * i + 2];
+}
+
+/* Details from noise and what curvature foretells, in place. */
+INLINE void bands_row(const tc_level_recipe *r, const float *restrict z, ptrdiff_t s, const float *restrict open,
+                      int64_t count, float *restrict hx, float *restrict hy, float *restrict hxy)
 {
     const tc_synthesis_fit *fit = r->fit;
     float b0 = fit->band[0], b1 = fit->band[1], b2 = fit->band[2], c0 = fit->curvature[0], c1 = fit->curvature[1];
-    for (int64_t i = 0; i < count; i++) {
-        float px = c0 * tc_second_difference(z + i, 1) + c1 * tc_sixth_difference(z + i, 1);
-        float py = c0 * tc_second_difference(z + i, s) + c1 * tc_sixth_difference(z + i, s);
-        hx[i] = b0 * noise[4 * i] + open[i] * px;
-        hy[i] = b1 * noise[4 * i + 1] + open[i] * py;
-        hxy[i] = b2 * noise[4 * i + 2];
-    }
+    for (int64_t i = 0; i < count; i++)
+        hx[i] = b0 * hx[i] + open[i] * (c0 * tc_second_difference(z + i, 1) + c1 * tc_sixth_difference(z + i, 1));
+    for (int64_t i = 0; i < count; i++)
+        hy[i] = b1 * hy[i] + open[i] * (c0 * tc_second_difference(z + i, s) + c1 * tc_sixth_difference(z + i, s));
+    for (int64_t i = 0; i < count; i++)
+        hxy[i] *= b2;
 }
 
 typedef struct workspace {
@@ -220,8 +238,9 @@ INLINE void detail_rows(const tc_level_recipe *r, const tc_patch *coarse, const 
         slopes_row(r, coarse, j, d->rect.x0, w, dx, dy);
         direction_row(dx, dy, w, (int32_t)white_width, s->one, s->two);
         smear_row(r->fit, white, white_width, s->one, s->two, amplitude, w, s->noise);
-        bands_row(r, tc_patch_at(coarse, d->rect.x0, j), coarse->stride, s->noise, open, w, d->band[0] + at,
-                  d->band[1] + at, d->band[2] + at);
+        float *hx = d->band[TC_HIGH_X] + at, *hy = d->band[TC_HIGH_Y] + at, *hxy = d->band[TC_HIGH_XY] + at;
+        split_bands(s->noise, w, hx, hy, hxy);
+        bands_row(r, tc_patch_at(coarse, d->rect.x0, j), coarse->stride, open, w, hx, hy, hxy);
         /* There are no details beyond the last sample. */
         for (int64_t i = 0; i < w && !r->wraps; i++)
             if (d->rect.x0 + i < 0 || d->rect.x0 + i >= last_x)
@@ -335,8 +354,10 @@ INLINE void bounded_row(const tc_level_recipe *r, const float *restrict fine, co
                         const float *restrict amplitude, int64_t cells, float *restrict out)
 {
     float lowest = r->lowest, highest = r->highest;
+    for (int64_t i = 0; i < cells; i++)
+        out[2 * i] = out[2 * i + 1] = TC_ADDED_MOST * amplitude[i];
     for (int64_t i = 0; i < 2 * cells; i++) {
-        float most = TC_ADDED_MOST * amplitude[i >> 1], v = fine[i] - base[i];
+        float most = out[i], v = fine[i] - base[i];
         v = v < -most ? -most : v;
         v = v > most ? most : v;
         v += base[i];

@@ -229,7 +229,7 @@ static void settle(const stage *g, tc_synthesis_fit *fit)
         fit->band[b] = (float)sqrt(truth.band[b] / truth.cells);
     settle_bands(g, &truth, fit);
     for (int n = 0; n < 2; n++) {
-        fit->spread = nearest(g, fit, &fit->spread, -0.3f, 0.6f, 7, spectrum, spectrum(&truth));
+        fit->spread = nearest(g, fit, &fit->spread, -0.3f, 1.2f, 11, spectrum, spectrum(&truth));
         settle_bands(g, &truth, fit);
         fit->smear = nearest(g, fit, &fit->smear, -1, 1, 9, anisotropy, fit->anisotropy);
         settle_bands(g, &truth, fit);

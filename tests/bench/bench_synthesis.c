@@ -21,41 +21,6 @@ static void die(const char *what, const tc_error *error)
     exit(1);
 }
 
-/* The levels of a field up to one of them, as a field of its own. */
-static tc_field *cut_off(const tc_field *field, int finest)
-{
-    const tc_level size = tc_field_level(field, finest);
-    tc_grid g = {.width = size.width, .height = size.height, .spacing_x = size.spacing_x, .spacing_y = size.spacing_y};
-    size_t count = (size_t)(size.width * size.height);
-    tc_field *cut;
-    tc_error error = {TC_OK, ""};
-    g.z = malloc(count * sizeof *g.z), g.voids = malloc(count);
-    if (!g.z || !g.voids ||
-        tc_field_read(field, finest, (tc_rect){0, 0, size.width, size.height}, g.z, g.voids, size.width))
-        abort();
-    g.z_min = INFINITY, g.z_max = -INFINITY;
-    for (size_t i = 0; i < count; i++) {
-        g.void_count += g.voids[i];
-        g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
-    }
-    if (tc_field_build(&g, 0, &cut, &error))
-        die("levels", &error);
-    return cut;
-}
-
-static tc_field *synthesise(const tc_field *from, int finest, bool uniform, tc_synthesis_fit *fit)
-{
-    tc_error error = {TC_OK, ""};
-    tc_field *cut = cut_off(from, finest), *made;
-    if (tc_synthesis_learn(cut, fit, &error))
-        die("fit", &error);
-    if (uniform)
-        tc_synthesis_uniform(fit);
-    if (tc_synthesis_create(cut, DROPPED, fit, 0, (tc_synthesis_share){0}, &made, &error))
-        die("synthesis", &error);
-    return made;
-}
-
 static void truth(const dataset *d)
 {
     tc_grid grid;
@@ -67,7 +32,8 @@ static void truth(const dataset *d)
         die(d->name, &error);
     int m = tc_field_info(real)->levels;
     tc_synthesis_fit fit[2];
-    tc_field *made[2] = {synthesise(real, m - DROPPED, false, &fit[0]), synthesise(real, m - DROPPED, true, &fit[1])};
+    tc_field *made[2] = {detail_synthesise(real, DROPPED, false, &fit[0]),
+                         detail_synthesise(real, DROPPED, true, &fit[1])};
     printf("%s: ratio %.2f, anisotropy %.2f, kurtosis %.1f -> b %.2f c %.2f smear %.2f spread %.2f peak %.2f curvature "
            "%.2f %.2f "
            "bands %.2f "

@@ -70,6 +70,7 @@ static void json_has_the_keys(void **state)
                                         "\"samples_updated\": 0",
                                         "\"bytes_uploaded\": 0",
                                         "\"bytes_decoded\": 0",
+                                        "\"synthesised_levels\": 0",
                                         "\"memory\": {\"geometry\": 1, \"heights\": 2, \"normals\": 3, \"imagery\": 4, "
                                         "\"pyramid\": 5}",
                                         "\"renderer\": \"llvmpipe\"",

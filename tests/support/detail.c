@@ -2,6 +2,7 @@
 #include "detail.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -128,4 +129,39 @@ void detail_compare(const detail_figures *a, const detail_figures *b, double *me
         sum += off, worst = fmax(worst, off);
     }
     *mean_ret = sum / DETAIL_DECILES, *worst_ret = worst;
+}
+
+/* ---- Levels dropped and made again ------------------------------------------------------------------------------- */
+
+static tc_field *cut_off(const tc_field *field, int finest)
+{
+    const tc_level size = tc_field_level(field, finest);
+    tc_rect all = {0, 0, size.width, size.height};
+    tc_grid g = {.width = size.width, .height = size.height, .spacing_x = size.spacing_x, .spacing_y = size.spacing_y};
+    tc_field *cut;
+    g.z = read_level(field, finest, all, &g.voids);
+    g.z_min = INFINITY, g.z_max = -INFINITY;
+    for (int64_t i = 0; i < size.width * size.height; i++) {
+        g.void_count += g.voids[i];
+        g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
+    }
+    if (tc_field_build(&g, 0, &cut, NULL))
+        abort();
+    return cut;
+}
+
+tc_field *detail_synthesise(const tc_field *field, int dropped, bool uniform, tc_synthesis_fit *fit)
+{
+    tc_error error = {TC_OK, ""};
+    tc_field *cut = cut_off(field, tc_field_info(field)->levels - dropped), *made;
+    tc_status status = tc_synthesis_learn(cut, fit, &error);
+    if (!status && uniform)
+        tc_synthesis_uniform(fit);
+    if (!status)
+        status = tc_synthesis_create(cut, dropped, fit, 0, (tc_synthesis_share){NULL, NULL}, &made, &error);
+    if (status) {
+        printf("%s\n", error.text);
+        exit(99);
+    }
+    return made;
 }

@@ -2,7 +2,7 @@
 #ifndef DETAIL_H
 #define DETAIL_H
 
-#include "common/terraclip.h"
+#include "common/synthesis/synthesis.h"
 
 enum { DETAIL_DECILES = 10, DETAIL_SCALES = 5 };
 
@@ -20,5 +20,8 @@ detail_figures detail_measure(const tc_field *field, const tc_field *slopes, int
 
 /* Mean and largest |log2| of two rows of deciles' ratio. */
 void detail_compare(const detail_figures *a, const detail_figures *b, double *mean_ret, double *worst_ret);
+
+/* A field with its finest levels dropped and synthesised again from what is left, as fitted to it or uniformly. */
+tc_field *detail_synthesise(const tc_field *field, int dropped, bool uniform, tc_synthesis_fit *fit);
 
 #endif
