@@ -26,6 +26,7 @@ picture() {
 
 picture terrain -16000,176000,90000,145,-41 --fov 66
 picture ridge 88500,74500,2457,118,-3 --fov 45
+picture gullies 80000,80000,1250,125,-6 --fov 60 --synthesis auto
 picture coast 112000,103000,1556,200,-7 --fov 45
 picture levels 80000,80000,4207,125,-10 --fov 60 --n 127 --level-colours
 picture wireframe 80000,80000,4207,125,-14 --fov 60 --n 63 --wireframe --background 0c1420
@@ -49,11 +50,11 @@ globe_picture() {
     "$build/planet-viewer" "$planet" -o "$out/$name.png" --size 1280x720 --view="$view" "$@"
 }
 
-# Two metres above the ground.
-shore=$("$build/terraclip" height "$planet" 119.71 16.7 | awk '{ print $NF + 2 }')
+# Two hundred metres above the ground.
+shore=$("$build/terraclip" height "$planet" 120 16.5 --synthesis auto | awk '{ print $NF + 200 }')
 globe_picture planet -75,25,15000000,0,-90 --fov 60
-globe_picture planet-10km 119.9,16,10000,-20,-4 --fov 40
-globe_picture planet-ground 119.71,16.7,"$shore",-20,1 --fov 40
+globe_picture planet-10km 119.9,16,10000,-20,-4 --fov 40 --synthesis auto
+globe_picture planet-ground 120,16.5,"$shore",150,-8 --fov 55 --synthesis auto
 globe_picture planet-north 0,88,3000000,0,-80
 globe_picture planet-south 30,-89,3000000,0,-85
 

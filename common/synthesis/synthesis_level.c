@@ -145,22 +145,13 @@ INLINE void slopes_row(const tc_level_recipe *r, const tc_patch *coarse, int64_t
 }
 
 typedef float quad __attribute__((vector_size(16)));
-typedef int32_t mask4 __attribute__((vector_size(16)));
-
-INLINE quad choose(mask4 mask, quad yes, quad no)
-{
-    return (quad)((mask & (mask4)yes) | (~mask & (mask4)no));
-}
-
-/* Four bands' noise at once: smeared, shaped to the kurtosis, times A. Positive neighbours along an axis that a band is
- * low on, and negative ones along one that it is high on, move its energy to the lower frequencies of the octave. */
+/* Four bands' noise at once, smeared. Positive neighbours along an axis that a band is low on, and negative ones along
+ * one that it is high on, move its energy to the lower frequencies of the octave. */
 INLINE void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t stride, const int32_t *restrict one,
-                      const int32_t *restrict two, const float *restrict amplitude, int64_t count, float *restrict out)
+                      const int32_t *restrict two, int64_t count, float *restrict out)
 {
     float s = fit->smear < 0 ? -fit->smear : fit->smear, w1 = s, w2 = s * s, t = fit->spread;
-    float norm = 1 / sqrtf(1 + 2 * w1 * w1 + 2 * w2 * w2 + 4 * t * t);
-    const float most = TC_NOISE_MOST;
-    const quad cut = {most, most, most, most}, low = -cut, along_x = {-t, t, -t, 0}, along_y = {t, -t, -t, 0};
+    const quad along_x = {-t, t, -t, 0}, along_y = {t, -t, -t, 0};
     for (int64_t i = 0; i < count; i++) {
         const float *p = white + 4 * i;
         quad c, a, b, d, e, west, east, south, north;
@@ -169,11 +160,7 @@ INLINE void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t s
         memcpy(&south, p - 4 * stride, sizeof south), memcpy(&north, p + 4 * stride, sizeof north);
         memcpy(&a, p + 4 * one[i], sizeof a), memcpy(&b, p - 4 * one[i], sizeof b);
         memcpy(&d, p + 4 * two[i], sizeof d), memcpy(&e, p - 4 * two[i], sizeof e);
-        quad n = (c + along_x * (west + east) + along_y * (south + north) + w1 * (a + b) + w2 * (d + e)) * norm;
-        n = n + fit->peak * (n * n * n);
-        n = choose(n < low, low, n);
-        n = choose(n > cut, cut, n);
-        n *= amplitude[i];
+        quad n = c + along_x * (west + east) + along_y * (south + north) + w1 * (a + b) + w2 * (d + e);
         memcpy(out + 4 * i, &n, sizeof n);
     }
 }
@@ -198,18 +185,33 @@ INLINE void split_bands(const float *noise, int64_t count, float *restrict x, fl
         x[i] = noise[4 * i], y[i] = noise[4 * i + 1], xy[i] = noise[4 * i + 2];
 }
 
-/* Details from noise and what curvature foretells, in place. */
+/* Noise of variance 1, shaped to the kurtosis and cut, times A. */
+INLINE float shaped(float n, float norm, float peak, float amplitude)
+{
+    n *= norm;
+    n = n + peak * (n * n * n);
+    n = n < -TC_NOISE_MOST ? -TC_NOISE_MOST : n;
+    n = n > TC_NOISE_MOST ? TC_NOISE_MOST : n;
+    return n * amplitude;
+}
+
+/* Details from smeared noise and what curvature foretells, in place. */
 INLINE void bands_row(const tc_level_recipe *r, const float *restrict z, ptrdiff_t s, const float *restrict open,
-                      int64_t count, float *restrict hx, float *restrict hy, float *restrict hxy)
+                      const float *restrict amplitude, int64_t count, float *restrict hx, float *restrict hy,
+                      float *restrict hxy)
 {
     const tc_synthesis_fit *fit = r->fit;
     float b0 = fit->band[0], b1 = fit->band[1], b2 = fit->band[2], c0 = fit->curvature[0], c1 = fit->curvature[1];
+    float w1 = fit->smear * fit->smear, peak = fit->peak;
+    float norm = 1 / sqrtf(1 + 2 * w1 + 2 * w1 * w1 + 4 * fit->spread * fit->spread);
     for (int64_t i = 0; i < count; i++)
-        hx[i] = b0 * hx[i] + open[i] * (c0 * tc_second_difference(z + i, 1) + c1 * tc_sixth_difference(z + i, 1));
+        hx[i] = b0 * shaped(hx[i], norm, peak, amplitude[i]) +
+                open[i] * (c0 * tc_second_difference(z + i, 1) + c1 * tc_sixth_difference(z + i, 1));
     for (int64_t i = 0; i < count; i++)
-        hy[i] = b1 * hy[i] + open[i] * (c0 * tc_second_difference(z + i, s) + c1 * tc_sixth_difference(z + i, s));
+        hy[i] = b1 * shaped(hy[i], norm, peak, amplitude[i]) +
+                open[i] * (c0 * tc_second_difference(z + i, s) + c1 * tc_sixth_difference(z + i, s));
     for (int64_t i = 0; i < count; i++)
-        hxy[i] *= b2;
+        hxy[i] = b2 * shaped(hxy[i], norm, peak, amplitude[i]);
 }
 
 typedef struct workspace {
@@ -237,10 +239,10 @@ INLINE void detail_rows(const tc_level_recipe *r, const tc_patch *coarse, const 
             amplitude[i] *= open[i];
         slopes_row(r, coarse, j, d->rect.x0, w, dx, dy);
         direction_row(dx, dy, w, (int32_t)white_width, s->one, s->two);
-        smear_row(r->fit, white, white_width, s->one, s->two, amplitude, w, s->noise);
+        smear_row(r->fit, white, white_width, s->one, s->two, w, s->noise);
         float *hx = d->band[TC_HIGH_X] + at, *hy = d->band[TC_HIGH_Y] + at, *hxy = d->band[TC_HIGH_XY] + at;
         split_bands(s->noise, w, hx, hy, hxy);
-        bands_row(r, tc_patch_at(coarse, d->rect.x0, j), coarse->stride, open, w, hx, hy, hxy);
+        bands_row(r, tc_patch_at(coarse, d->rect.x0, j), coarse->stride, open, amplitude, w, hx, hy, hxy);
         /* There are no details beyond the last sample. */
         for (int64_t i = 0; i < w && !r->wraps; i++)
             if (d->rect.x0 + i < 0 || d->rect.x0 + i >= last_x)

@@ -9,6 +9,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/rect.h"
+#include "common/field/filter.h"
 #include "common/synthesis/synthesis.h"
 #include "tests/support/datasets.h"
 #include "tests/support/detail.h"
@@ -92,7 +93,19 @@ static void time_levels(const dataset *d)
         }
         printf(" %.3f", best);
     }
-    printf(" ms\n");
+    /* Beside it: U of as many samples, and copying them. */
+    enum { C = (N + 1) / 2, AROUND = C + 3 };
+    static float coarse[AROUND * AROUND], fine[4 * C * C], work[2 * C * (C + 3)], copy[4 * C * C];
+    double upsampling = INFINITY, copying = INFINITY;
+    for (int n = 0; n < 10 * TIMES; n++) {
+        coarse[n % AROUND] = (float)n;
+        start = tc_clock_ms();
+        tc_upsample(coarse + AROUND + 1, AROUND, C, C, fine, work);
+        double middle = tc_clock_ms();
+        memcpy(copy, fine, sizeof copy);
+        copying = fmin(copying, tc_clock_ms() - middle), upsampling = fmin(upsampling, middle - start);
+    }
+    printf(" ms; U alone %.4f, copying %.4f%s\n", upsampling, copying, copy[0] > 0 ? "" : " ");
     free(z);
     tc_field_destroy(made);
 }

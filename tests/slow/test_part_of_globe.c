@@ -53,7 +53,7 @@ static int lowest(const uint8_t *rgb, int x)
 static void the_side_is_a_line(void **state)
 {
     (void)state;
-    const tc_context *context = scene_context();
+    tc_context *context = scene_context();
     if (!context)
         skip();
     static const int sizes[] = {201, 230, 247, 311};
@@ -83,6 +83,7 @@ static void the_side_is_a_line(void **state)
         scene_destroy(&s);
         tc_map_destroy(map);
     }
+    tc_context_destroy(context);
 }
 
 int main(void)
