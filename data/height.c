@@ -187,7 +187,8 @@ static tc_status read_cap(const place *p, const tc_chart *cap, double longitude,
 {
     const double degree = 3.141592653589793 / 180;
     int levels = tc_field_info(cap->field)->levels, missing = tc_field_packed_info(cap->field)->levels_missing;
-    int level = (int)tc_clamp64(levels + missing - (int)lrint(log2(p->stride_y)), 1, levels);
+    int like = levels - p->map->synthesised + missing; /* as far apart as the map's finest samples in the file */
+    int level = (int)tc_clamp64(like - (int)lrint(log2(p->stride_y)), 1, levels);
     double x, y, spacing = ldexp(cap->dx, levels - level);
     cap->class->from_place(longitude * degree, latitude * degree, &x, &y);
     return read_mesh(p, cap->field, level, (x - cap->x0) / spacing, (y - cap->y0) / spacing, z_ret);
@@ -203,16 +204,20 @@ static const tc_chart *chart_over(const place *p, double latitude)
     return NULL;
 }
 
-/* Mean height of the level's first or last row; NaN where all of it are voids that are left out. */
+/* Mean height of the level's first or last row, or where it is finer than the data of theirs; NaN where all of it are
+ * voids that are left out. */
 static tc_status read_row_mean(const place *p, int64_t row, double *z_ret)
 {
     const tc_field *field = p->field;
-    const tc_level l = tc_field_level(field, p->level);
-    int64_t columns = tc_min64(l.width, (int64_t)ceil((double)p->around / p->stride_x)), count = 0;
+    int level = (int)tc_min64(p->level, tc_field_info(field)->levels - p->map->synthesised);
+    const tc_level l = tc_field_level(field, level);
+    double stride = ldexp(p->stride_x, p->level - level);
+    int64_t columns = tc_min64(l.width, (int64_t)ceil((double)p->around / stride)), count = 0;
+    row = row > 0 ? l.height - 1 : 0;
     float *z = malloc((size_t)columns * sizeof *z);
     uint8_t *voids = malloc((size_t)columns);
     tc_rect rect = {0, row, columns, row + 1};
-    tc_status status = z && voids ? tc_field_read(field, p->level, rect, z, voids, columns) : TC_ERR_MEMORY;
+    tc_status status = z && voids ? tc_field_read(field, level, rect, z, voids, columns) : TC_ERR_MEMORY;
     double sum = 0;
     for (int64_t i = 0; i < columns && status == TC_OK; i++)
         if (p->map->voids != TC_VOIDS_HOLE || !voids[i])

@@ -10,7 +10,7 @@
  *
  * Noise is a hash of (seed, chart, level, i, j) and arithmetic is that of IEEE floats: a height is the same on every
  * machine, in whatever rectangle and on whatever thread it is read. Areas of 3 x 3 equal samples stay as they are, and
- * so does what touches them. */
+ * so does what touches them. (Where a planet's charts share a place a factor comes from the C library's functions.) */
 #ifndef TC_SYNTHESIS_H
 #define TC_SYNTHESIS_H
 

@@ -295,12 +295,12 @@ static tc_ready synthesis_ready(const tc_field *field, int level, tc_rect rect, 
 
 /* ---- Bounds ------------------------------------------------------------------------------------------------------ */
 
-/* Largest A of level m + k where the data's heights around are within `relief`. */
+/* Largest A of level m + k where the data's heights around are within `relief`; beyond a side they go on in a straight
+ * line, up to five times as far. */
 static float largest_amplitude(const synthesis_field *p, int k, float relief)
 {
     tc_level size = p->head.level[p->data - 1];
-    float detail = 1.125f * relief, gx = 0.5f * relief / (float)size.spacing_x,
-          gy = 0.5f * relief / (float)size.spacing_y;
+    float detail = 5 * relief, gx = relief / (float)size.spacing_x, gy = relief / (float)size.spacing_y;
     float e = log2f(detail * detail + p->fit.energy_floor), s = log2f(gx * gx + gy * gy + p->fit.slope_floor);
     float a = exp2f(0.5f * (p->fit.level[k - 1].a + p->fit.level[k - 1].b * e + p->fit.level[k - 1].c * s));
     float shared = p->share.of ? 1.42f : 1.01f; /* powers there are off by less than 1e-3 */

@@ -6,6 +6,9 @@
 
 #include <math.h>
 #include <string.h>
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
 
 #include "common/base/rect.h"
 #include "common/field/filter.h"
@@ -169,18 +172,14 @@ INLINE void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t s
 INLINE void split_bands(const float *noise, int64_t count, float *restrict x, float *restrict y, float *restrict xy)
 {
     int64_t i = 0;
+#ifdef __SSE__
     for (; i + 4 <= count; i += 4) {
-        quad a, b, c, d;
-        memcpy(&a, noise + 4 * i, sizeof a), memcpy(&b, noise + 4 * i + 4, sizeof b);
-        memcpy(&c, noise + 4 * i + 8, sizeof c), memcpy(&d, noise + 4 * i + 12, sizeof d);
-        quad low = __builtin_shufflevector(a, b, 0, 4, 1, 5), low2 = __builtin_shufflevector(c, d, 0, 4, 1, 5);
-        quad high = __builtin_shufflevector(a, b, 2, 6, 3, 7), high2 = __builtin_shufflevector(c, d, 2, 6, 3, 7);
-        quad first = __builtin_shufflevector(low, low2, 0, 1, 4, 5);
-        quad second = __builtin_shufflevector(low, low2, 2, 3, 6, 7);
-        quad third = __builtin_shufflevector(high, high2, 0, 1, 4, 5);
-        memcpy(x + i, &first, sizeof first), memcpy(y + i, &second, sizeof second),
-            memcpy(xy + i, &third, sizeof third);
+        __m128 a = _mm_loadu_ps(noise + 4 * i), b = _mm_loadu_ps(noise + 4 * i + 4);
+        __m128 c = _mm_loadu_ps(noise + 4 * i + 8), d = _mm_loadu_ps(noise + 4 * i + 12);
+        _MM_TRANSPOSE4_PS(a, b, c, d);
+        _mm_storeu_ps(x + i, a), _mm_storeu_ps(y + i, b), _mm_storeu_ps(xy + i, c);
     }
+#endif
     for (; i < count; i++)
         x[i] = noise[4 * i], y[i] = noise[4 * i + 1], xy[i] = noise[4 * i + 2];
 }
@@ -352,6 +351,12 @@ static void keep_flat(const tc_patch *coarse, tc_rect cells, const uint8_t *flat
 }
 
 /* base plus what the inverse lifting gives beyond it, which is bounded by A; and all by the terrain's range. */
+INLINE float cut(float v, float lowest, float highest)
+{
+    v = v < lowest ? lowest : v;
+    return v > highest ? highest : v;
+}
+
 INLINE void bounded_row(const tc_level_recipe *r, const float *restrict fine, const float *restrict base,
                         const float *restrict amplitude, int64_t cells, float *restrict out)
 {
@@ -360,11 +365,7 @@ INLINE void bounded_row(const tc_level_recipe *r, const float *restrict fine, co
         out[2 * i] = out[2 * i + 1] = TC_ADDED_MOST * amplitude[i];
     for (int64_t i = 0; i < 2 * cells; i++) {
         float most = out[i], v = fine[i] - base[i];
-        v = v < -most ? -most : v;
-        v = v > most ? most : v;
-        v += base[i];
-        v = v < lowest ? lowest : v;
-        out[i] = v > highest ? highest : v;
+        out[i] = cut(cut(v, -most, most) + base[i], lowest, highest);
     }
 }
 
@@ -407,14 +408,16 @@ INLINE void make_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rect
     }
     for (int64_t y = rect.y0; y < rect.y1; y++) {
         int64_t row = y - 2 * j0;
-        const float *under = base + row * 2 * (i1 - i0), *result = under;
-        if (!r->fit->none) {
+        const float *under = base + row * 2 * (i1 - i0);
+        if (r->fit->none) {
+            for (int64_t i = 0; i < 2 * (i1 - i0); i++)
+                line[i] = cut(under[i], r->lowest, r->highest);
+        } else {
             invert_x(low + row * w + AROUND - 1, high + row * w + AROUND - 1, i0, i1, r->width, r->wraps, line_even,
                      line_odd, fine);
             bounded_row(r, fine, under, d.amplitude + (AROUND + (row >> 1)) * w + AROUND, i1 - i0, line);
-            result = line;
         }
-        memcpy(z + (y - rect.y0) * stride, result + (rect.x0 - 2 * i0), (size_t)(rect.x1 - rect.x0) * sizeof *z);
+        memcpy(z + (y - rect.y0) * stride, line + (rect.x0 - 2 * i0), (size_t)(rect.x1 - rect.x0) * sizeof *z);
     }
 }
 
