@@ -244,7 +244,7 @@ static void nonsense_is_refused(void **state)
         {"t -o ''", "--output: "},
         {"t --json=1", "--json: expected no value, found '1'"},
         {"t --imagery x.png", "--imagery: no such option"},
-        {"t --synthesis 3", "--synthesis: no such option"},
+        {"t --synthesised 3", "--synthesised: no such option"},
         {"t --scheme rings", "--scheme: expected plain or fancy, found 'rings'"},
         {"t --siz 3x3", "--siz: no such option"},
         {"t -z", "-z: no such option"},
