@@ -4,6 +4,7 @@
  * their height, so that tiles are decoded once. */
 #include "extract.h"
 
+#include "common/field/field.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/app/arguments.h"
@@ -113,17 +114,11 @@ typedef struct job {
     tc_status status;       /* of reading */
 } job;
 
-/* Finest samples between those of the level. */
-static double stride_of(const tc_pack_terrain *terrain, tc_level level)
-{
-    return exp2(rint(log2(level.spacing_x / terrain->spacing_x)));
-}
-
 /* The place of the rectangle: sample (i, j) of the level lies on finest sample (i s, j s), counted from the south-west.
  */
 static void place(job *j, const tc_pack_terrain *terrain, tc_level level, double west, double north)
 {
-    double s = stride_of(terrain, level), h = (double)terrain->height;
+    double s = tc_level_stride(level.spacing_x, terrain->spacing_x), h = (double)terrain->height;
     double local[6] = {-0.5 * terrain->spacing_x, terrain->spacing_x, 0, (h - 0.5) * terrain->spacing_y, 0,
                        -terrain->spacing_y};
     const double *t = terrain->georef.known ? terrain->georef.transform : local;
@@ -320,7 +315,7 @@ static tc_status extract(const struct arguments *a, const tc_map *map, tc_progre
     j.tiff.width = j.rect.x1 - j.rect.x0;
     j.tiff.height = j.rect.y1 - j.rect.y0;
     j.tiff.georef = &j.georef;
-    choose_storage(&j, packed, stride_of(&packed->terrain, level) == 1);
+    choose_storage(&j, packed, tc_level_stride(level.spacing_x, packed->terrain.spacing_x) == 1);
     progress->samples = (double)j.tiff.width * (double)j.tiff.height;
     return write(a, &j, error);
 }
@@ -338,7 +333,7 @@ tc_status tc_extract_main(int argc, char **argv, tc_error *error)
     const tc_source_options options = {.say = tc_progress_say, .say_context = &progress};
     tc_map *map = NULL;
     status = tc_map_load_packed(a.file, &options, &(tc_load_options){.body = &tc_plane_body}, &map, error);
-    if (status == TC_OK && a.synthesis != 0)
+    if (status == TC_OK)
         status = tc_map_synthesise(map, a.synthesis, error);
     if (status == TC_OK)
         status = tc_outfile_probe(a.output, error);

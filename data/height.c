@@ -10,6 +10,7 @@
 #include "points.h"
 
 #include "common/chart/lonlat.h"
+#include "common/field/field.h"
 #include "common/field/point.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
@@ -352,8 +353,8 @@ static tc_status tell(const struct arguments *a, const tc_map *map, double x, do
         return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
     place p = {.map = map, .field = field, .level = a->level ? a->level : levels};
     const tc_level level = tc_field_level(field, p.level);
-    p.stride_x = exp2(rint(log2(level.spacing_x / map->spacing_x)));
-    p.stride_y = exp2(rint(log2(level.spacing_y / map->spacing_y)));
+    p.stride_x = tc_level_stride(level.spacing_x, map->spacing_x);
+    p.stride_y = tc_level_stride(level.spacing_y, map->spacing_y);
     find_around(&p);
     tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
     int64_t damaged = tc_map_damaged(map);
@@ -383,7 +384,7 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
     a.source.say_context = &a;
     tc_map *map = NULL;
     status = tc_map_load(a.file, &a.source, NULL, &map, error);
-    if (status == TC_OK && a.synthesis != 0)
+    if (status == TC_OK)
         status = tc_map_synthesise(map, a.synthesis, error);
     if (status == TC_OK)
         status = tell(&a, map, point[0], point[1], error);

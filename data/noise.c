@@ -26,15 +26,6 @@ static const float gradient[32][2] = {
     {0.946930129f, -0.321439465f},  {0.991444861f, -0.130526192f},
 };
 
-uint64_t tc_hash64(uint64_t seed, uint64_t number)
-{
-    /* splitmix64's finaliser over a Weyl step. */
-    uint64_t h = seed + (number + 1) * 0x9E3779B97F4A7C15u;
-    h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9u;
-    h = (h ^ (h >> 27)) * 0x94D049BB133111EBu;
-    return h ^ (h >> 31);
-}
-
 static inline uint32_t hash_point(uint32_t seed, uint32_t x, uint32_t y)
 {
     uint32_t h = seed ^ (x * 0x9E3779B1u) ^ ((y * 0x85EBCA77u) << 13 | (y * 0x85EBCA77u) >> 19);

@@ -2,10 +2,7 @@
 #ifndef TC_NOISE_H
 #define TC_NOISE_H
 
-#include <stdint.h>
-
-/* A well mixed 64-bit value of a seed and a number: independent seeds for the parts of a generator. */
-uint64_t tc_hash64(uint64_t seed, uint64_t number);
+#include "common/base/hash.h"
 
 /* A well mixed 32-bit value of an integer lattice point. */
 uint32_t tc_hash_point(uint32_t seed, int32_t x, int32_t y);

@@ -144,7 +144,7 @@ bool tc_read_level(void *level, const char *value)
 bool tc_read_synthesis(void *levels, const char *value)
 {
     if (strcmp(value, "auto") != 0)
-        return tc_read_int(value, 1, 20, levels);
+        return tc_read_int(value, 1, TC_SYNTHESIS_MOST, levels);
     *(int *)levels = TC_SYNTHESIS_AUTO;
     return true;
 }

@@ -41,7 +41,7 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     source.outputs = &v->outputs;
     const tc_load_options load = {.body = v->program->body, .radius = v->options.radius, .threads = v->options.threads};
     tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
-    if (status == TC_OK && v->options.synthesis != 0)
+    if (status == TC_OK)
         status = tc_map_synthesise(v->map, v->options.synthesis, error);
     return status;
 }

@@ -72,6 +72,19 @@ static inline bool tc_rect_equal(tc_rect a, tc_rect b)
     return (tc_rect_empty(a) && tc_rect_empty(b)) || (a.x0 == b.x0 && a.y0 == b.y0 && a.x1 == b.x1 && a.y1 == b.y1);
 }
 
+static inline tc_rect tc_rect_grown(tc_rect r, int64_t by)
+{
+    return (tc_rect){r.x0 - by, r.y0 - by, r.x1 + by, r.y1 + by};
+}
+
+/* The smallest one around both; an empty one does not count. */
+static inline tc_rect tc_rect_around(tc_rect a, tc_rect b)
+{
+    if (tc_rect_empty(a) || tc_rect_empty(b))
+        return tc_rect_empty(a) ? b : a;
+    return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
+}
+
 static inline bool tc_rect_contains(tc_rect r, int64_t x, int64_t y)
 {
     return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1;

@@ -3,6 +3,8 @@
 #ifndef TC_FIELD_H
 #define TC_FIELD_H
 
+#include <math.h>
+
 #include "common/terraclip.h"
 
 /* What a sample is. */
@@ -41,6 +43,13 @@ struct tc_field {
 
 /* Fills in the sizes and spacings of all levels and info.levels from the finest. */
 void tc_field_set_levels(tc_field *field, tc_level finest);
+
+/* Samples `finest` metres apart between those that are `spacing` apart: a power of two, below 1 where they are finer.
+ */
+static inline double tc_level_stride(double spacing, double finest)
+{
+    return exp2(rint(log2(spacing / finest)));
+}
 
 /* Its packed file's head, through what decorates it; NULL where there is none. */
 const struct tc_container *tc_field_container(const tc_field *field);

@@ -11,13 +11,6 @@
 
 enum { REACH = 3 }; /* even samples that d[i-2] .. d[i+1] look at beyond i, on either side */
 
-static const float UPDATE_NEAR = 19.f / 64, UPDATE_FAR = -3.f / 64;
-
-static inline float predict(float a, float b, float c, float d)
-{
-    return 0.5625f * (b + c) - 0.0625f * (a + d);
-}
-
 /* Fills e[-1] and e[count], e[count + 1] so that the straight line through the border goes on. */
 static void extend_line(float *e, int64_t count)
 {
@@ -40,14 +33,14 @@ static void lift_row(const float *restrict x, int64_t width, bool wrap_x, float 
     else
         extend_line(e, evens);
     for (int64_t i = 0; i < odds; i++)
-        d[i] = x[2 * i + 1] - predict(e[i - 1], e[i], e[i + 1], e[i + 2]);
+        d[i] = x[2 * i + 1] - tc_predict(e[i - 1], e[i], e[i + 1], e[i + 2]);
     d[-2] = d[-1] = 0;
     for (int64_t i = odds; i < evens + 1; i++)
         d[i] = 0;
     if (wrap_x)
         d[-1] = d[evens - 1], d[-2] = d[(2 * evens - 2) % evens], d[evens] = d[0];
     for (int64_t i = 0; i < evens; i++)
-        low[i] = e[i] + UPDATE_NEAR * (d[i - 1] + d[i]) + UPDATE_FAR * (d[i - 2] + d[i + 1]);
+        low[i] = e[i] + TC_UPDATE_NEAR * (d[i - 1] + d[i]) + TC_UPDATE_FAR * (d[i - 2] + d[i + 1]);
 }
 
 /* Rows of the horizontally filtered input that rows j0 .. j1 - 1 of the result look at, plus those that extend it. */
@@ -121,14 +114,14 @@ void tc_downsample(const float *fine, int64_t width, int64_t height, bool wrap_x
         const float *restrict x = low + (2 * k + 1 - first) * cw;
         const float *p = even_row(&b, k - 1), *q = even_row(&b, k), *r = even_row(&b, k + 1), *s = even_row(&b, k + 2);
         for (int64_t i = 0; i < cw; i++)
-            d[i] = x[i] - predict(p[i], q[i], r[i], s[i]);
+            d[i] = x[i] - tc_predict(p[i], q[i], r[i], s[i]);
     }
     for (int64_t j = j0; j < j1; j++) {
         const float *restrict d = detail + (j - j0) * cw; /* of row j - 2 */
         const float *restrict x = even_row(&b, j);
         float *restrict out = coarse + (j - j0) * cw;
         for (int64_t i = 0; i < cw; i++)
-            out[i] = x[i] + UPDATE_NEAR * (d[cw + i] + d[2 * cw + i]) + UPDATE_FAR * (d[i] + d[3 * cw + i]);
+            out[i] = x[i] + TC_UPDATE_NEAR * (d[cw + i] + d[2 * cw + i]) + TC_UPDATE_FAR * (d[i] + d[3 * cw + i]);
     }
 }
 
@@ -137,7 +130,7 @@ void tc_upsample_1d(const float *c, ptrdiff_t stride, int64_t count, float *f, p
     for (int64_t i = 0; i < count; i++) {
         const float *p = c + i * stride;
         f[2 * i * stride_f] = p[0];
-        f[(2 * i + 1) * stride_f] = predict(p[-stride], p[0], p[stride], p[2 * stride]);
+        f[(2 * i + 1) * stride_f] = tc_predict(p[-stride], p[0], p[stride], p[2 * stride]);
     }
 }
 
@@ -151,6 +144,6 @@ void tc_upsample(const float *c, ptrdiff_t stride, int64_t cw, int64_t ch, float
         memcpy(fine + 2 * j * fw, p + fw, (size_t)fw * sizeof *fine);
         float *restrict out = fine + (2 * j + 1) * fw;
         for (int64_t i = 0; i < fw; i++)
-            out[i] = predict(p[i], p[fw + i], p[2 * fw + i], p[3 * fw + i]);
+            out[i] = tc_predict(p[i], p[fw + i], p[2 * fw + i], p[3 * fw + i]);
     }
 }

@@ -15,6 +15,14 @@ static inline int64_t tc_coarse_size(int64_t fine)
     return (fine + 1) / 2;
 }
 
+/* What U says of the sample between b and c, and the update's two weights. */
+static inline float tc_predict(float a, float b, float c, float d)
+{
+    return 0.5625f * (b + c) - 0.0625f * (a + d);
+}
+#define TC_UPDATE_NEAR (19.f / 64)
+#define TC_UPDATE_FAR (-3.f / 64)
+
 /* Writes rows j0 <= j < j1 of D(fine): coarse[(j - j0) * tc_coarse_size(width) + i]. Rows are independent of how the
  * range is cut. wrap_x: column 0 follows the last one; only for even widths. scratch: tc_downsample_scratch floats. */
 size_t tc_downsample_scratch(int64_t width, int64_t rows);

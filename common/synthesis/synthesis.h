@@ -16,8 +16,6 @@
 
 #include "common/field/field.h"
 
-enum { TC_SYNTHESIS_MOST = 20 }; /* levels beyond the data */
-
 /* Bands of details: high along x, along y, along both. */
 enum { TC_HIGH_X, TC_HIGH_Y, TC_HIGH_XY, TC_DETAIL_BANDS };
 
@@ -31,12 +29,12 @@ typedef struct tc_synthesis_fit {
     } level[TC_SYNTHESIS_MOST];
     float band[TC_DETAIL_BANDS]; /* of the bands' noise, in A */
     float curvature[2];          /* shares of the second and of the sixth difference in a detail high along one axis */
-    float spread;                /* of neighbours in the noise: across a band's high axis, negative along it */
-    float smear;                 /* -1 .. 1: along the slope, negative across it */
-    float peak;                  /* n + peak n^3 has the kurtosis of the terrain's own detail */
-    double spacing;              /* metres, of level m */
-    double rms[3];               /* metres, of the details of levels m - 2, m - 1, m */
-    double ratio;                /* of a level's rms to the next finer one's, from these */
+    float spread;   /* of neighbours in the noise, along the axis that a band is low on; negative along the other */
+    float smear;    /* -1 .. 1: along the slope, negative across it */
+    float peak;     /* n + peak n^3 has the kurtosis of the terrain's own detail */
+    double spacing; /* metres, of level m */
+    double rms[3];  /* metres, of the details of levels m - 2, m - 1, m */
+    double ratio;   /* of a level's rms to the next finer one's, from these */
     double anisotropy, kurtosis; /* of level m's detail, normalised: across the slope over along it; measured */
 } tc_synthesis_fit;
 

@@ -2,22 +2,14 @@
 #include <string.h>
 
 #include "common/base/rect.h"
+#include "common/base/simd.h"
 #include "synthesis_level.h"
 
-#define INLINE static inline __attribute__((always_inline))
-#if defined __x86_64__ && defined __GNUC__ && !defined TC_WITHOUT_WIDE
-#define WIDE __attribute__((target("avx2")))
-#define HAS_WIDE __builtin_cpu_supports("avx2")
-#else
-#define WIDE
-#define HAS_WIDE false
-#endif
-
-enum { DETAIL = 3, SMOOTH = 2 }; /* reach of the filters: together TC_ENERGY_REACH */
+enum { SMOOTH = 2 }; /* reach of smoothing; that of the detail before it is 3: together TC_ENERGY_REACH */
 
 /* Logarithms and powers of two to 1e-4 and 7e-4, of the same bits everywhere, which a C library's are not: polynomials
  * for log2(1 + t) / t and (2^t - 1) / t over 0 .. 1, by least squares in Chebyshev's points, that meet both ends. */
-INLINE float log2_of(float v)
+static inline float log2_of(float v)
 {
     uint32_t bits;
     memcpy(&bits, &v, sizeof bits);
@@ -30,7 +22,7 @@ INLINE float log2_of(float v)
     return (float)exponent + t * curve;
 }
 
-INLINE float exp2_of(float v)
+static inline float exp2_of(float v)
 {
     v = v < -120 ? -120 : v;
     v = v > 120 ? 120 : v;
@@ -46,8 +38,8 @@ INLINE float exp2_of(float v)
 /* ---- Energy and slope -----------------------------------------------------------------------------------------------
  */
 
-INLINE void raw_row(const float *restrict z, ptrdiff_t s, float ix, float iy, int64_t count, float *restrict energy,
-                    float *restrict slope)
+static inline void raw_row(const float *restrict z, ptrdiff_t s, float ix, float iy, int64_t count,
+                           float *restrict energy, float *restrict slope)
 {
     for (int64_t i = 0; i < count; i++) {
         float hx = z[i] - 0.5625f * (z[i - 1] + z[i + 1]) + 0.0625f * (z[i - 3] + z[i + 3]);
@@ -59,20 +51,20 @@ INLINE void raw_row(const float *restrict z, ptrdiff_t s, float ix, float iy, in
 }
 
 /* 1 2 3 2 1 ninths of values `step` apart. */
-INLINE void smooth_row(const float *restrict in, ptrdiff_t step, int64_t count, float *restrict out)
+static inline void smooth_row(const float *restrict in, ptrdiff_t step, int64_t count, float *restrict out)
 {
     for (int64_t i = 0; i < count; i++)
         out[i] = (1.0f / 9) * (3 * in[i] + 2 * (in[i - step] + in[i + step]) + (in[i - 2 * step] + in[i + 2 * step]));
 }
 
-INLINE void log_row(float floor, int64_t count, float *restrict row)
+static inline void log_row(float floor, int64_t count, float *restrict row)
 {
     for (int64_t i = 0; i < count; i++)
         row[i] = log2_of(row[i] + floor);
 }
 
-INLINE void local_energy(const tc_patch *z, const tc_synthesis_fit *fit, float spacing_x, float spacing_y, tc_rect rect,
-                         float *energy, float *slope, float *scratch)
+static inline void local_energy(const tc_patch *z, const tc_synthesis_fit *fit, float spacing_x, float spacing_y,
+                                tc_rect rect, float *energy, float *slope, float *scratch)
 {
     tc_rect wide = {rect.x0 - SMOOTH, rect.y0 - SMOOTH, rect.x1 + SMOOTH, rect.y1 + SMOOTH};
     int64_t w = wide.x1 - wide.x0, h = wide.y1 - wide.y0, n = rect.x1 - rect.x0;
@@ -89,8 +81,9 @@ INLINE void local_energy(const tc_patch *z, const tc_synthesis_fit *fit, float s
         }
 }
 
-WIDE static void local_energy_wide(const tc_patch *z, const tc_synthesis_fit *fit, float spacing_x, float spacing_y,
-                                   tc_rect rect, float *energy, float *slope, float *scratch)
+TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void
+local_energy_avx2(const tc_patch *z, const tc_synthesis_fit *fit, float spacing_x, float spacing_y, tc_rect rect,
+                  float *energy, float *slope, float *scratch)
 {
     local_energy(z, fit, spacing_x, spacing_y, rect, energy, slope, scratch);
 }
@@ -98,16 +91,13 @@ WIDE static void local_energy_wide(const tc_patch *z, const tc_synthesis_fit *fi
 void tc_local_energy(const tc_patch *z, const tc_synthesis_fit *fit, float spacing_x, float spacing_y, tc_rect rect,
                      float *energy, float *slope, float *scratch)
 {
-    if (HAS_WIDE)
-        local_energy_wide(z, fit, spacing_x, spacing_y, rect, energy, slope, scratch);
-    else
-        local_energy(z, fit, spacing_x, spacing_y, rect, energy, slope, scratch);
+    (tc_have_avx2() ? local_energy_avx2 : local_energy)(z, fit, spacing_x, spacing_y, rect, energy, slope, scratch);
 }
 
 /* ---- Amplitude --------------------------------------------------------------------------------------------------- */
 
-INLINE void amplitudes(const tc_synthesis_fit *fit, int k, const float *restrict energy, const float *restrict slope,
-                       int64_t count, float *restrict amplitude)
+static inline void amplitudes(const tc_synthesis_fit *fit, int k, const float *restrict energy,
+                              const float *restrict slope, int64_t count, float *restrict amplitude)
 {
     float a = 0.5f * fit->level[k - 1].a, b = 0.5f * fit->level[k - 1].b, c = 0.5f * fit->level[k - 1].c;
     float cap = fit->level[k - 1].cap;
@@ -117,8 +107,9 @@ INLINE void amplitudes(const tc_synthesis_fit *fit, int k, const float *restrict
     }
 }
 
-WIDE static void amplitudes_wide(const tc_synthesis_fit *fit, int k, const float *energy, const float *slope,
-                                 int64_t count, float *amplitude)
+TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void amplitudes_avx2(const tc_synthesis_fit *fit, int k,
+                                                                              const float *energy, const float *slope,
+                                                                              int64_t count, float *amplitude)
 {
     amplitudes(fit, k, energy, slope, count, amplitude);
 }
@@ -126,8 +117,5 @@ WIDE static void amplitudes_wide(const tc_synthesis_fit *fit, int k, const float
 void tc_amplitudes(const tc_synthesis_fit *fit, int k, const float *energy, const float *slope, int64_t count,
                    float *amplitude)
 {
-    if (HAS_WIDE)
-        amplitudes_wide(fit, k, energy, slope, count, amplitude);
-    else
-        amplitudes(fit, k, energy, slope, count, amplitude);
+    (tc_have_avx2() ? amplitudes_avx2 : amplitudes)(fit, k, energy, slope, count, amplitude);
 }

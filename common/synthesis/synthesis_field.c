@@ -80,11 +80,6 @@ static tc_rect within(const synthesis_field *p, int level, tc_rect rect)
     return tc_rect_intersect(rect, all);
 }
 
-static tc_rect both(tc_rect a, tc_rect b)
-{
-    return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
-}
-
 static chain chain_of(const synthesis_field *p, int level, tc_rect rect)
 {
     chain c = {.count = level - p->data};
@@ -93,13 +88,10 @@ static chain chain_of(const synthesis_field *p, int level, tc_rect rect)
         tc_rect cells = tc_synthesis_needs(c.made[k], TC_AMPLITUDE_REACH);
         tc_rect at = {tc_floor_shift(cells.x0, k - 1), tc_floor_shift(cells.y0, k - 1),
                       tc_floor_shift(cells.x1 - 1, k - 1) + 2, tc_floor_shift(cells.y1 - 1, k - 1) + 2};
-        c.amplitude = k == c.count ? at : both(c.amplitude, at);
+        c.amplitude = tc_rect_around(c.amplitude, at);
         c.around[k - 1] = tc_synthesis_needs(c.made[k], TC_COARSE_REACH);
-        if (k == 1) {
-            tc_rect a = c.amplitude;
-            c.around[0] = both(c.around[0], (tc_rect){a.x0 - TC_ENERGY_REACH, a.y0 - TC_ENERGY_REACH,
-                                                      a.x1 + TC_ENERGY_REACH, a.y1 + TC_ENERGY_REACH});
-        }
+        if (k == 1)
+            c.around[0] = tc_rect_around(c.around[0], tc_rect_grown(c.amplitude, TC_ENERGY_REACH));
         c.made[k - 1] = within(p, p->data + k - 1, c.around[k - 1]);
         c.largest = (size_t)tc_max64((int64_t)c.largest, tc_rect_area(c.around[k - 1]));
     }
@@ -333,8 +325,8 @@ static bool synthesis_changed(const tc_field *field, uint64_t *since, tc_rect *f
         return false;
     enum { REACH = 2 * TC_COARSE_REACH + TC_ENERGY_REACH };
     int64_t fine = (int64_t)1 << (p->head.info.levels - p->data);
-    tc_rect r = *finest_ret;
-    *finest_ret = (tc_rect){(r.x0 - REACH) * fine, (r.y0 - REACH) * fine, (r.x1 + REACH) * fine, (r.y1 + REACH) * fine};
+    tc_rect r = tc_rect_grown(*finest_ret, REACH);
+    *finest_ret = (tc_rect){r.x0 * fine, r.y0 * fine, r.x1 * fine, r.y1 * fine};
     return true;
 }
 

@@ -4,7 +4,7 @@
  * is a regression with a logarithmic link and errors that grow with the mean (gamma), so that it is the mean energy
  * that comes out right and not the mean of its logarithm. The whole rms of levels beyond follows the trend of the last
  * three. What is left, the smearing along the slope, the share of the bands and the kurtosis, is settled by rehearsal:
- * level m is synthesised from m - 1 and held against the true one (rehearsal.c). */
+ * level m is synthesised from m - 1 and held against the true one (synthesis_rehearsal.c). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,11 +88,11 @@ static void carry_on(const tc_pair *finest, const double x[UNKNOWNS], tc_synthes
     for (int k = 1; k <= TC_SYNTHESIS_MOST; k++) {
         target /= ratio_at(fit, k);
         double sum = 0, most = 0;
-        for (int64_t n = 0; n < finest->base_cells; n++) {
-            double e = exp2(bk * finest->base[n].energy + ck * finest->base[n].slope);
+        for (int64_t n = 0; n < finest->cells; n++) {
+            double e = exp2(bk * finest->cell[n].energy + ck * finest->cell[n].slope);
             sum += e, most = fmax(most, e);
         }
-        double mean = sum / fmax((double)finest->base_cells, 1);
+        double mean = sum / fmax((double)finest->cells, 1);
         fit->level[k - 1].a = (float)log2(fmax(target * target / fmax(mean, 1e-30), 1e-30));
         fit->level[k - 1].b = (float)bk, fit->level[k - 1].c = (float)ck;
         fit->level[k - 1].cap = (float)(1.5 * target * sqrt(most / fmax(mean, 1e-30)));
@@ -108,26 +108,27 @@ tc_status tc_synthesis_learn(const tc_field *field, tc_synthesis_fit *fit_ret, t
     int m = tc_field_info(field)->levels;
     const tc_level finest = tc_field_level(field, m);
     fit->spacing = sqrt(finest.spacing_x * finest.spacing_y);
-    tc_pair pairs[2] = {{0}}; /* m - 2 to m - 1, m - 1 to m */
+    tc_pair pairs[4] = {{0}}; /* of levels m - 3, m - 2, m - 1 with the next finer ones, and of m alone */
+    const tc_pair *last = &pairs[2];
     tc_status status = TC_OK;
-    for (int p = 0; p < 2 && !status && m >= 4; p++)
-        status = tc_pair_read(field, m - 2 + p, &pairs[p]);
-    if (!status && pairs[1].cells > 0 && pairs[1].energy > 0) {
-        double energy[3], x[UNKNOWNS];
-        for (int n = 0; n < 2; n++)
-            energy[n + 1] = pairs[n].energy / fmax((double)pairs[n].cells, 1);
+    for (int p = 0; p < 3 && !status && m >= 4; p++)
+        status = tc_pair_read(field, m - 3 + p, 0, &pairs[p]);
+    if (!status && last->cells > 0 && last->energy > 0)
+        status = tc_pair_read(field, m, last->floor, &pairs[3]);
+    if (!status && pairs[3].cell) {
+        double x[UNKNOWNS];
         fit->none = false;
-        fit->rms[1] = sqrt(energy[1]), fit->rms[2] = sqrt(energy[2]);
-        fit->rms[0] = sqrt(pairs[0].coarse_energy);
+        for (int p = 0; p < 3; p++)
+            fit->rms[p] = sqrt(pairs[p].energy / fmax((double)pairs[p].cells, 1));
         /* Trend of three: the line through their logarithms. */
         double trend = sqrt(fit->rms[0] / fit->rms[2]);
         fit->ratio = isfinite(trend) && trend > 0 ? fmin(fmax(trend, 1.3), 4) : 2;
-        regress(pairs, x);
-        fit->energy_floor = pairs[1].floor, fit->slope_floor = TC_SLOPE_FLOOR;
-        carry_on(&pairs[1], x, fit);
-        status = tc_synthesis_rehearse(field, &pairs[1], x[1], x[2], x[3], fit);
+        regress(&pairs[1], x);
+        fit->energy_floor = last->floor, fit->slope_floor = TC_SLOPE_FLOOR;
+        carry_on(&pairs[3], x, fit);
+        status = tc_synthesis_rehearse(field, last, x[1], x[2], x[3], fit);
     }
-    for (int p = 0; p < 2; p++)
+    for (int p = 0; p < 4; p++)
         tc_pair_free(&pairs[p]);
     return status ? tc_fail(error, status, "synthesis: the terrain cannot be read: %s", tc_status_text(status)) : TC_OK;
 }

@@ -11,19 +11,9 @@
 #endif
 
 #include "common/base/rect.h"
+#include "common/base/simd.h"
 #include "common/field/filter.h"
 #include "synthesis_noise.h"
-
-static const float UPDATE_NEAR = 19.f / 64, UPDATE_FAR = -3.f / 64;
-
-#if defined __x86_64__ && defined __GNUC__ && !defined TC_WITHOUT_WIDE
-#define WIDE __attribute__((target("avx2")))
-#define HAS_WIDE __builtin_cpu_supports("avx2")
-#else
-#define WIDE
-#define HAS_WIDE false
-#endif
-#define INLINE static inline __attribute__((always_inline))
 
 tc_rect tc_synthesis_needs(tc_rect fine, int reach)
 {
@@ -56,7 +46,7 @@ void tc_extend_beyond(const tc_patch *p, int64_t width, int64_t height, bool wra
 
 /* ---- Amplitude --------------------------------------------------------------------------------------------------- */
 
-/* A and whether it may be at cells x0 .. x1 - 1 of row j: interpolated from the coarser grid. */
+/* A at cells x0 .. x1 - 1 of row j, interpolated from the coarser grid. */
 static void amplitude_row(const tc_level_recipe *r, int64_t j, int64_t x0, int64_t x1, float *row, float *line)
 {
     const tc_patch *a = r->amplitude;
@@ -117,8 +107,8 @@ typedef struct details {
 } details;
 
 /* Steps, in white noise of that stride, by one and by two cells along the direction (dx, dy). */
-INLINE void direction_row(const float *restrict dx, const float *restrict dy, int64_t count, int32_t stride,
-                          int32_t *restrict one, int32_t *restrict two)
+static inline void direction_row(const float *restrict dx, const float *restrict dy, int64_t count, int32_t stride,
+                                 int32_t *restrict one, int32_t *restrict two)
 {
     for (int64_t i = 0; i < count; i++) {
         float ax = dx[i] < 0 ? -dx[i] : dx[i], ay = dy[i] < 0 ? -dy[i] : dy[i];
@@ -133,8 +123,8 @@ INLINE void direction_row(const float *restrict dx, const float *restrict dy, in
 }
 
 /* Directions of cells x0 .. of row j: of the slope of the coarser level, or across it. */
-INLINE void slopes_row(const tc_level_recipe *r, const tc_patch *coarse, int64_t j, int64_t x0, int64_t count,
-                       float *restrict dx, float *restrict dy)
+static inline void slopes_row(const tc_level_recipe *r, const tc_patch *coarse, int64_t j, int64_t x0, int64_t count,
+                              float *restrict dx, float *restrict dy)
 {
     const float *restrict z = tc_patch_at(coarse, x0, j);
     ptrdiff_t s = coarse->stride;
@@ -148,10 +138,12 @@ INLINE void slopes_row(const tc_level_recipe *r, const tc_patch *coarse, int64_t
 }
 
 typedef float quad __attribute__((vector_size(16)));
+
 /* Four bands' noise at once, smeared. Positive neighbours along an axis that a band is low on, and negative ones along
  * one that it is high on, move its energy to the lower frequencies of the octave. */
-INLINE void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t stride, const int32_t *restrict one,
-                      const int32_t *restrict two, int64_t count, float *restrict out)
+static inline void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t stride,
+                             const int32_t *restrict one, const int32_t *restrict two, int64_t count,
+                             float *restrict out)
 {
     float s = fit->smear < 0 ? -fit->smear : fit->smear, w1 = s, w2 = s * s, t = fit->spread;
     const quad along_x = {-t, t, -t, 0}, along_y = {t, -t, -t, 0};
@@ -169,7 +161,8 @@ INLINE void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t s
 }
 
 /* Four values a cell into a row for each of the three bands. */
-INLINE void split_bands(const float *noise, int64_t count, float *restrict x, float *restrict y, float *restrict xy)
+static inline void split_bands(const float *noise, int64_t count, float *restrict x, float *restrict y,
+                               float *restrict xy)
 {
     int64_t i = 0;
 #ifdef __SSE__
@@ -184,20 +177,24 @@ INLINE void split_bands(const float *noise, int64_t count, float *restrict x, fl
         x[i] = noise[4 * i], y[i] = noise[4 * i + 1], xy[i] = noise[4 * i + 2];
 }
 
+static inline float cut(float v, float lowest, float highest)
+{
+    v = v < lowest ? lowest : v;
+    return v > highest ? highest : v;
+}
+
 /* Noise of variance 1, shaped to the kurtosis and cut, times A. */
-INLINE float shaped(float n, float norm, float peak, float amplitude)
+static inline float shaped(float n, float norm, float peak, float amplitude)
 {
     n *= norm;
     n = n + peak * (n * n * n);
-    n = n < -TC_NOISE_MOST ? -TC_NOISE_MOST : n;
-    n = n > TC_NOISE_MOST ? TC_NOISE_MOST : n;
-    return n * amplitude;
+    return cut(n, -TC_NOISE_MOST, TC_NOISE_MOST) * amplitude;
 }
 
 /* Details from smeared noise and what curvature foretells, in place. */
-INLINE void bands_row(const tc_level_recipe *r, const float *restrict z, ptrdiff_t s, const float *restrict open,
-                      const float *restrict amplitude, int64_t count, float *restrict hx, float *restrict hy,
-                      float *restrict hxy)
+static inline void bands_row(const tc_level_recipe *r, const float *restrict z, ptrdiff_t s, const float *restrict open,
+                             const float *restrict amplitude, int64_t count, float *restrict hx, float *restrict hy,
+                             float *restrict hxy)
 {
     const tc_synthesis_fit *fit = r->fit;
     float b0 = fit->band[0], b1 = fit->band[1], b2 = fit->band[2], c0 = fit->curvature[0], c1 = fit->curvature[1];
@@ -219,8 +216,8 @@ typedef struct workspace {
     uint8_t *flat, *flat_work;
 } workspace;
 
-INLINE void detail_rows(const tc_level_recipe *r, const tc_patch *coarse, const details *d, const uint8_t *flat,
-                        const workspace *s)
+static inline void detail_rows(const tc_level_recipe *r, const tc_patch *coarse, const details *d, const uint8_t *flat,
+                               const workspace *s)
 {
     enum { SMEAR = 2 };
     int64_t w = d->rect.x1 - d->rect.x0, white_width = w + 2 * SMEAR;
@@ -245,54 +242,40 @@ INLINE void detail_rows(const tc_level_recipe *r, const tc_patch *coarse, const 
         /* There are no details beyond the last sample. */
         for (int64_t i = 0; i < w && !r->wraps; i++)
             if (d->rect.x0 + i < 0 || d->rect.x0 + i >= last_x)
-                d->band[TC_HIGH_X][at + i] = d->band[TC_HIGH_XY][at + i] = 0;
+                hx[i] = hxy[i] = 0;
         if (j < 0 || j >= last_y)
-            memset(d->band[TC_HIGH_Y] + at, 0, (size_t)w * sizeof(float)),
-                memset(d->band[TC_HIGH_XY] + at, 0, (size_t)w * sizeof(float));
+            memset(hy, 0, (size_t)w * sizeof *hy), memset(hxy, 0, (size_t)w * sizeof *hxy);
     }
 }
 
 /* ---- Inverse lifting --------------------------------------------------------------------------------------------- */
 
-INLINE float predict(float a, float b, float c, float d)
-{
-    return 0.5625f * (b + c) - 0.0625f * (a + d);
-}
-
 /* Evens of rows: low less what the details around would add. d: of the same row; step: between rows. */
-INLINE void even_row(const float *restrict low, const float *restrict d, ptrdiff_t step, int64_t count,
-                     float *restrict even)
+static inline void even_row(const float *restrict low, const float *restrict d, ptrdiff_t step, int64_t count,
+                            float *restrict even)
 {
     for (int64_t i = 0; i < count; i++)
-        even[i] = low[i] - (UPDATE_NEAR * (d[i - step] + d[i]) + UPDATE_FAR * (d[i - 2 * step] + d[i + step]));
+        even[i] = low[i] - (TC_UPDATE_NEAR * (d[i - step] + d[i]) + TC_UPDATE_FAR * (d[i - 2 * step] + d[i + step]));
 }
 
-INLINE void odd_row(const float *restrict even, ptrdiff_t step, const float *restrict d, int64_t count,
-                    float *restrict odd)
+static inline void odd_row(const float *restrict even, ptrdiff_t step, const float *restrict d, int64_t count,
+                           float *restrict odd)
 {
     for (int64_t i = 0; i < count; i++)
-        odd[i] = d[i] + predict(even[i - step], even[i], even[i + step], even[i + 2 * step]);
+        odd[i] = d[i] + tc_predict(even[i - step], even[i], even[i + step], even[i + 2 * step]);
 }
 
 /* Rows 2 j0 .. 2 j1 - 1 of what was low and high along y, from evens j0 - 1 .. j1 + 1. low: row j0 - 1 on; detail: row
  * j0 - 1, with two before and one behind. even: j1 - j0 + 3 rows; out: 2 (j1 - j0) rows. All of one stride but low. */
-INLINE void invert_y(const float *low, ptrdiff_t low_stride, const float *detail, ptrdiff_t stride, int64_t j0,
-                     int64_t j1, int64_t height, int64_t count, float *even, float *out)
+static inline void invert_y(const float *low, ptrdiff_t low_stride, const float *detail, ptrdiff_t stride, int64_t j0,
+                            int64_t j1, int64_t height, int64_t count, float *even, float *out)
 {
-    int64_t first = tc_max64(j0 - 1, 0), end = tc_min64(j1 + 2, height), step = height > 1 ? stride : 0;
+    int64_t first = tc_max64(j0 - 1, 0), end = tc_min64(j1 + 2, height);
     for (int64_t j = first; j < end; j++) {
         int64_t k = j - (j0 - 1);
         even_row(low + k * low_stride, detail + k * stride, stride, count, even + k * stride);
     }
-    for (int64_t j = j0 - 1; j < j1 + 2; j++) { /* beyond the level, in a straight line */
-        if (j >= first && j < end)
-            continue;
-        int64_t edge = (j < first ? first : end - 1) - (j0 - 1), times = j < first ? first - j : j - end + 1;
-        float *row = even + (j - (j0 - 1)) * stride;
-        const float *last = even + edge * stride, *inner = last + (j < first ? step : -step);
-        for (int64_t i = 0; i < count; i++)
-            row[i] = last[i] + (float)times * (last[i] - inner[i]);
-    }
+    tc_extend_beyond(&(tc_patch){even, stride, {0, j0 - 1, count, j1 + 2}}, count, height, true);
     for (int64_t j = j0; j < j1; j++) {
         const float *e = even + (j - j0 + 1) * stride;
         memcpy(out + 2 * (j - j0) * stride, e, (size_t)count * sizeof *out);
@@ -302,16 +285,13 @@ INLINE void invert_y(const float *low, ptrdiff_t low_stride, const float *detail
 
 /* The same along a row. low: from i0 - 1 on; detail: from i0 - 1 on, with two before and one behind. fine: 2 (i1 - i0).
  */
-INLINE void invert_x(const float *low, const float *detail, int64_t i0, int64_t i1, int64_t width, bool wraps,
-                     float *restrict even, float *restrict odd, float *restrict fine)
+static inline void invert_x(const float *low, const float *detail, int64_t i0, int64_t i1, int64_t width, bool wraps,
+                            float *restrict even, float *restrict odd, float *restrict fine)
 {
     int64_t first = wraps ? i0 - 1 : tc_max64(i0 - 1, 0), end = wraps ? i1 + 2 : tc_min64(i1 + 2, width);
-    int64_t at = i0 - 1, step = width > 1;
+    int64_t at = i0 - 1;
     even_row(low + (first - at), detail + (first - at), 1, end - first, even + (first - at));
-    for (int64_t i = at; i < first; i++)
-        even[i - at] = even[first - at] - (float)(first - i) * (even[first - at + step] - even[first - at]);
-    for (int64_t i = end; i < i1 + 2; i++)
-        even[i - at] = even[end - 1 - at] + (float)(i - end + 1) * (even[end - 1 - at] - even[end - 1 - at - step]);
+    tc_extend_beyond(&(tc_patch){even, 0, {at, 0, i1 + 2, 1}}, width, 1, wraps);
     odd_row(even + 1, 1, detail + 1, i1 - i0, odd);
     for (int64_t i = 0; i < i1 - i0; i++)
         fine[2 * i] = even[i + 1], fine[2 * i + 1] = odd[i];
@@ -351,14 +331,8 @@ static void keep_flat(const tc_patch *coarse, tc_rect cells, const uint8_t *flat
 }
 
 /* base plus what the inverse lifting gives beyond it, which is bounded by A; and all by the terrain's range. */
-INLINE float cut(float v, float lowest, float highest)
-{
-    v = v < lowest ? lowest : v;
-    return v > highest ? highest : v;
-}
-
-INLINE void bounded_row(const tc_level_recipe *r, const float *restrict fine, const float *restrict base,
-                        const float *restrict amplitude, int64_t cells, float *restrict out)
+static inline void bounded_row(const tc_level_recipe *r, const float *restrict fine, const float *restrict base,
+                               const float *restrict amplitude, int64_t cells, float *restrict out)
 {
     float lowest = r->lowest, highest = r->highest;
     for (int64_t i = 0; i < cells; i++)
@@ -369,8 +343,8 @@ INLINE void bounded_row(const tc_level_recipe *r, const float *restrict fine, co
     }
 }
 
-INLINE void make_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect, float *z, ptrdiff_t stride,
-                       float *scratch)
+static inline void make_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect, float *z,
+                              ptrdiff_t stride, float *scratch)
 {
     tc_rect cells = tc_synthesis_needs(rect, 0);
     int64_t i0 = cells.x0, i1 = cells.x1, j0 = cells.y0, j1 = cells.y1;
@@ -421,8 +395,10 @@ INLINE void make_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rect
     }
 }
 
-WIDE static void make_level_wide(const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect, float *z,
-                                 ptrdiff_t stride, float *scratch)
+TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void make_level_avx2(const tc_level_recipe *r,
+                                                                              const tc_patch *coarse, tc_rect rect,
+                                                                              float *z, ptrdiff_t stride,
+                                                                              float *scratch)
 {
     make_level(r, coarse, rect, z, stride, scratch);
 }
@@ -430,8 +406,5 @@ WIDE static void make_level_wide(const tc_level_recipe *r, const tc_patch *coars
 void tc_synthesis_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect, float *z, ptrdiff_t stride,
                         float *scratch)
 {
-    if (HAS_WIDE)
-        make_level_wide(r, coarse, rect, z, stride, scratch);
-    else
-        make_level(r, coarse, rect, z, stride, scratch);
+    (tc_have_avx2() ? make_level_avx2 : make_level)(r, coarse, rect, z, stride, scratch);
 }

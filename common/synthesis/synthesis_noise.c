@@ -2,6 +2,9 @@
  */
 #include "synthesis_noise.h"
 
+#include "common/base/hash.h"
+#include "common/base/simd.h"
+
 static inline uint32_t mix(uint32_t h)
 {
     h ^= h >> 16;
@@ -11,21 +14,12 @@ static inline uint32_t mix(uint32_t h)
     return h ^ h >> 16;
 }
 
-static uint64_t mix64(uint64_t h) /* SplitMix64's */
-{
-    h += 0x9e3779b97f4a7c15u;
-    h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9u;
-    h = (h ^ h >> 27) * 0x94d049bb133111ebu;
-    return h ^ h >> 31;
-}
-
 uint64_t tc_noise_seed(int chart, int level)
 {
-    return mix64(mix64((uint64_t)chart) ^ (uint64_t)level);
+    return tc_hash64(tc_hash64((uint64_t)chart, 0) ^ (uint64_t)level, 0);
 }
 
-static inline __attribute__((always_inline)) void noise_run(uint32_t row, uint32_t column, int64_t count,
-                                                            float *restrict out)
+static void noise_run(uint32_t row, uint32_t column, int64_t count, float *restrict out)
 {
     for (int64_t k = 0; k < 4 * count; k++) {
         uint32_t h = mix(row ^ (column + (uint32_t)(k >> 2)) * 0x9e3779b1u ^ (uint32_t)(k & 3) * 0x7feb352du);
@@ -34,21 +28,9 @@ static inline __attribute__((always_inline)) void noise_run(uint32_t row, uint32
     }
 }
 
-#if defined __x86_64__ && defined __GNUC__ && !defined TC_WITHOUT_WIDE
-__attribute__((target("avx2"))) static void noise_run_wide(uint32_t row, uint32_t column, int64_t count, float *out)
+TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void noise_run_avx2(uint32_t row, uint32_t column,
+                                                                             int64_t count, float *out)
 {
-    noise_run(row, column, count, out);
-}
-#endif
-
-static void noise_cells(uint32_t row, uint32_t column, int64_t count, float *out)
-{
-#if defined __x86_64__ && defined __GNUC__ && !defined TC_WITHOUT_WIDE
-    if (__builtin_cpu_supports("avx2")) {
-        noise_run_wide(row, column, count, out);
-        return;
-    }
-#endif
     noise_run(row, column, count, out);
 }
 
@@ -63,8 +45,8 @@ void tc_white_noise(uint64_t seed, int64_t period, tc_rect rect, float *out)
             }
             int64_t left = ((x >> 32) + 1) * ((int64_t)1 << 32) - x; /* columns whose upper halves are equal */
             end = end < left ? end : left;
-            uint32_t row = (uint32_t)mix64(seed ^ mix64((uint64_t)j ^ mix64((uint64_t)(x >> 32))));
-            noise_cells(row, (uint32_t)x, end, out);
+            uint32_t row = (uint32_t)tc_hash64(seed ^ tc_hash64((uint64_t)j ^ tc_hash64((uint64_t)(x >> 32), 0), 0), 0);
+            (tc_have_avx2() ? noise_run_avx2 : noise_run)(row, (uint32_t)x, end, out);
             out += 4 * end, i += end;
         }
 }

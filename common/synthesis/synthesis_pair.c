@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/base/rect.h"
+#include "common/field/filter.h"
 #include "synthesis_rehearsal.h"
 
 enum {
@@ -15,7 +16,7 @@ enum {
 
 void tc_pair_free(tc_pair *p)
 {
-    free(p->cell), free(p->base);
+    free(p->cell);
     *p = (tc_pair){0};
 }
 
@@ -53,21 +54,16 @@ bool tc_near_void(const uint8_t *voids, int64_t stride)
 
 /* ---- True details ------------------------------------------------------------------------------------------------ */
 
-static float predict(float a, float b, float c, float d)
-{
-    return 0.5625f * (b + c) - 0.0625f * (a + d);
-}
-
 /* low and high of `count` pairs from x[0] on, which reaches LIFT samples further both ways. */
 static void lift(const float *x, ptrdiff_t step, int64_t count, float *low, float *high, ptrdiff_t out)
 {
     float d[FINE];
     for (int64_t i = -2; i < count + 1; i++) {
         const float *p = x + (2 * i + 1) * step;
-        d[i + 2] = p[0] - predict(p[-3 * step], p[-step], p[step], p[3 * step]);
+        d[i + 2] = p[0] - tc_predict(p[-3 * step], p[-step], p[step], p[3 * step]);
     }
     for (int64_t i = 0; i < count; i++) {
-        low[i * out] = x[2 * i * step] + 19.f / 64 * (d[i + 1] + d[i + 2]) - 3.f / 64 * (d[i] + d[i + 3]);
+        low[i * out] = x[2 * i * step] + TC_UPDATE_NEAR * (d[i + 1] + d[i + 2]) + TC_UPDATE_FAR * (d[i] + d[i + 3]);
         high[i * out] = d[i + 2];
     }
 }
@@ -97,22 +93,12 @@ static bool is_flat(const float *z, ptrdiff_t s)
     return z[0] == z[1] && z[0] == z[s] && z[0] == z[s + 1] && z[0] == z[-1] && z[0] == z[-s];
 }
 
-static tc_rect grown(tc_rect r, int64_t by)
-{
-    return (tc_rect){r.x0 - by, r.y0 - by, r.x1 + by, r.y1 + by};
-}
-
-static tc_rect finer(tc_rect r)
-{
-    return (tc_rect){2 * r.x0, 2 * r.y0, 2 * r.x1, 2 * r.y1};
-}
-
 /* A level's heights around a block with what is void, and their log2 E and log2 S. */
 static tc_status read_block(const tc_field *field, int level, tc_rect block, float floor, buffers *b)
 {
     const tc_synthesis_fit floors = {.energy_floor = floor, .slope_floor = TC_SLOPE_FLOOR};
     const tc_level size = tc_field_level(field, level);
-    tc_rect around = grown(block, REACH);
+    tc_rect around = tc_rect_grown(block, REACH);
     tc_patch patch = {b->coarse, around.x1 - around.x0, around};
     tc_status status = tc_field_read(field, level, around, b->coarse, b->voids, patch.stride);
     if (!status)
@@ -146,18 +132,16 @@ static tc_status mean_energy(const tc_field *field, int level, const tc_rect *bl
     return TC_OK;
 }
 
-/* Cells of blocks of a level: with the details of the next finer level, or without. *energy_ret: their sum. */
-static tc_status take_cells(const tc_field *field, int level, bool with_detail, const tc_rect *block, int blocks,
-                            float floor, buffers *b, tc_pair_cell *cell, int64_t *count_ret, double *energy_ret)
+/* Cells of a pair's blocks, with the details of the next finer level or without. */
+static tc_status take_cells(const tc_field *field, bool with_detail, buffers *b, tc_pair *p)
 {
     float *band[TC_DETAIL_BANDS] = {b->band[0], b->band[1], b->band[2]};
-    *count_ret = 0, *energy_ret = 0;
-    for (int n = 0; n < blocks; n++) {
-        tc_rect r = block[n], fine = grown(finer(r), LIFT);
+    for (int n = 0; n < p->blocks; n++) {
+        tc_rect r = p->block[n], fine = tc_pair_fine(r);
         int64_t w = r.x1 - r.x0, h = r.y1 - r.y0;
-        tc_status status = read_block(field, level, r, floor, b);
+        tc_status status = read_block(field, p->coarse, r, p->floor, b);
         if (!status && with_detail)
-            status = tc_field_read(field, level + 1, fine, b->fine, NULL, fine.x1 - fine.x0);
+            status = tc_field_read(field, p->coarse + 1, fine, b->fine, NULL, fine.x1 - fine.x0);
         if (status)
             return status;
         if (with_detail)
@@ -168,41 +152,27 @@ static tc_status take_cells(const tc_field *field, int level, bool with_detail, 
             tc_pair_cell c = {b->energy[i], b->slope[i], 0};
             for (int k = 0; k < TC_DETAIL_BANDS && with_detail; k++)
                 c.detail += band[k][i] * band[k][i];
-            cell[(*count_ret)++] = c, *energy_ret += c.detail;
+            p->cell[p->cells++] = c, p->energy += c.detail;
         }
     }
     return TC_OK;
 }
 
-static tc_status read_pair(const tc_field *field, tc_pair *p, buffers *b)
-{
-    tc_rect other[TC_PAIR_BLOCKS];
-    double mean = 0, sum = 0;
-    int64_t count = 0;
-    p->blocks = choose_blocks(tc_field_level(field, p->coarse), REACH, p->block);
-    tc_status status = mean_energy(field, p->coarse, p->block, p->blocks, b, &mean);
-    p->floor = (float)fmax(1e-3 * mean, 1e-20);
-    /* The coarser level's own details, by its coarser one; then those of both levels of the pair. */
-    int blocks = p->coarse > 1 ? choose_blocks(tc_field_level(field, p->coarse - 1), REACH, other) : 0;
-    if (!status)
-        status = take_cells(field, p->coarse - 1, true, other, blocks, p->floor, b, p->base, &count, &sum);
-    p->coarse_energy = sum / fmax((double)count, 1);
-    if (!status)
-        status = take_cells(field, p->coarse, true, p->block, p->blocks, p->floor, b, p->cell, &p->cells, &p->energy);
-    blocks = choose_blocks(tc_field_level(field, p->coarse + 1), REACH, other);
-    if (!status)
-        status = take_cells(field, p->coarse + 1, false, other, blocks, p->floor, b, p->base, &p->base_cells, &sum);
-    return status;
-}
-
-tc_status tc_pair_read(const tc_field *field, int coarse, tc_pair *p)
+tc_status tc_pair_read(const tc_field *field, int coarse, float floor, tc_pair *p)
 {
     const size_t most = (size_t)TC_PAIR_BLOCKS * TC_PAIR_SIDE * TC_PAIR_SIDE;
-    *p = (tc_pair){.coarse = coarse};
+    double mean = 0;
+    *p = (tc_pair){.coarse = coarse, .floor = floor};
+    p->blocks = choose_blocks(tc_field_level(field, coarse), REACH, p->block);
     buffers *b = malloc(sizeof *b);
     p->cell = malloc(most * sizeof *p->cell);
-    p->base = malloc(most * sizeof *p->base);
-    tc_status status = b && p->cell && p->base ? read_pair(field, p, b) : TC_ERR_MEMORY;
+    tc_status status = b && p->cell ? TC_OK : TC_ERR_MEMORY;
+    if (!status && floor == 0) {
+        status = mean_energy(field, coarse, p->block, p->blocks, b, &mean);
+        p->floor = (float)fmax(1e-3 * mean, 1e-20);
+    }
+    if (!status)
+        status = take_cells(field, coarse < tc_field_info(field)->levels, b, p);
     free(b);
     return status;
 }

@@ -130,9 +130,7 @@ static look rehearse(const stage *g, const tc_synthesis_fit *fit)
     look l = {0};
     for (int n = 0; n < g->scenes; n++) {
         const scene *s = &g->scene[n];
-        tc_rect b = s->block,
-                around = {b.x0 - TC_PAIR_REACH, b.y0 - TC_PAIR_REACH, b.x1 + TC_PAIR_REACH, b.y1 + TC_PAIR_REACH};
-        tc_rect inner = {b.x0 - INNER, b.y0 - INNER, b.x1 + INNER, b.y1 + INNER};
+        tc_rect b = s->block, around = tc_rect_grown(b, TC_PAIR_REACH), inner = tc_rect_grown(b, INNER);
         tc_patch coarse = {(float *)s->coarse, around.x1 - around.x0, around};
         tc_patch amplitude = {(float *)s->amplitude, inner.x1 - inner.x0, inner};
         const tc_level_recipe r = {.fit = fit,
@@ -246,9 +244,7 @@ static tc_status set_scene(const tc_field *field, int level, tc_rect b, const tc
                            float *energy, scene *s, float *work)
 {
     tc_level size = tc_field_level(field, level);
-    tc_rect around = {b.x0 - TC_PAIR_REACH, b.y0 - TC_PAIR_REACH, b.x1 + TC_PAIR_REACH, b.y1 + TC_PAIR_REACH};
-    tc_rect inner = {b.x0 - INNER, b.y0 - INNER, b.x1 + INNER, b.y1 + INNER};
-    tc_rect fine = {2 * b.x0 - TC_PAIR_LIFT, 2 * b.y0 - TC_PAIR_LIFT, 2 * b.x1 + TC_PAIR_LIFT, 2 * b.y1 + TC_PAIR_LIFT};
+    tc_rect around = tc_rect_grown(b, TC_PAIR_REACH), inner = tc_rect_grown(b, INNER), fine = tc_pair_fine(b);
     int64_t w = around.x1 - around.x0, inner_w = inner.x1 - inner.x0, area = tc_rect_area(inner);
     s->block = b;
     tc_status status = tc_field_read(field, level, around, s->coarse, voids, w);

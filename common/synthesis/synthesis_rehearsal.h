@@ -3,6 +3,7 @@
 #ifndef TC_SYNTHESIS_REHEARSAL_H
 #define TC_SYNTHESIS_REHEARSAL_H
 
+#include "common/base/rect.h"
 #include "synthesis_level.h"
 
 #define TC_SLOPE_FLOOR 1e-5f /* of squares of slopes: a third of a percent */
@@ -26,17 +27,19 @@ typedef struct tc_pair {
     tc_rect block[TC_PAIR_BLOCKS]; /* cells */
     int64_t cells;                 /* of them, those that are neither flat nor void */
     tc_pair_cell *cell;
-    double energy;        /* sum of detail */
-    double coarse_energy; /* mean of the coarser level's own details' squares */
-    float floor;          /* square metres, added to energies */
-    /* The same of the finer level, whose detail is not known. */
-    int64_t base_cells;
-    tc_pair_cell *base;
+    double energy; /* sum of detail */
+    float floor;   /* square metres, added to energies */
 } tc_pair;
 
-/* Reads blocks of levels `coarse` and `coarse` + 1, spread evenly. The pair is the caller's to free, also on failure.
- */
-tc_status tc_pair_read(const tc_field *field, int coarse, tc_pair *pair_ret);
+/* What of the finer level the details of a block take. */
+static inline tc_rect tc_pair_fine(tc_rect block)
+{
+    return tc_rect_grown((tc_rect){2 * block.x0, 2 * block.y0, 2 * block.x1, 2 * block.y1}, TC_PAIR_LIFT);
+}
+
+/* Reads blocks of level `coarse` and of the next finer one, spread evenly; of the finest level alone, whose cells have
+ * no detail yet. floor: 0: a thousandth of the mean energy. The pair is the caller's to free, also on failure. */
+tc_status tc_pair_read(const tc_field *field, int coarse, float floor, tc_pair *pair_ret);
 void tc_pair_free(tc_pair *pair);
 
 /* Details of w x h cells, band by band, from fine heights that reach TC_PAIR_LIFT beyond. work: 3 times as many floats

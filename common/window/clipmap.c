@@ -351,12 +351,6 @@ static tc_rect seed(tc_rect target, int64_t budget)
     return tc_rect_intersect(target, (tc_rect){x, y, x + side, y + side});
 }
 
-/* The samples that filling rect reads of its level, or of the next finer one. */
-static tc_rect grown(tc_rect r, int reach)
-{
-    return (tc_rect){r.x0 - reach, r.y0 - reach, r.x1 + reach, r.y1 + reach};
-}
-
 /* What a field is asked for at once where it is not waited for: as many lines as have about PIECE_SAMPLES samples. With
  * normals four times as many are read. */
 enum { PIECE_SAMPLES = 1 << 16, PIECE_LINES = 128 };
@@ -376,9 +370,9 @@ static tc_ready readiness(const tc_clipmap *c, int level, tc_rect rect)
         own = content->reach > own ? content->reach : own;
         finer = content->reach_finer > finer ? content->reach_finer : finer;
     }
-    tc_ready ready = tc_field_ready(c->field, s->field_level, grown(rect, own), TC_SOON), more = TC_READY;
+    tc_ready ready = tc_field_ready(c->field, s->field_level, tc_rect_grown(rect, own), TC_SOON), more = TC_READY;
     if (finer >= 0 && s->field_level < tc_field_info(c->field)->levels)
-        more = tc_field_ready(c->field, s->field_level + 1, grown(refine(rect), finer), TC_SOON);
+        more = tc_field_ready(c->field, s->field_level + 1, tc_rect_grown(refine(rect), finer), TC_SOON);
     return ready == TC_FAILED || more == TC_FAILED ? TC_FAILED : ready == TC_READY ? more : ready;
 }
 

@@ -16,7 +16,7 @@
 #include "tests/support/terrains.h"
 
 /* A second copy without wide instructions: the oracle of the first. */
-#define TC_WITHOUT_WIDE
+#define TC_NO_AVX2
 #define tc_synthesis_level narrow_level
 #define tc_synthesis_needs narrow_needs
 #define tc_synthesis_scratch narrow_scratch
@@ -24,9 +24,6 @@
 #define tc_white_noise narrow_white_noise
 #define tc_noise_seed narrow_noise_seed
 #include "common/synthesis/synthesis_level.c"
-#undef INLINE
-#undef WIDE
-#undef HAS_WIDE
 #include "common/synthesis/synthesis_noise.c"
 #undef tc_synthesis_level
 #undef tc_synthesis_needs

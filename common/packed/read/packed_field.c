@@ -7,34 +7,21 @@
 #include <math.h>
 
 #include "common/base/rect.h"
+#include "common/base/simd.h"
 #include "common/base/status.h"
 #include "packed_internal.h"
 
 /* ---- Interface --------------------------------------------------------------------------------------------------- */
 
-static inline __attribute__((always_inline)) void metres(double origin, double unit, const int32_t *restrict k,
-                                                         int64_t count, float *restrict z)
+static void metres(double origin, double unit, const int32_t *restrict k, int64_t count, float *restrict z)
 {
     for (int64_t i = 0; i < count; i++)
         z[i] = (float)(origin + unit * k[i]);
 }
 
-#if defined __x86_64__ && defined __GNUC__
-__attribute__((target("avx2"))) static void metres_avx2(double origin, double unit, const int32_t *k, int64_t count,
-                                                        float *z)
+TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void metres_avx2(double origin, double unit, const int32_t *k,
+                                                                          int64_t count, float *z)
 {
-    metres(origin, unit, k, count, z);
-}
-#endif
-
-static void to_metres_row(double origin, double unit, const int32_t *k, int64_t count, float *z)
-{
-#if defined __x86_64__ && defined __GNUC__
-    if (__builtin_cpu_supports("avx2")) {
-        metres_avx2(origin, unit, k, count, z);
-        return;
-    }
-#endif
     metres(origin, unit, k, count, z);
 }
 
@@ -50,7 +37,8 @@ tc_status tc_packed_read_block(packed_field *p, int l, tc_rect rect, const packe
     if (!status && z)
         status = tc_packed_units(p, l, &units, s);
     for (int64_t j = 0; j < rect.y1 - rect.y0 && z && !status; j++)
-        to_metres_row(c->z_origin, c->z_unit, units.z + j * units.stride, rect.x1 - rect.x0, z + j * stride);
+        (tc_have_avx2() ? metres_avx2 : metres)(c->z_origin, c->z_unit, units.z + j * units.stride, rect.x1 - rect.x0,
+                                                z + j * stride);
     bool flat = z && p->voids == TC_VOIDS_CONSTANT;
     if (!status && c->voids > 0 && (voids || flat)) {
         tc_mask_plane mask = {voids, stride, rect};

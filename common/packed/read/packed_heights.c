@@ -88,13 +88,6 @@ static void predict_tile(const tc_level_coder *c, int64_t tx, int64_t ty, const 
 
 /* ---- Tiles of a rectangle ---------------------------------------------------------------------------------------- */
 
-tc_rect tc_packed_around(tc_rect a, tc_rect b)
-{
-    if (tc_rect_empty(a) || tc_rect_empty(b))
-        return tc_rect_empty(a) ? b : a;
-    return (tc_rect){tc_min64(a.x0, b.x0), tc_min64(a.y0, b.y0), tc_max64(a.x1, b.x1), tc_max64(a.y1, b.y1)};
-}
-
 tile_columns tc_packed_columns(const tc_level_coder *c, int64_t x0, int64_t x1)
 {
     int64_t cw = tc_coarse_size(c->level.width), turn = tc_turn(x0, cw), last_turn = tc_turn(x1 - 1, cw);
@@ -135,7 +128,7 @@ static tc_status read_coarse(packed_field *p, int l, tc_rect need, const wanted_
         if (tile[n].block && !tile[n].block->made) {
             tc_rect own = tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty);
             own.x0 += tile[n].turn, own.x1 += tile[n].turn;
-            need = tc_packed_around(need, own);
+            need = tc_rect_around(need, own);
         }
     tc_status status = tc_scratch_plane(s, need, coarse);
     return status ? status : tc_packed_units(p, l - 1, coarse, s);
@@ -269,7 +262,7 @@ static tc_status gather(packed_field *p, int l, tc_rect positions, tc_rect need,
         *w = tc_packed_column(coder, &t, k % t.count, ty + k / t.count);
         status = take_tile(p, l, tc_packed_tile_key(p, l, across, w), w, s);
         if (w->empty)
-            need = tc_packed_around(need, tc_codec_tile_needs(coder->codec, positions));
+            need = tc_rect_around(need, tc_codec_tile_needs(coder->codec, positions));
         count += status == TC_OK;
     }
     if (!status)

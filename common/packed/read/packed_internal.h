@@ -137,9 +137,6 @@ tc_piece tc_packed_read_piece(tc_wish *wish);
 tc_rect tc_packed_positions(const tc_level_coder *c, tc_rect rect);
 tc_rect tc_packed_coarse(const tc_level_coder *c, tc_rect rect);
 
-/* The least rectangle that holds both. */
-tc_rect tc_packed_around(tc_rect a, tc_rect b);
-
 /* A tile of a gathering. */
 typedef struct wanted_tile {
     int64_t tx, ty;

@@ -28,14 +28,14 @@ static tc_rect survey_level(packed_field *p, int l, tc_rect rect, survey *v)
             if (tc_block_has(&p->store->blocks, key))
                 continue;
             if (tc_packed_known_empty(p, l, &tile)) {
-                need = tc_packed_around(need, tc_codec_tile_needs(coder->codec, r));
+                need = tc_rect_around(need, tc_codec_tile_needs(coder->codec, r));
                 continue;
             }
             v->missing = true;
             v->failed |= tc_faults_pause(&p->store->faults, key);
             tc_rect own = tc_level_coder_needs(coder, tile.tx, tile.ty);
             own.x0 += tile.turn, own.x1 += tile.turn;
-            need = tc_packed_around(need, own);
+            need = tc_rect_around(need, own);
         }
     return need;
 }
