@@ -262,7 +262,7 @@ typedef struct tc_pack_options {
                                * instead of TC_ERR_UNSUPPORTED */
     double lattice;           /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
     bool price_lossless;      /* with TC_PACK_RMS: tell about what the file would take without loss, where heights are
-                               * integers and the rms is not far above their unit; takes a moment */
+                               * multiples of a unit and the rms is not far above their unit; takes a moment */
     int threads;              /* 0: as many as there are processors. The file does not depend on it */
     /* Called now and then, from the calling thread, with the share of the whole work that is done, 0 to 1; false stops
      * the packing with TC_ERR_IO. NULL: not called. */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/app/load.h"
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
 #include "common/field/field.h"
@@ -46,9 +47,7 @@ static tc_grid default_grid(int64_t width, int64_t height)
     for (int64_t j = 0; j < height; j++)
         memmove(g.z + j * width, g.z + j * SIDE, (size_t)width * sizeof *g.z);
     g.width = width, g.height = height;
-    g.z_min = INFINITY, g.z_max = -INFINITY;
-    for (int64_t i = 0; i < width * height; i++)
-        g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
+    tc_grid_measure(&g);
     return g;
 }
 

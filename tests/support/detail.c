@@ -6,11 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/app/load.h"
 #include "common/base/rect.h"
 
 typedef struct sample {
     double slope, d;
-    float along, across, place;
+    float place;
 } sample;
 
 static int by_slope(const void *a, const void *b)
@@ -140,11 +141,7 @@ static tc_field *cut_off(const tc_field *field, int finest)
     tc_grid g = {.width = size.width, .height = size.height, .spacing_x = size.spacing_x, .spacing_y = size.spacing_y};
     tc_field *cut;
     g.z = read_level(field, finest, all, &g.voids);
-    g.z_min = INFINITY, g.z_max = -INFINITY;
-    for (int64_t i = 0; i < size.width * size.height; i++) {
-        g.void_count += g.voids[i];
-        g.z_min = fminf(g.z_min, g.z[i]), g.z_max = fmaxf(g.z_max, g.z[i]);
-    }
+    tc_grid_measure(&g);
     if (tc_field_build(&g, 0, &cut, NULL))
         abort();
     return cut;
