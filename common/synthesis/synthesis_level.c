@@ -1,19 +1,16 @@
 /* synthesis_level.c - one level of synthesised heights from the coarser one.
  *
- * A cell (i, j) of the coarser level, from its sample (i, j) to the next, has three details, one a band. The inverse
- * lifting (filter.c has the forward one, with the same border rule) gives four fine samples of each cell. */
+ * The inverse lifting (filter.c has the forward one, with the same border rule) gives four fine samples of each cell:
+ * of its heights and its three details. U of the heights alone lies beneath, so that what is beyond it can be bounded.
+ */
 #include "synthesis_level.h"
 
-#include <math.h>
 #include <string.h>
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
 
 #include "common/base/rect.h"
 #include "common/base/simd.h"
 #include "common/field/filter.h"
-#include "synthesis_noise.h"
+#include "synthesis_detail.h"
 
 tc_rect tc_synthesis_needs(tc_rect fine, int reach)
 {
@@ -41,29 +38,6 @@ void tc_extend_beyond(const tc_patch *p, int64_t width, int64_t height, bool wra
         float times = (float)(j < y0 ? y0 - j : j - y1 + 1), *row = tc_patch_at(p, p->rect.x0, j);
         for (int64_t i = 0; i < w; i++)
             row[i] = edge[i] + times * (edge[i] - inner[i]);
-    }
-}
-
-/* ---- Amplitude --------------------------------------------------------------------------------------------------- */
-
-/* A at cells x0 .. x1 - 1 of row j, interpolated from the coarser grid. */
-static void amplitude_row(const tc_level_recipe *r, int64_t j, int64_t x0, int64_t x1, float *row, float *line)
-{
-    const tc_patch *a = r->amplitude;
-    int64_t grain = (int64_t)1 << r->shift, v = tc_floor_shift(j, r->shift), u0 = tc_floor_shift(x0, r->shift);
-    int64_t u1 = tc_floor_shift(x1 - 1, r->shift) + 2;
-    float share = (float)(j - v * grain) / (float)grain, inverse = 1.0f / (float)grain;
-    const float *south = tc_patch_at(a, u0, v), *north = tc_patch_at(a, u0, v + (share > 0));
-    for (int64_t u = 0; u < u1 - u0 - (r->shift == 0); u++)
-        line[u] = south[u] + share * (north[u] - south[u]);
-    if (r->shift == 0) {
-        memcpy(row, line, (size_t)(x1 - x0) * sizeof *row);
-        return;
-    }
-    for (int64_t i = x0; i < x1; i++) {
-        int64_t u = tc_floor_shift(i, r->shift);
-        float t = (float)(i - u * grain) * inverse;
-        row[i - x0] = line[u - u0] + t * (line[u - u0 + 1] - line[u - u0]);
     }
 }
 
@@ -96,156 +70,6 @@ static bool find_flats(const tc_patch *coarse, tc_rect rect, uint8_t *flat, uint
             flat[j * n + i] = c[0] | c[-1] | c[1] | c[-w] | c[w] | c[-w - 1] | c[-w + 1] | c[w - 1] | c[w + 1];
         }
     return true;
-}
-
-/* ---- Details ----------------------------------------------------------------------------------------------------- */
-
-typedef struct details {
-    tc_rect rect; /* cells */
-    int64_t stride;
-    float *band[TC_DETAIL_BANDS], *amplitude;
-} details;
-
-/* Steps, in white noise of that stride, by one and by two cells along the direction (dx, dy). */
-static inline void direction_row(const float *restrict dx, const float *restrict dy, int64_t count, int32_t stride,
-                                 int32_t *restrict one, int32_t *restrict two)
-{
-    for (int64_t i = 0; i < count; i++) {
-        float ax = dx[i] < 0 ? -dx[i] : dx[i], ay = dy[i] < 0 ? -dy[i] : dy[i];
-        int32_t steep = ay > ax, sign = (dx[i] < 0) == (dy[i] < 0) ? 1 : -1;
-        float lo = steep ? ax : ay, hi = steep ? ay : ax;
-        int32_t t1 = 2 * lo >= hi ? sign : 0;
-        int32_t t2 = 4 * lo >= 3 * hi ? 2 * sign : 4 * lo >= hi ? sign : 0;
-        t1 = hi > 0 ? t1 : 0, t2 = hi > 0 ? t2 : 0;
-        one[i] = steep ? stride + t1 : 1 + t1 * stride;
-        two[i] = steep ? 2 * stride + t2 : 2 + t2 * stride;
-    }
-}
-
-/* Directions of cells x0 .. of row j: of the slope of the coarser level, or across it. */
-static inline void slopes_row(const tc_level_recipe *r, const tc_patch *coarse, int64_t j, int64_t x0, int64_t count,
-                              float *restrict dx, float *restrict dy)
-{
-    const float *restrict z = tc_patch_at(coarse, x0, j);
-    ptrdiff_t s = coarse->stride;
-    float ratio = r->spacing_x / r->spacing_y, square = ratio * ratio;
-    bool across = r->fit->smear < 0;
-    for (int64_t i = 0; i < count; i++) {
-        float gx = (z[i + 1] - z[i - 1]), gy = (z[i + s] - z[i - s]);
-        dx[i] = across ? -gy * ratio : gx;
-        dy[i] = across ? gx * ratio : gy * square;
-    }
-}
-
-typedef float quad __attribute__((vector_size(16)));
-
-/* Four bands' noise at once, smeared. Positive neighbours along an axis that a band is low on, and negative ones along
- * one that it is high on, move its energy to the lower frequencies of the octave. */
-static inline void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t stride,
-                             const int32_t *restrict one, const int32_t *restrict two, int64_t count,
-                             float *restrict out)
-{
-    float s = fit->smear < 0 ? -fit->smear : fit->smear, w1 = s, w2 = s * s, t = fit->spread;
-    const quad along_x = {-t, t, -t, 0}, along_y = {t, -t, -t, 0};
-    for (int64_t i = 0; i < count; i++) {
-        const float *p = white + 4 * i;
-        quad c, a, b, d, e, west, east, south, north;
-        memcpy(&c, p, sizeof c);
-        memcpy(&west, p - 4, sizeof west), memcpy(&east, p + 4, sizeof east);
-        memcpy(&south, p - 4 * stride, sizeof south), memcpy(&north, p + 4 * stride, sizeof north);
-        memcpy(&a, p + 4 * one[i], sizeof a), memcpy(&b, p - 4 * one[i], sizeof b);
-        memcpy(&d, p + 4 * two[i], sizeof d), memcpy(&e, p - 4 * two[i], sizeof e);
-        quad n = c + along_x * (west + east) + along_y * (south + north) + w1 * (a + b) + w2 * (d + e);
-        memcpy(out + 4 * i, &n, sizeof n);
-    }
-}
-
-/* Four values a cell into a row for each of the three bands. */
-static inline void split_bands(const float *noise, int64_t count, float *restrict x, float *restrict y,
-                               float *restrict xy)
-{
-    int64_t i = 0;
-#ifdef __SSE__
-    for (; i + 4 <= count; i += 4) {
-        __m128 a = _mm_loadu_ps(noise + 4 * i), b = _mm_loadu_ps(noise + 4 * i + 4);
-        __m128 c = _mm_loadu_ps(noise + 4 * i + 8), d = _mm_loadu_ps(noise + 4 * i + 12);
-        _MM_TRANSPOSE4_PS(a, b, c, d);
-        _mm_storeu_ps(x + i, a), _mm_storeu_ps(y + i, b), _mm_storeu_ps(xy + i, c);
-    }
-#endif
-    for (; i < count; i++)
-        x[i] = noise[4 * i], y[i] = noise[4 * i + 1], xy[i] = noise[4 * i + 2];
-}
-
-static inline float cut(float v, float lowest, float highest)
-{
-    v = v < lowest ? lowest : v;
-    return v > highest ? highest : v;
-}
-
-/* Noise of variance 1, shaped to the kurtosis and cut, times A. */
-static inline float shaped(float n, float norm, float peak, float amplitude)
-{
-    n *= norm;
-    n = n + peak * (n * n * n);
-    return cut(n, -TC_NOISE_MOST, TC_NOISE_MOST) * amplitude;
-}
-
-/* Details from smeared noise and what curvature foretells, in place. */
-static inline void bands_row(const tc_level_recipe *r, const float *restrict z, ptrdiff_t s, const float *restrict open,
-                             const float *restrict amplitude, int64_t count, float *restrict hx, float *restrict hy,
-                             float *restrict hxy)
-{
-    const tc_synthesis_fit *fit = r->fit;
-    float b0 = fit->band[0], b1 = fit->band[1], b2 = fit->band[2], c0 = fit->curvature[0], c1 = fit->curvature[1];
-    float w1 = fit->smear * fit->smear, peak = fit->peak;
-    float norm = 1 / sqrtf(1 + 2 * w1 + 2 * w1 * w1 + 4 * fit->spread * fit->spread);
-    for (int64_t i = 0; i < count; i++)
-        hx[i] = b0 * shaped(hx[i], norm, peak, amplitude[i]) +
-                open[i] * (c0 * tc_second_difference(z + i, 1) + c1 * tc_sixth_difference(z + i, 1));
-    for (int64_t i = 0; i < count; i++)
-        hy[i] = b1 * shaped(hy[i], norm, peak, amplitude[i]) +
-                open[i] * (c0 * tc_second_difference(z + i, s) + c1 * tc_sixth_difference(z + i, s));
-    for (int64_t i = 0; i < count; i++)
-        hxy[i] = b2 * shaped(hxy[i], norm, peak, amplitude[i]);
-}
-
-typedef struct workspace {
-    float *white, *noise, *row[3], *line;
-    int32_t *one, *two;
-    uint8_t *flat, *flat_work;
-} workspace;
-
-static inline void detail_rows(const tc_level_recipe *r, const tc_patch *coarse, const details *d, const uint8_t *flat,
-                               const workspace *s)
-{
-    enum { SMEAR = 2 };
-    int64_t w = d->rect.x1 - d->rect.x0, white_width = w + 2 * SMEAR;
-    int64_t last_x = r->wraps ? INT64_MAX : r->width - 1, last_y = r->height - 1;
-    for (int64_t j = d->rect.y0; j < d->rect.y1; j++) {
-        float *open = s->row[0], *dx = s->row[1], *dy = s->row[2];
-        int64_t at = (j - d->rect.y0) * d->stride;
-        float *amplitude = d->amplitude + at;
-        const float *white = s->white + 4 * ((j - d->rect.y0 + SMEAR) * white_width + SMEAR);
-        amplitude_row(r, j, d->rect.x0, d->rect.x1, amplitude, s->line);
-        const uint8_t *f = flat ? flat + (j - d->rect.y0) * (w + 1) : NULL;
-        for (int64_t i = 0; i < w; i++)
-            open[i] = f && (f[i] | f[i + 1] | f[w + 1 + i] | f[w + 2 + i]) ? 0.0f : 1.0f;
-        for (int64_t i = 0; i < w; i++)
-            amplitude[i] *= open[i];
-        slopes_row(r, coarse, j, d->rect.x0, w, dx, dy);
-        direction_row(dx, dy, w, (int32_t)white_width, s->one, s->two);
-        smear_row(r->fit, white, white_width, s->one, s->two, w, s->noise);
-        float *hx = d->band[TC_HIGH_X] + at, *hy = d->band[TC_HIGH_Y] + at, *hxy = d->band[TC_HIGH_XY] + at;
-        split_bands(s->noise, w, hx, hy, hxy);
-        bands_row(r, tc_patch_at(coarse, d->rect.x0, j), coarse->stride, open, amplitude, w, hx, hy, hxy);
-        /* There are no details beyond the last sample. */
-        for (int64_t i = 0; i < w && !r->wraps; i++)
-            if (d->rect.x0 + i < 0 || d->rect.x0 + i >= last_x)
-                hx[i] = hxy[i] = 0;
-        if (j < 0 || j >= last_y)
-            memset(hy, 0, (size_t)w * sizeof *hy), memset(hxy, 0, (size_t)w * sizeof *hxy);
-    }
 }
 
 /* ---- Inverse lifting --------------------------------------------------------------------------------------------- */
@@ -304,9 +128,10 @@ enum { AROUND = TC_AMPLITUDE_REACH };
 
 size_t tc_synthesis_scratch(int64_t width, int64_t height)
 {
-    size_t w = (size_t)(width / 2 + 2), h = (size_t)(height / 2 + 2), reach = 2 * TC_COARSE_REACH + 8;
-    size_t area = (w + reach) * (h + reach), rows = 24 * (2 * w + 2 * reach);
-    return 4 * area + (TC_DETAIL_BANDS + 1) * area + 5 * area + 6 * area + area + rows;
+    int64_t w = width / 2 + 2 + 2 * AROUND, h = height / 2 + 2 + 2 * AROUND, rows = 2 * h, columns = 2 * w;
+    int64_t planes = (TC_DETAIL_BANDS + 1) * w * h, lifted = w * h + 2 * rows * w, base = rows * columns;
+    int64_t upsampling = columns * (h + 3), flat = (2 * (w + 5) * (h + 5)) / 4 + 1, lines = 6 * w + 8;
+    return (size_t)(planes + lifted + base + upsampling + flat + lines) + tc_details_scratch(w, h);
 }
 
 /* Between equal samples of what is flat lie those themselves, where U would swing. base: 2 x 2 a cell. */
@@ -339,7 +164,7 @@ static inline void bounded_row(const tc_level_recipe *r, const float *restrict f
         out[2 * i] = out[2 * i + 1] = TC_ADDED_MOST * amplitude[i];
     for (int64_t i = 0; i < 2 * cells; i++) {
         float most = out[i], v = fine[i] - base[i];
-        out[i] = cut(cut(v, -most, most) + base[i], lowest, highest);
+        out[i] = tc_cut(tc_cut(v, -most, most) + base[i], lowest, highest);
     }
 }
 
@@ -348,33 +173,26 @@ static inline void make_level(const tc_level_recipe *r, const tc_patch *coarse, 
 {
     tc_rect cells = tc_synthesis_needs(rect, 0);
     int64_t i0 = cells.x0, i1 = cells.x1, j0 = cells.y0, j1 = cells.y1;
-    details d = {.rect = {i0 - AROUND, j0 - AROUND, i1 + AROUND, j1 + AROUND}};
-    int64_t w = d.stride = d.rect.x1 - d.rect.x0, h = d.rect.y1 - d.rect.y0, rows = 2 * (j1 - j0);
-    workspace s;
-    s.white = scratch, scratch += 4 * (w + 4) * (h + 4);
+    tc_details d = {.rect = tc_rect_grown(cells, AROUND)};
+    int64_t w = d.stride = d.rect.x1 - d.rect.x0, h = d.rect.y1 - d.rect.y0;
+    int64_t columns = 2 * (i1 - i0), rows = 2 * (j1 - j0);
     for (int b = 0; b < TC_DETAIL_BANDS; b++)
         d.band[b] = scratch, scratch += w * h;
     d.amplitude = scratch, scratch += w * h;
     float *even = scratch, *low = even + w * h, *high = low + rows * w, *base = high + rows * w;
-    float *upsampling = base + 2 * (i1 - i0) * rows;
-    scratch = upsampling + 2 * (i1 - i0) * (j1 - j0 + 3);
-    s.flat = (uint8_t *)scratch, s.flat_work = s.flat + (w + 1) * (h + 1);
+    float *upsampling = base + columns * rows;
+    scratch = upsampling + columns * (j1 - j0 + 3);
+    uint8_t *flat = (uint8_t *)scratch, *flat_work = flat + (w + 1) * (h + 1);
     scratch += (2 * (w + 5) * (h + 5)) / 4 + 1;
-    s.noise = scratch, scratch += 4 * w;
-    for (int k = 0; k < 3; k++)
-        s.row[k] = scratch, scratch += w;
-    s.line = scratch, scratch += w + 4;
-    s.one = (int32_t *)scratch, s.two = s.one + w, scratch += 2 * w;
     float *line_even = scratch, *line_odd = line_even + w + 4, *fine = line_odd + w + 4, *line = fine + 2 * w;
+    scratch = line + 2 * w;
 
-    bool flats = find_flats(coarse, (tc_rect){d.rect.x0, d.rect.y0, d.rect.x1 + 1, d.rect.y1 + 1}, s.flat, s.flat_work);
+    bool flats = find_flats(coarse, (tc_rect){d.rect.x0, d.rect.y0, d.rect.x1 + 1, d.rect.y1 + 1}, flat, flat_work);
     tc_upsample(tc_patch_at(coarse, i0, j0), coarse->stride, i1 - i0, j1 - j0, base, upsampling);
     if (flats)
-        keep_flat(coarse, cells, s.flat + AROUND * (w + 1) + AROUND, w + 1, base);
+        keep_flat(coarse, cells, flat + AROUND * (w + 1) + AROUND, w + 1, base);
     if (!r->fit->none) {
-        tc_white_noise(r->seed, r->wraps ? r->width : 0,
-                       (tc_rect){d.rect.x0 - 2, d.rect.y0 - 2, d.rect.x1 + 2, d.rect.y1 + 2}, s.white);
-        detail_rows(r, coarse, &d, flats ? s.flat : NULL, &s);
+        tc_details_make(r, coarse, flats ? flat : NULL, &d, scratch);
         ptrdiff_t at = (AROUND - 1) * w; /* row j0 - 1 */
         invert_y(tc_patch_at(coarse, d.rect.x0, j0 - 1), coarse->stride, d.band[TC_HIGH_Y] + at, w, j0, j1, r->height,
                  w, even, low);
@@ -382,10 +200,10 @@ static inline void make_level(const tc_level_recipe *r, const tc_patch *coarse, 
     }
     for (int64_t y = rect.y0; y < rect.y1; y++) {
         int64_t row = y - 2 * j0;
-        const float *under = base + row * 2 * (i1 - i0);
+        const float *under = base + row * columns;
         if (r->fit->none) {
-            for (int64_t i = 0; i < 2 * (i1 - i0); i++)
-                line[i] = cut(under[i], r->lowest, r->highest);
+            for (int64_t i = 0; i < columns; i++)
+                line[i] = tc_cut(under[i], r->lowest, r->highest);
         } else {
             invert_x(low + row * w + AROUND - 1, high + row * w + AROUND - 1, i0, i1, r->width, r->wraps, line_even,
                      line_odd, fine);

@@ -57,6 +57,12 @@ void tc_local_energy(const tc_patch *z, const tc_synthesis_fit *fit, float spaci
 void tc_amplitudes(const tc_synthesis_fit *fit, int k, const float *energy, const float *slope, int64_t count,
                    float *amplitude);
 
+static inline float tc_cut(float v, float lowest, float highest)
+{
+    v = v < lowest ? lowest : v;
+    return v > highest ? highest : v;
+}
+
 /* Noise is cut there, in its own rms; and what a level adds to the upsampled coarser one, in A. */
 #define TC_NOISE_MOST 6.0f
 #define TC_ADDED_MOST 6.0f

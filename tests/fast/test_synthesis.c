@@ -22,14 +22,19 @@
 #define tc_synthesis_needs narrow_needs
 #define tc_synthesis_scratch narrow_scratch
 #define tc_extend_beyond narrow_extend_beyond
+#define tc_details_make narrow_details_make
+#define tc_details_scratch narrow_details_scratch
 #define tc_white_noise narrow_white_noise
 #define tc_noise_seed narrow_noise_seed
+#include "common/synthesis/synthesis_detail.c"
 #include "common/synthesis/synthesis_level.c"
 #include "common/synthesis/synthesis_noise.c"
 #undef tc_synthesis_level
 #undef tc_synthesis_needs
 #undef tc_synthesis_scratch
 #undef tc_extend_beyond
+#undef tc_details_make
+#undef tc_details_scratch
 #undef tc_white_noise
 #undef tc_noise_seed
 tc_rect tc_synthesis_needs(tc_rect fine, int reach);
