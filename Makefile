@@ -39,7 +39,7 @@ comma := ,
 # Rooms in the order in which data flows; a file includes its own room and rooms before it (tests/cli/test_structure.sh).
 # The core has no OpenGL; drawing has; what is left are the programs' own: files of the world, command lines, windows.
 CORE_ROOMS := base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file packed/read \
-              packed/write synthesis map view window content measure
+              packed/write synthesis map imagery view window content measure
 DRAW_ROOMS := gl render
 APP_ROOMS := input app
 SCHEMES := square rings
@@ -158,7 +158,8 @@ $(O)/planar-viewer: $(OBJ)/planar/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRAR
 $(O)/planet-viewer: $(OBJ)/spherical/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	$(LINK)
 
-$(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/input/say.o $(OBJ)/common/base/status.o
+$(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/input/say.o \
+    $(addprefix $(OBJ)/common/base/,status.o srgb.o image_levels.o image_memory.o)
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
 $(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/status.o

@@ -276,6 +276,20 @@ static bool square_height(const tc_view *view, double x, double y, double *z_ret
     return tc_square_height(view->windows->clipmap[0], &v->viewer, &view->options, x, y, z_ret);
 }
 
+static bool square_stand(const tc_view *view, int chart, const double texel[2], tc_standing *at)
+{
+    const square_view *v = (const square_view *)view;
+    (void)chart; /* there is one */
+    *at = (tc_standing){.x = view->camera.x / texel[0],
+                        .y = view->camera.y / texel[1],
+                        .per_place = {1 / texel[0], 1 / texel[1]}, /* places are metres */
+                        .lo = {-INFINITY, -INFINITY},
+                        .hi = {INFINITY, INFINITY},
+                        .texel = fmax(texel[0], texel[1]),
+                        .distance = v->viewer.height};
+    return true;
+}
+
 static void square_draws(const tc_view *view, const tc_layers *layers, tc_frame *frame)
 {
     const square_view *v = (const square_view *)view;
@@ -391,6 +405,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                      .make_windows = square_windows,
                      .look = square_look,
                      .wanted = square_wanted,
+                     .stand = square_stand,
                      .draws = square_draws,
                      .height = square_height,
                      .destroy = square_destroy};

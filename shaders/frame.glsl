@@ -2,7 +2,7 @@
 layout(std140, binding = 0) uniform Frame {
     mat4 view_projection;  // from positions relative to the eye
     vec4 surface[SURFACE_VECTORS];      // the surface's own
-    vec4 layer[LAYER_VECTORS * LAYERS]; // the surface's own, of each layer: a level of a chart
+    vec4 layer[LAYER_VECTORS * 2 * LAYERS]; // the surface's own, of each layer: a level of a chart; then of imagery
     vec4 window[LAYERS];   // of each layer, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
     vec4 eye;              // x: reference height, y: eye above it, metres above z_base
     vec4 ray[3];           // from the eye to the frame's middle is [2], from there to its sides [0] right and [1] up
@@ -15,4 +15,6 @@ layout(std140, binding = 0) uniform Frame {
     vec4 pixel[3];         // view axes: right and up by lens.zw, forward
     vec4 beyond;           // x: depth where nothing is, in clip space
     ivec4 whole[SURFACE_INTEGERS]; // the surface's own, integers
+    ivec4 image_stack[CHARTS]; // of imagery: x: layer of shift 0; y, z: finest and coarsest shift
+    vec4 image_scale[CHARTS];  // x, y: finest texels per unit of a place
 };

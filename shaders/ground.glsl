@@ -21,3 +21,23 @@ struct Ground {
     bool hole;
 #endif
 };
+
+#ifdef LIT
+// The sun, light of the sky from above and of the ground around from the side (softer than Lambert's law alone), on
+// ground whose normal has these cosines to the sun and to up. Where the sun sets, the sky's light goes with it.
+vec3 daylight(float facing, float upright, float day)
+{
+    float direct = max(facing, 0.0) * sun.w;
+    float ambient = 0.34 + 0.14 * upright + 0.12 * facing;
+#ifdef CLIMATE
+    direct *= day;
+    ambient *= 0.06 + 0.94 * day;
+#endif
+#ifndef NATURAL_LAND
+    // Without air there is no light from the sky.
+    direct *= 1.5;
+    ambient *= 0.18;
+#endif
+    return direct * vec3(1.0, 0.96, 0.88) + ambient * vec3(0.82, 0.91, 1.0);
+}
+#endif

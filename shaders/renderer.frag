@@ -33,7 +33,7 @@ void main()
 #ifdef WATER
     steep = sea ? 0.0 : steep;
 #endif
-    c = mix(c, vec3(0.135, 0.115, 0.095), steep);
+    c = mix(c, vec3(0.135, 0.115, 0.095), steep * (1.0 - ground.colour.a));
 #ifdef CLIMATE
     float snow = smoothstep(-250.0, 450.0, h - ground.snow_line) * clamp((upright - 0.6) * 4.0, 0.0, 1.0);
 #ifdef WATER
@@ -45,20 +45,11 @@ void main()
 #ifdef WATER
     n = sea ? up + 0.2 * (n - upright * up) : n; // the bottom just shows through
 #endif
-    // The sun, light of the sky from above and of the ground around from the side (softer than Lambert's law alone).
-    float facing = dot(n, sun.xyz), direct = max(facing, 0.0) * sun.w;
-    float ambient = 0.34 + 0.14 * dot(n, up) + 0.12 * facing;
 #ifdef CLIMATE
-    // Where the sun sets, the sky's light goes with it.
-    direct *= ground.day;
-    ambient *= 0.06 + 0.94 * ground.day;
+    c *= daylight(dot(n, sun.xyz), dot(n, up), ground.day);
+#else
+    c *= daylight(dot(n, sun.xyz), dot(n, up), 1.0);
 #endif
-#ifndef NATURAL_LAND
-    // Without air there is no light from the sky.
-    direct *= 1.5;
-    ambient *= 0.18;
-#endif
-    c *= direct * vec3(1.0, 0.96, 0.88) + ambient * vec3(0.82, 0.91, 1.0);
 #endif
 #ifdef LEVEL_COLOURS
     const vec3 hues[6] = vec3[](vec3(1.0, 0.25, 0.2), vec3(1.0, 0.75, 0.2), vec3(0.35, 0.9, 0.3), vec3(0.2, 0.85, 0.9),

@@ -49,10 +49,27 @@ struct Charted {
 #ifdef HOLES
     bool hole;
 #endif
+#ifdef IMAGERY
+    vec2 place;
+#endif
 #ifdef LIT
     vec2 slope; // along the chart's axes per unit of its own lengths
 #endif
 };
+
+#ifdef IMAGERY
+// How a chart's place at direction p, in the frame of the viewer's meridian, changes with it by d.
+vec2 chart_step(int chart, vec3 p, vec3 d)
+{
+    if (chart == 0) {
+        float rho2 = max(p.x * p.x + p.y * p.y, 1e-8);
+        return vec2((p.x * d.y - p.y * d.x) / rho2, d.z * inversesqrt(rho2));
+    }
+    float side = chart == 1 ? 1.0 : -1.0;
+    vec2 q = (2.0 * d.xy - 2.0 * p.xy * (side * d.z / (1.0 + side * p.z))) / (1.0 + side * p.z);
+    return vec2(surface[0].z * q.x - surface[0].w * q.y, surface[0].w * q.x + surface[0].z * q.y);
+}
+#endif
 
 Charted look(int chart, vec3 s)
 {
@@ -61,6 +78,9 @@ Charted look(int chart, vec3 s)
     Charted c;
     c.height = v_terrain.x;
     c.known = share >= 1.0;
+#ifdef IMAGERY
+    c.place = place;
+#endif
 #ifdef HOLES
     c.hole = false;
 #endif
@@ -128,6 +148,13 @@ Ground surface_ground()
     float rest = 1.0 - caps.x - caps.y;
     int cap = caps.x > 0.0 ? 1 : 2;
     bool known = true;
+#ifdef IMAGERY
+    // From pixel to pixel, before fragments part ways.
+    vec3 sx = dFdx(v_direction), sy = dFdy(v_direction);
+    vec3 across = vec3(ct * sx.x - st * sx.z, sx.y, -ct * sx.z - st * sx.x);
+    vec3 along = vec3(ct * sy.x - st * sy.z, sy.y, -ct * sy.z - st * sy.x);
+    vec4 image = vec4(0.0);
+#endif
     Ground g;
     g.height = 0.0;
     for (int chart = rest > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && rest < 1.0 ? cap : 3) {
@@ -135,6 +162,10 @@ Ground surface_ground()
         float share = chart == 0 ? rest : 1.0 - rest;
         g.height += share * there.height;
         known = there.known;
+#ifdef IMAGERY
+        image += share * (known ? image_at(chart, there.place, chart_step(chart, p, across), chart_step(chart, p, along))
+                                : vec4(0.0));
+#endif
 #ifdef HOLES
         if (chart == 0 ? rest >= 0.5 : rest < 0.5)
             g.hole = there.hole;
@@ -144,6 +175,10 @@ Ground surface_ground()
 #endif
     }
     g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the sphere
+#ifdef IMAGERY
+    if (known)
+        g.colour = image_colour(image);
+#endif
 #ifdef LIT
     g.up = eye_axes(p);
     g.normal = normalize(eye_axes(p - slope));

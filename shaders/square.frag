@@ -7,6 +7,9 @@ INTERPOLATED in float v_height;
 #if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
 flat in int v_level;
 #endif
+#ifdef IMAGERY
+INTERPOLATED in vec2 v_plane;
+#endif
 #ifdef LIT
 layout(binding = 2) uniform sampler2DArray normals_map;
 #endif
@@ -54,6 +57,9 @@ Ground surface_ground()
     g.height = v_height;
 #endif
     g.colour = vec4(0.0);
+#ifdef IMAGERY
+    g.colour = image_colour(image_at(0, v_plane, dFdx(v_plane), dFdy(v_plane)));
+#endif
 #ifdef LIT
     g.normal = normal(level());
     g.up = vec3(0.0, 0.0, 1.0);

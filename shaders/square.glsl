@@ -18,6 +18,9 @@ INTERPOLATED out vec4 v_terrain; // x: metres above z_base; y, z: place in the n
 #else
 INTERPOLATED out float v_height; // metres above z_base
 #endif
+#ifdef IMAGERY
+INTERPOLATED out vec2 v_plane; // metres east and north of the eye
+#endif
 #if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
 flat out int v_level;
 #endif
@@ -96,6 +99,9 @@ vec3 surface_vertex()
 #if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
     vec4 corner = view_projection * vec4(plane, above, 1.0);
     v_depth = corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0;
+#endif
+#ifdef IMAGERY
+    v_plane = plane;
 #endif
     return vec3(plane, above);
 }

@@ -417,6 +417,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                            .make_windows = rings_windows,
                            .look = tc_rings_look,
                            .wanted = tc_rings_wanted,
+                           .stand = tc_rings_stand,
                            .draws = rings_draws,
                            .height = tc_rings_drawn_height,
                            .destroy = rings_destroy};

@@ -112,6 +112,7 @@ rings_extent tc_rings_extent(const rings_view *view, int chart, double angle);
 /* Bounds of all heights within pi 2^-i of the foot point on all levels, metres above z_base. */
 void tc_rings_bounds(const rings_view *view, int i, double *lo_ret, double *hi_ret);
 
+bool tc_rings_stand(const tc_view *view, int chart, const double texel[2], tc_standing *standing_ret);
 void tc_rings_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS]);
 
 /* ---- The map transform in double (rings_map.c) ---------------------------------------------------------------------

@@ -519,3 +519,24 @@ void tc_rings_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
         }
     }
 }
+
+bool tc_rings_stand(const tc_view *view, int chart, const double texel[2], tc_standing *at)
+{
+    const rings_view *v = (const rings_view *)view;
+    const tc_chart *c = &tc_rings_of(v)->map->chart[chart];
+    const rings_place *p = &v->place[chart];
+    const double kx = c->dx / texel[0], ky = c->dy / texel[1], around = M_PI / fabs(texel[0]);
+    const rings_extent e = tc_rings_extent(v, chart, fmin(v->horizon * 1.02 + 1e-9, M_PI));
+    if (e.x1 < e.x0)
+        return false;
+    double lo, hi;
+    tc_rings_bounds(v, v->finest, &lo, &hi);
+    *at = (tc_standing){.x = p->x * kx,
+                        .y = p->y * ky,
+                        .per_place = {1 / texel[0], 1 / texel[1]}, /* places are chart coordinates */
+                        .lo = {fmax(e.x0 * kx, -around), e.y0 * ky},
+                        .hi = {fmin(e.x1 * kx, around), e.y1 * ky},
+                        .texel = texel[1] * v->radius,
+                        .distance = fmax(v->z_eye - hi, 0)};
+    return true;
+}

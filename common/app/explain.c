@@ -8,6 +8,7 @@
 
 #include "common/base/rect.h"
 #include "common/packed/read/prefetch.h"
+#include "common/render/drape.h"
 #include "common/render/palette.h"
 #include "common/input/plugin.h"
 
@@ -88,7 +89,15 @@ static void print_textures(const tc_level_textures *t, FILE *file)
         fprintf(file, "uses: texture: %s: %s, %d x %d x %d, %zu bytes\n", c->content->name,
                 tc_gl_format_of(c->content->format)->name, c->size, c->size, t->depth, c->bytes);
     }
-    fprintf(file, "uses: texture: colours: RGBA8, %d, %d bytes\n", TC_RAMP_SIZE, 4 * TC_RAMP_SIZE);
+}
+
+static void print_drape(const tc_drape *d, FILE *file)
+{
+    int all = 0;
+    for (int chart = 0; chart < d->windows.charts; chart++)
+        all += tc_clipmap_levels(d->windows.clipmap[chart]);
+    print_textures(&d->textures, file);
+    fprintf(file, "uses: imagery: %d of %d levels hold colours\n", tc_drape_levels(d), all);
 }
 
 static void print_frame(const tc_renderer_use *use, FILE *file)
@@ -142,6 +151,9 @@ void tc_explain_uses(const tc_renderer *renderer, FILE *file)
     const tc_renderer_use use = tc_renderer_used(renderer);
     tc_scene_programs_explain(use.surface, use.needs, use.programs, file);
     print_textures(use.textures, file);
+    fprintf(file, "uses: texture: colours of heights: RGBA8, %d, %d bytes\n", TC_RAMP_SIZE, 4 * TC_RAMP_SIZE);
+    if (use.drape)
+        print_drape(use.drape, file);
     print_frame(&use, file);
     for (int i = 0; i < LIBRARIES; i++)
         if (tc_plugin_loaded(libraries[i].plugin))

@@ -64,6 +64,15 @@ static bool read_samples(void *samples, const char *value)
     return tc_read_int(value, 1, 16, samples);
 }
 
+static bool add_imagery(void *options, const char *value)
+{
+    tc_options *o = options;
+    if (!*value || o->imagery_count == TC_MOST_IMAGERY)
+        return false;
+    o->imagery[o->imagery_count++] = value;
+    return true;
+}
+
 bool tc_read_levels(void *levels, const char *value)
 {
     return tc_read_int(value, 1, TC_MAX_LEVELS, levels);
@@ -100,6 +109,9 @@ static const tc_option table[] = {
     {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
     {0, "colours", "FILE", "a file name", "of heights, as `gdaldem color-relief` reads them: HEIGHT RED GREEN BLUE",
      tc_read_text, offsetof(tc_options, colours)},
+    {0, "imagery", "FILE", "a file name, at most 64 times",
+     "colours from a picture: where its georeference says, else over all of the terrain or the globe; again: over that",
+     add_imagery, 0},
     {0, "synthesis", "LEVELS", TC_EXPECTED_SYNTHESIS, TC_SYNTHESIS_HELP, tc_read_synthesis,
      offsetof(tc_options, synthesis)},
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),

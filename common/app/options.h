@@ -13,6 +13,8 @@
 
 #include <stdio.h>
 
+enum { TC_MOST_IMAGERY = 64 };
+
 /* What the command line asks for. Strings point into argv. */
 typedef struct tc_options {
     tc_action action;
@@ -23,8 +25,10 @@ typedef struct tc_options {
     tc_pose view;
     double fov;          /* horizontal, radians */
     const char *colours; /* file of a height ramp; NULL none */
-    const char *path;    /* of a flight; NULL none */
-    int frames;          /* of the flight; in a window without a path: how many until it closes. 0: not given */
+    const char *imagery[TC_MOST_IMAGERY];
+    int imagery_count;
+    const char *path; /* of a flight; NULL none */
+    int frames;       /* of the flight; in a window without a path: how many until it closes. 0: not given */
     tc_backend backend;
     const char *stats; /* JSON file; NULL none */
     int threads;       /* 0: as many as there are processors */

@@ -106,8 +106,8 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
             s->triangles, s->draws, s->levels_active);
     fprintf(file, "  \"samples_updated\": %" PRId64 ",\n  \"bytes_uploaded\": %" PRId64 ",\n", s->samples_updated,
             s->bytes_uploaded);
-    fprintf(file, "  \"bytes_decoded\": %" PRId64 ",\n  \"synthesised_levels\": %d,\n", context->bytes_decoded,
-            context->synthesised);
+    fprintf(file, "  \"bytes_decoded\": %" PRId64 ",\n  \"synthesised_levels\": %d,\n  \"imagery_levels\": %d,\n",
+            context->bytes_decoded, context->synthesised, context->imagery);
     fprintf(
         file,
         "  \"memory\": {\"geometry\": %zu, \"heights\": %zu, \"normals\": %zu, \"imagery\": %zu, \"pyramid\": %zu},\n",

@@ -6,9 +6,11 @@
 #include "colour_file.h"
 #include "explain.h"
 #include "interrupt.h"
+#include "load_imagery.h"
 #include "common/gl/debug.h"
 #include "common/input/plugin.h"
 #include "common/render/canvas.h"
+#include "common/render/drape.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -16,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
@@ -94,6 +97,23 @@ static tc_status load_terrain(tc_viewer *v, tc_error *error)
         fprintf(stderr, "%s: %s, %d charts\n", v->program->name, about, v->map->charts);
     }
     return TC_OK;
+}
+
+/* Tells a person how far making a picture's levels is; false: that is to end. */
+static bool show_levels(void *context, double done)
+{
+    const tc_viewer *v = context;
+    if (!v->options.quiet && isatty(STDERR_FILENO))
+        fprintf(stderr, "\rimagery: %3.0f %%%s", floor(100 * done), done >= 1 ? "\n" : "");
+    return !tc_interrupted();
+}
+
+static tc_status load_imagery(tc_viewer *v, tc_error *error)
+{
+    const tc_source_options source = {.say = say, .say_context = v, .outputs = &v->outputs};
+    const tc_image_options options = {.source = &source, .progress = show_levels, .progress_context = v};
+    return tc_imagery_load(v->map, v->options.imagery, v->options.imagery_count, v->options.threads, &options,
+                           &v->imagery, error);
 }
 
 static tc_flight_box whole_box(const tc_viewer *v)
@@ -211,6 +231,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     v->scene = v->options.scene;
     v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
     v->scene.colours = v->colours.count > 0 ? &v->colours : NULL;
+    v->scene.imagery = v->imagery;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
     if (v->options.output && !v->scene.budget)
         v->scene.budget = -1;
@@ -285,10 +306,12 @@ static tc_status report(tc_viewer *v, tc_error *error)
     tc_stats_summarise(v->stats, &summary);
     tc_left_out left_out;
     tc_explain_left_out(v->renderer, &left_out);
+    const tc_drape *drape = tc_renderer_used(v->renderer).drape;
     tc_stats_context context = {.renderer = (const char *)v->gl->GetString(GL_RENDERER),
                                 .backend = v->context ? tc_context_backend(v->context) : "window",
                                 .bytes_decoded = tc_map_bytes_decoded(v->map),
                                 .synthesised = v->map->synthesised,
+                                .imagery = drape ? tc_drape_levels(drape) : 0,
                                 .left_out = left_out.lines};
     tc_renderer_memory(v->renderer, &context.memory);
     if (v->options.explain && !v->options.json) /* which says it, too */
@@ -338,6 +361,8 @@ static tc_status list_outputs(tc_viewer *v, tc_error *error)
         status = tc_outputs_spare(&v->outputs, o->path, error);
     if (status == TC_OK && o->colours)
         status = tc_outputs_spare(&v->outputs, o->colours, error);
+    for (int i = 0; i < o->imagery_count && status == TC_OK; i++)
+        status = tc_outputs_spare(&v->outputs, o->imagery[i], error);
     return status;
 }
 
@@ -365,6 +390,9 @@ static tc_status run(tc_viewer *v, tc_error *error)
         status = tc_colour_file_read(v->options.colours, &v->colours, error);
     if (status == TC_OK)
         status = load_terrain(v, error);
+    tc_watch_interrupts();
+    if (status == TC_OK && v->options.imagery_count > 0)
+        status = load_imagery(v, error);
     if (status == TC_OK)
         status = place_camera(v, error);
     if (status == TC_OK)
@@ -379,7 +407,6 @@ static tc_status run(tc_viewer *v, tc_error *error)
     if (status != TC_OK)
         return status;
 
-    tc_watch_interrupts();
     if (tc_viewer_interactive(&v->options))
         status = tc_viewer_window(v, error);
     else if (v->options.path)
@@ -422,6 +449,7 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
         viewer.window_plugin->close(viewer.window);
     if (viewer.surface)
         viewer.surface->destroy(viewer.surface);
+    tc_imagery_destroy(viewer.imagery);
     tc_map_destroy(viewer.map);
     tc_flight_path_free(&viewer.path);
     tc_outputs_free(&viewer.outputs);

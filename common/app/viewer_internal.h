@@ -39,6 +39,7 @@ typedef struct tc_viewer {
 
     tc_scene_options scene; /* as it is now: keys change it */
     tc_colour_ramp colours; /* of the options; count 0: none */
+    tc_imagery *imagery;    /* likewise; NULL: none */
     tc_camera camera;
     tc_flight_path path; /* no keys: none */
     tc_outputs outputs;  /* files to be written, none of which may be read */

@@ -79,3 +79,26 @@ tc_status tc_read_beyond(const tc_fill *fill, int level, tc_rect rect, tc_beyond
     *stride_ret = stride;
     return TC_OK;
 }
+
+tc_clamped tc_clamped_rows(const tc_fill *f)
+{
+    int level = tc_clipmap_field_level(f->clipmap, f->level);
+    tc_level size = tc_field_level(tc_clipmap_field(f->clipmap), level);
+    tc_clamped c = {f->rect, size.width, size.height, tc_clipmap_level(f->clipmap, f->level)->wraps};
+    if (!c.wraps)
+        c.part.x0 = tc_nearest_sample(f->rect.x0, size.width),
+        c.part.x1 = tc_nearest_sample(f->rect.x1 - 1, size.width) + 1;
+    c.part.y0 = tc_nearest_sample(f->rect.y0, size.height);
+    c.part.y1 = tc_nearest_sample(f->rect.y1 - 1, size.height) + 1;
+    return c;
+}
+
+void tc_clamped_row(const tc_clamped *c, const void *read, size_t bytes, int64_t y, tc_rect rect, void *row)
+{
+    const char *from = (const char *)read +
+                       (size_t)((tc_nearest_sample(y, c->height) - c->part.y0) * (c->part.x1 - c->part.x0)) * bytes;
+    for (int64_t x = rect.x0; x < rect.x1; x++) {
+        int64_t at = (c->wraps ? x : tc_nearest_sample(x, c->width)) - c->part.x0;
+        memcpy((char *)row + (size_t)(x - rect.x0) * bytes, from + (size_t)at * bytes, bytes);
+    }
+}

@@ -16,6 +16,17 @@ typedef struct tc_beyond {
 tc_status tc_read_beyond(const tc_fill *fill, int level, tc_rect rect, tc_beyond how, float *buffer, float **z_ret,
                          ptrdiff_t *stride_ret);
 
+/* Rows of a level's samples, or of its voids, that go on beyond its sides as at the border. */
+typedef struct tc_clamped {
+    tc_rect part; /* of the level: what is read */
+    int64_t width, height;
+    bool wraps; /* in x */
+} tc_clamped;
+tc_clamped tc_clamped_rows(const tc_fill *fill);
+
+/* Samples of `bytes` each of row y of the fill's rectangle, from what was read of the part, into row. */
+void tc_clamped_row(const tc_clamped *clamped, const void *read, size_t bytes, int64_t y, tc_rect rect, void *row);
+
 /* The sample of 0 .. size - 1 that is nearest to i. */
 static inline int64_t tc_nearest_sample(int64_t i, int64_t size)
 {

@@ -70,10 +70,12 @@ static tc_rect cut(const tc_field *field, int level, tc_rect rect)
 }
 
 /* Reads piece by piece: without waiting, where how is given, which then is TC_COMING where that cannot be. */
-static tc_status read_pieces(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
-                             tc_ready *how)
+static tc_status read_pieces(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
+                             ptrdiff_t stride, tc_ready *how)
 {
-    if (level < 1 || level > field->info.levels || field->class->sample != TC_FIELD_HEIGHTS)
+    enum { SAMPLE_BYTES = 4 }; /* of either kind */
+    char *z = samples;
+    if (level < 1 || level > field->info.levels)
         return TC_ERR_USAGE;
     bool within = tc_rect_within(rect, level_rect(field, level));
     if (!within && (!tc_field_wraps(field, level) || rect.y0 < 0 || rect.y1 > field->level[level - 1].height))
@@ -89,27 +91,42 @@ static tc_status read_pieces(const tc_field *field, int level, tc_rect rect, flo
             return TC_OK;
         }
         rect.x0 += width;
-        z = z ? z + width : NULL;
+        z = z ? z + width * SAMPLE_BYTES : NULL;
         voids = voids ? voids + width : NULL;
     }
     return status;
 }
 
-tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+tc_status tc_field_read_samples(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
+                                ptrdiff_t stride)
 {
-    return read_pieces(field, level, rect, z, voids, stride, NULL);
+    return read_pieces(field, level, rect, samples, voids, stride, NULL);
 }
 
-tc_ready tc_field_read_ready(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
-                             tc_urgency urgency)
+tc_ready tc_field_samples_ready(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
+                                ptrdiff_t stride, tc_urgency urgency)
 {
     tc_ready how = TC_READY;
-    if (read_pieces(field, level, rect, z, voids, stride, &how))
+    if (read_pieces(field, level, rect, samples, voids, stride, &how))
         return TC_FAILED;
     if (how == TC_READY)
         return TC_READY;
     /* What has come in between is had by asking again. */
     return tc_field_ready(field, level, rect, urgency) == TC_FAILED ? TC_FAILED : TC_COMING;
+}
+
+tc_status tc_field_read(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+{
+    return field->class->sample == TC_FIELD_HEIGHTS ? tc_field_read_samples(field, level, rect, z, voids, stride)
+                                                    : TC_ERR_USAGE;
+}
+
+tc_ready tc_field_read_ready(const tc_field *field, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
+                             tc_urgency urgency)
+{
+    return field->class->sample == TC_FIELD_HEIGHTS
+               ? tc_field_samples_ready(field, level, rect, z, voids, stride, urgency)
+               : TC_FAILED;
 }
 
 tc_ready tc_field_ready(const tc_field *field, int level, tc_rect rect, tc_urgency urgency)

@@ -10,7 +10,7 @@
 /* What a sample is. */
 typedef enum tc_field_sample {
     TC_FIELD_HEIGHTS, /* float, metres above z_base */
-    TC_FIELD_COLOURS  /* RGBA8 */
+    TC_FIELD_COLOURS  /* RGBA8: sRGB of the colour times alpha, and alpha */
 } tc_field_sample;
 
 struct tc_container;
@@ -50,6 +50,12 @@ static inline double tc_level_stride(double spacing, double finest)
 {
     return exp2(rint(log2(spacing / finest)));
 }
+
+/* As tc_field_read() and tc_field_read_ready(), of whatever samples the field has. */
+tc_status tc_field_read_samples(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
+                                ptrdiff_t stride);
+tc_ready tc_field_samples_ready(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
+                                ptrdiff_t stride, tc_urgency urgency);
 
 /* Its packed file's head, through what decorates it; NULL where there is none. */
 const struct tc_container *tc_field_container(const tc_field *field);

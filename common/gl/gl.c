@@ -92,6 +92,17 @@ int64_t tc_gl_free_memory(const tc_gl *gl)
     return (int64_t)kibibytes[0] * 1024;
 }
 
+float tc_gl_anisotropy(const tc_gl *gl)
+{
+    GLint most = 1;
+    if (tc_gl_software((const char *)gl->GetString(GL_RENDERER)) ||
+        (!has_extension(gl, "GL_ARB_texture_filter_anisotropic") &&
+         !has_extension(gl, "GL_EXT_texture_filter_anisotropic")))
+        return 1;
+    gl->GetIntegerv(GL_MAX_TEXTURE_MAX_ANISOTROPY, &most);
+    return (float)(most < 1 ? 1 : most > 16 ? 16 : most);
+}
+
 bool tc_gl_software(const char *renderer)
 {
     return strstr(renderer, "llvmpipe") || strstr(renderer, "softpipe") || strstr(renderer, "swrast");

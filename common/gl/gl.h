@@ -32,6 +32,10 @@ tc_status tc_gl_allocated(const tc_gl *gl, const char *what, tc_error *error);
  * and frames take many times as long. */
 int64_t tc_gl_free_memory(const tc_gl *gl);
 
+/* How many times as long as wide a pixel's area on a texture may be for its filter; 1: not at all, or by a driver that
+ * draws in software, where it would cost what it costs. */
+float tc_gl_anisotropy(const tc_gl *gl);
+
 /* Fills in the table and checks that the current context is OpenGL 4.5 or newer. */
 tc_status tc_gl_load(tc_gl *gl, void *(*get_proc)(const char *name), tc_error *error);
 

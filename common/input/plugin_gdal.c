@@ -3,7 +3,7 @@
  * GDAL is kept silent (messages are collected and the first failure goes into our error), off the network (drivers
  * that fetch are left out, remote file names inside a VRT are refused) and away from the user's folders (side files
  * are read, since nodata and coordinate systems live there, but never written). */
-#include "plugin_gdal.h"
+#include "plugin_gdal_image.h"
 
 #include "common/base/status.h"
 
@@ -298,8 +298,8 @@ static bool names_remote_files(const char *path)
     return found;
 }
 
-/* All files of a dataset; GDAL names those of a VRT, but not of the VRTs that it is made of. */
-static char **all_files(GDALDatasetH dataset)
+/* GDAL names the files of a VRT, but not those of the VRTs that it is made of. */
+char **tc_gdal_all_files(GDALDatasetH dataset)
 {
     enum { MOST = 1 << 16 };
     char **files = GDALGetFileList(dataset);
@@ -405,8 +405,8 @@ static tc_status describe(gdal_raster *r, const tc_source_options *options, tc_e
     return TC_OK;
 }
 
-/* Opens what a name stands for, with the driver that knows it. */
-static tc_status open_dataset(gdal_raster *r, const char *name, bool *recognised, tc_error *error)
+tc_status tc_gdal_open_dataset(const char *path, const char *name, GDALDatasetH *dataset_ret, bool *recognised,
+                               tc_error *error)
 {
     tc_gdal_messages said;
     tc_gdal_listen(&said);
@@ -415,17 +415,17 @@ static tc_status open_dataset(gdal_raster *r, const char *name, bool *recognised
     bool remote = EQUAL(format, "VRT") && names_remote_files(name);
     if (driver && !remote) {
         const char *const only[] = {format, NULL};
-        r->dataset = GDALOpenEx(name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, only, NULL, NULL);
+        *dataset_ret = GDALOpenEx(name, GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, only, NULL, NULL);
     }
     const char *why = tc_gdal_heard(&said);
     *recognised = driver != NULL; /* the file's format; whether it opens or not */
     if (!driver)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: of no elevation format that GDAL knows", r->path);
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: of no elevation format that GDAL knows", path);
     if (remote)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: names files on the network, expected local files", r->path);
-    if (!r->dataset)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: looks like %s but cannot be opened, damaged or truncated: %s",
-                       r->path, format, why);
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: names files on the network, expected local files", path);
+    if (!*dataset_ret)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: looks like %s but cannot be opened, damaged or truncated: %s", path,
+                       format, why);
     return TC_OK;
 }
 
@@ -446,12 +446,12 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     tc_status status = tc_gdal_look_inside(path, options, &inner, &layer_taken, error);
     *recognised = status != TC_OK || inner; /* a container */
     if (status == TC_OK)
-        status = open_dataset(r, inner ? inner : path, recognised, error);
+        status = tc_gdal_open_dataset(path, inner ? inner : path, &r->dataset, recognised, error);
     CPLFree(inner);
     tc_gdal_messages said;
     tc_gdal_listen(&said);
     if (status == TC_OK) {
-        r->base.info.parts = all_files(r->dataset);
+        r->base.info.parts = tc_gdal_all_files(r->dataset);
         status = tc_gdal_take_layer(path, options, layer_taken, &r->dataset, error);
     }
     if (status == TC_OK)
@@ -491,6 +491,7 @@ static bool same_crs(const char *wkt, const char *other_wkt)
 
 extern const struct tc_gdal_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
 const struct tc_gdal_plugin tc_plugin = {.open = open_raster,
+                                         .open_image = tc_gdal_open_image,
                                          .unpack_hgt = tc_gdal_unpack_hgt,
                                          .recognises = recognises,
                                          .write_tiff = tc_gdal_write_tiff,

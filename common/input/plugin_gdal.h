@@ -20,6 +20,16 @@ void tc_gdal_start(void);
 void tc_gdal_listen(tc_gdal_messages *messages);
 const char *tc_gdal_heard(const tc_gdal_messages *messages);
 
+/* ---- Datasets (plugin_gdal.c) -------------------------------------------------------------------------------------
+ */
+
+/* Opens what a name stands for, with the driver that knows it; messages name path. *recognised: there is one. */
+tc_status tc_gdal_open_dataset(const char *path, const char *name, GDALDatasetH *dataset_ret, bool *recognised,
+                               tc_error *error);
+
+/* All files of a dataset, to be freed with CSLDestroy. */
+char **tc_gdal_all_files(GDALDatasetH dataset);
+
 /* ---- Containers and layers (plugin_gdal_layers.c) -----------------------------------------------------------------
  */
 

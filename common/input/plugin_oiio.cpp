@@ -13,6 +13,7 @@ extern "C" {
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -226,6 +227,113 @@ tc_status open_raster(const char *path, const tc_source_options *options, bool *
     }
 }
 
+/* ---- Pictures ---------------------------------------------------------------------------------------------------- */
+
+/* Rows of colours: what is stored, as it is shown. */
+struct oiio_rows {
+    tc_image_rows base; /* first: a tc_image_rows pointer is one to this */
+    std::string path;
+    std::unique_ptr<OIIO::ImageInput> input;
+    bool light;             /* floats are light, not what is shown */
+    std::vector<float> row; /* one row or one row of tiles, all channels, 0 .. 1 */
+    int64_t tile_row = -1;  /* which row of tiles it holds */
+};
+
+const float *fetch_colours(oiio_rows *r, int64_t y)
+{
+    const OIIO::ImageSpec &spec = r->input->spec();
+    if (spec.tile_width == 0) {
+        int at = spec.y + (int)y;
+        return r->input->read_scanlines(0, 0, at, at + 1, 0, 0, spec.nchannels, OIIO::TypeFloat, r->row.data())
+                   ? r->row.data()
+                   : nullptr;
+    }
+    int64_t tile_row = y / spec.tile_height;
+    if (tile_row != r->tile_row) {
+        int top = spec.y + (int)(tile_row * spec.tile_height);
+        int bottom = std::min(top + spec.tile_height, spec.y + spec.height);
+        r->tile_row = -1;
+        if (!r->input->read_tiles(0, 0, spec.x, spec.x + spec.width, top, bottom, spec.z, spec.z + 1, 0, spec.nchannels,
+                                  OIIO::TypeFloat, r->row.data()))
+            return nullptr;
+        r->tile_row = tile_row;
+    }
+    return r->row.data() + (size_t)(y - tile_row * spec.tile_height) * spec.width * spec.nchannels;
+}
+
+uint8_t shown(float value, bool light)
+{
+    double c = value > 0 ? std::min(value, 1.0f) : 0; /* also what is no number */
+    if (light)
+        c = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
+    return (uint8_t)(c * 255 + 0.5);
+}
+
+tc_status read_colours(tc_image_rows *rows, int64_t row, int64_t count, uint8_t (*rgba)[4], tc_error *error)
+{
+    oiio_rows *r = reinterpret_cast<oiio_rows *>(rows);
+    const OIIO::ImageSpec &spec = r->input->spec();
+    const int colours = spec.nchannels - (spec.alpha_channel >= 0);
+    try {
+        for (int64_t k = 0; k < count; k++) {
+            const float *from = fetch_colours(r, row + k);
+            if (!from)
+                return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read to its end, damaged or truncated: %s",
+                               r->path.c_str(), one_line(r->input->geterror()).c_str());
+            for (int i = 0; i < spec.width; i++, from += spec.nchannels) {
+                uint8_t *to = rgba[k * spec.width + i];
+                for (int c = 0; c < 3; c++)
+                    to[c] = shown(from[colours >= 3 ? c : 0], r->light);
+                to[3] = spec.alpha_channel >= 0 ? shown(from[spec.alpha_channel], false) : 255;
+            }
+        }
+    } catch (const std::exception &failure) {
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read: %s", r->path.c_str(),
+                       one_line(failure.what()).c_str());
+    }
+    return TC_OK;
+}
+
+void close_rows(tc_image_rows *rows)
+{
+    delete reinterpret_cast<oiio_rows *>(rows);
+}
+
+tc_status open_rows(const char *path, const tc_image_options *options, tc_image_rows **rows_ret, tc_error *error)
+{
+    try {
+        auto r = std::make_unique<oiio_rows>();
+        r->base = tc_image_rows();
+        r->path = path;
+        OIIO::ImageSpec wish;
+        wish.attribute("oiio:UnassociatedAlpha", 1);
+        r->input = OIIO::ImageInput::open(path, &wish);
+        if (!r->input)
+            return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: cannot be opened as a picture: %s", path,
+                           one_line(OIIO::geterror()).c_str());
+        const OIIO::ImageSpec &spec = r->input->spec();
+        if (spec.deep || spec.depth > 1 || spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
+            return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a flat picture, found a deep or empty one", path);
+        r->light = spec.format.is_floating_point() && spec.get_string_attribute("oiio:ColorSpace") != "sRGB";
+        if (r->light && options->source->say)
+            options->source->say(options->source->say_context, false,
+                                 "floats are taken for light: 0 is black, 1 and above white");
+        size_t rows = spec.tile_height > 0 ? (size_t)spec.tile_height : 1;
+        r->row.resize((size_t)spec.width * rows * spec.nchannels);
+        r->base.name = r->path.c_str();
+        r->base.width = spec.width;
+        r->base.height = spec.height;
+        r->base.read = read_colours;
+        r->base.close = close_rows;
+        *rows_ret = &r.release()->base;
+        return TC_OK;
+    } catch (const std::bad_alloc &) {
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory to open it", path);
+    } catch (const std::exception &failure) {
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be opened: %s", path, one_line(failure.what()).c_str());
+    }
+}
+
 /* ---- Writing ---------------------------------------------------------------------------------------------------- */
 
 bool can_write(const char *path)
@@ -259,5 +367,5 @@ tc_status write_picture(const char *path, const char *temporary, int width, int 
 
 extern "C" {
 extern const struct tc_oiio_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
-const struct tc_oiio_plugin tc_plugin = {open_raster, write_picture, can_write};
+const struct tc_oiio_plugin tc_plugin = {open_raster, open_rows, write_picture, can_write};
 }

@@ -5,6 +5,7 @@
 #ifndef TC_PLUGIN_TABLES_H
 #define TC_PLUGIN_TABLES_H
 
+#include "image.h"
 #include "source.h"
 
 #ifdef __cplusplus
@@ -71,6 +72,12 @@ typedef tc_status (*tc_sample_row_function)(void *context, int64_t y, void *samp
 /* terraclip-gdal.so */
 struct tc_gdal_plugin {
     tc_raster_open open;
+    /* As tc_image_open(), of what GDAL knows: *recognised. */
+    tc_status (*open_image)(const char *path, const tc_image_map *map, const tc_image_options *options,
+                            bool *recognised, tc_image **image_ret, tc_error *error);
+    /* The levels of a picture that only another library reads, by way of the cache. */
+    tc_status (*cache_image)(tc_image_rows *rows, const tc_image_options *options, tc_image **image_ret,
+                             tc_error *error);
     /* What an archive holds where that is an .hgt, which needs no library but must be unpacked: its name, and its
      * bytes, both to be freed; NULL for any other file. *layer_taken_ret: options->layer named it. Errors are those of
      * archives that open() would refuse, too. */
@@ -92,6 +99,9 @@ struct tc_gdal_plugin {
 /* terraclip-oiio.so */
 struct tc_oiio_plugin {
     tc_raster_open open;
+    /* A picture's pixels, row by row. */
+    tc_status (*open_rows)(const char *path, const tc_image_options *options, tc_image_rows **rows_ret,
+                           tc_error *error);
     /* As tc_write_picture, straight to the file temporary, which has the extension of path; messages name path. */
     tc_status (*write_picture)(const char *path, const char *temporary, int width, int height, const uint8_t *rgb,
                                tc_error *error);

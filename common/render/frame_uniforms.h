@@ -12,6 +12,7 @@ typedef struct tc_frame_uniforms {
     float view_projection[16];
     float surface[TC_SURFACE_VECTORS][4];
     float layer[TC_MAX_LAYERS][TC_LAYER_VECTORS][4];
+    float image[TC_MAX_LAYERS][TC_LAYER_VECTORS][4]; /* of imagery (drape.h), as layer */
     float window[TC_MAX_LAYERS][4];
     float eye[4];
     float ray[3][4];
@@ -23,6 +24,8 @@ typedef struct tc_frame_uniforms {
     float pixel[3][4];
     float beyond[4];
     int32_t whole[TC_SURFACE_INTEGERS][4];
+    int32_t image_stack[TC_MAX_CHARTS][4];
+    float image_scale[TC_MAX_CHARTS][4];
 } tc_frame_uniforms;
 
 /* Light, air and camera of a frame; nothing in it depends on anything but the view. */

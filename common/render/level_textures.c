@@ -12,14 +12,14 @@ const tc_gl_format *tc_gl_format_of(tc_texel_format format)
     static const tc_gl_format formats[TC_TEXEL_FORMATS] = {
         [TC_TEXEL_RG32F] = {"RG32F", GL_RG32F, GL_RG, GL_FLOAT, GL_NEAREST},
         [TC_TEXEL_RGBA8_SNORM] = {"RGBA8_SNORM", GL_RGBA8_SNORM, GL_RGBA, GL_BYTE, GL_LINEAR},
-        [TC_TEXEL_RGBA8] = {"RGBA8", GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR},
+        [TC_TEXEL_SRGB8_ALPHA8] = {"SRGB8_ALPHA8", GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR},
         [TC_TEXEL_R8] = {"R8", GL_R8, GL_RED, GL_UNSIGNED_BYTE, GL_NEAREST}};
     return &formats[format];
 }
 
 /* ---- Allocation -------------------------------------------------------------------------------------------------- */
 
-static GLuint array_texture(const tc_gl *gl, const tc_gl_format *format, int size, int layers)
+static GLuint array_texture(const tc_gl *gl, const tc_gl_format *format, int size, int layers, float anisotropy)
 {
     GLuint t;
     gl->CreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t);
@@ -28,6 +28,8 @@ static GLuint array_texture(const tc_gl *gl, const tc_gl_format *format, int siz
     gl->TextureParameteri(t, GL_TEXTURE_MAG_FILTER, format->filter);
     gl->TextureParameteri(t, GL_TEXTURE_WRAP_S, GL_REPEAT);
     gl->TextureParameteri(t, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    if (anisotropy > 1 && format->filter == GL_LINEAR)
+        gl->TextureParameteri(t, GL_TEXTURE_MAX_ANISOTROPY, (GLint)anisotropy);
     return t;
 }
 
@@ -42,7 +44,7 @@ static tc_status create(const tc_gl *gl, const tc_clipmap *clipmap, tc_level_tex
         size_t texels = (size_t)size * (size_t)size * (size_t)t->depth;
         t->content[k] = (tc_level_texture){
             .content = content,
-            .texture = array_texture(gl, tc_gl_format_of(content->format), size, t->depth),
+            .texture = array_texture(gl, tc_gl_format_of(content->format), size, t->depth, t->anisotropy),
             .size = size,
             .bytes = texels * tc_texel_bytes(content->format),
         };
@@ -73,7 +75,7 @@ static void copy_layers(const tc_gl *gl, const tc_level_textures *from, tc_level
 tc_status tc_level_textures_hold(const tc_gl *gl, tc_level_textures *textures, tc_clipmap *const *clipmaps, int charts,
                                  const int levels[TC_MAX_CHARTS], tc_error *error)
 {
-    tc_level_textures grown = {.layers = textures->layers};
+    tc_level_textures grown = {.layers = textures->layers, .anisotropy = textures->anisotropy};
     bool grows = textures->contents == 0;
     for (int chart = 0; chart < charts; chart++) {
         int now = textures->layers.held[chart], all = tc_clipmap_levels(clipmaps[chart]);

@@ -26,6 +26,7 @@ typedef struct tc_level_texture {
 typedef struct tc_level_textures {
     tc_level_texture content[TC_MAX_CONTENTS]; /* of all clipmaps, which have the same n and the same contents */
     int contents;
+    float anisotropy; /* of filtering, where it is linear; 0, 1: none */
     tc_layers layers;
     int depth; /* layers of all charts, at least one */
     uint64_t cursor[TC_MAX_LAYERS];

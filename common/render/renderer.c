@@ -11,7 +11,9 @@
 #include "common/base/clock.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
+#include "common/content/colours.h"
 #include "draw_state.h"
+#include "drape.h"
 #include "frame_slots.h"
 #include "frame_uniforms.h"
 #include "picture.h"
@@ -25,6 +27,7 @@ struct tc_renderer {
     tc_scene_needs needs; /* of the options as they are */
     tc_scene_objects *objects;
     tc_level_textures textures;
+    tc_drape drape; /* where the scene has imagery */
     tc_frame_slots slots;
     tc_picture picture; /* drawn into where no target is given */
     tc_frame_uniforms values;
@@ -42,6 +45,19 @@ static tc_status make_own(tc_renderer *r, tc_error *error)
     if (!r->view || !tc_frame_allocate(r->surface, &r->frame))
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
     return r->surface->make_windows(r->surface, &r->windows, error);
+}
+
+static tc_status make_drape(tc_renderer *r, tc_error *error)
+{
+    enum { TAPS = 4 };
+    if (!r->needs.imagery)
+        return TC_OK;
+    tc_status status = tc_drape_create(r->gl, r->options.imagery, r->surface, &r->drape, error);
+    if (status == TC_OK) {
+        r->needs.image_n = tc_clipmap_n(r->drape.windows.clipmap[0]);
+        r->needs.image_taps = TAPS, r->needs.image_filter = (int)r->drape.textures.anisotropy;
+    }
+    return status;
 }
 
 static tc_status build_programs(tc_renderer *r, const tc_scene_needs *needs, tc_error *error)
@@ -70,6 +86,8 @@ static tc_status create(const tc_gl *gl, const tc_surface *surface, const tc_sce
     if (shared)
         r->objects = tc_scene_objects_share(shared);
     tc_status status = make_own(r, error);
+    if (status == TC_OK)
+        status = make_drape(r, error);
     if (status == TC_OK && !shared)
         status = make_objects(r, error);
     if (status == TC_OK)
@@ -104,6 +122,7 @@ void tc_renderer_destroy(tc_renderer *renderer)
         return;
     tc_renderer *r = renderer;
     tc_level_textures_destroy(r->gl, &r->textures);
+    tc_drape_destroy(r->gl, &r->drape);
     tc_frame_slots_destroy(r->gl, &r->slots);
     tc_scene_objects_release(r->gl, r->objects);
     tc_canvas_destroy(r->gl, &r->picture.canvas);
@@ -119,7 +138,10 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
     renderer->options.wireframe = options->wireframe;
     renderer->options.frame = options->frame;
     renderer->options.budget = options->budget;
+    const tc_scene_needs before = renderer->needs;
     renderer->needs = tc_scene_needs_of(&renderer->options, tc_field_info(renderer->surface->field));
+    renderer->needs.image_n = before.image_n;
+    renderer->needs.image_taps = before.image_taps, renderer->needs.image_filter = before.image_filter;
 }
 
 /* ---- Drawing ------------------------------------------------------------------------------------------------- */
@@ -149,7 +171,8 @@ static void bind_textures(const tc_renderer *r)
 {
     const GLuint textures[] = {tc_level_texture_of(&r->textures, &tc_heights_content).texture, r->objects->ramp,
                                tc_level_texture_of(&r->textures, &tc_normals_content).texture,
-                               tc_level_texture_of(&r->textures, &tc_voids_content).texture};
+                               tc_level_texture_of(&r->textures, &tc_voids_content).texture,
+                               tc_level_texture_of(&r->drape.textures, &tc_colours_content).texture};
     for (GLuint i = 0; i < sizeof textures / sizeof *textures; i++)
         if (textures[i])
             r->gl->BindTextureUnit(i, textures[i]);
@@ -237,6 +260,18 @@ static tc_status update(tc_renderer *r, const tc_sight *sight, bool finish, tc_f
         for (int chart = 0; chart < r->windows.charts; chart++)
             stats->resident &= r->textures.layers.ready[chart] == r->textures.layers.held[chart];
     }
+    if (status == TC_OK && r->needs.imagery) {
+        /* As many texels to a sample as windows have. */
+        const int64_t texels = budget < 0 ? -1 : budget * (r->needs.image_n + 1) / (n + 1);
+        tc_drape_update u;
+        status = tc_drape_move(r->gl, &r->drape, r->view, texels, finish, 1e-3 * start, &u, error);
+        if (status == TC_OK) {
+            stats->bytes_uploaded += u.bytes;
+            stats->texels_updated = u.texels;
+            stats->resident &= u.resident;
+            stats->imagery_failed = u.failed;
+        }
+    }
     stats->update_ms = tc_clock_ms() - start;
     return status;
 }
@@ -291,6 +326,8 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
         status = update(r, sight, finish, stats, error);
     if (status == TC_OK && finish && stats->failed)
         status = tc_fail(error, TC_ERR_IO, "terrain: a part of it cannot be read");
+    if (status == TC_OK && finish && stats->imagery_failed && !(status = tc_imagery_failed(r->options.imagery, error)))
+        status = tc_fail(error, TC_ERR_IO, "imagery: a part of it cannot be read");
     if (status)
         return status;
     double updated = tc_clock_ms();
@@ -298,6 +335,8 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     r->surface->draws(r->view, &r->textures.layers, &r->frame);
     tc_frame_uniforms_set(&r->values, r->view, &r->objects->palette, sight, &target->place, &r->frame,
                           &r->textures.layers);
+    if (needs.imagery)
+        tc_drape_uniforms(&r->drape, r->view, &r->values);
     status = tc_frame_slots_fill(gl, &r->slots, &r->values, &r->frame, &slot, error);
     if (status)
         return status;
@@ -368,6 +407,7 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
                                    .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
                                               tc_level_texture_of(t, &tc_voids_content).bytes + heights,
                                    .normals = tc_level_texture_of(t, &tc_normals_content).bytes + normals,
+                                   .imagery = renderer->needs.imagery ? tc_drape_bytes(&renderer->drape) : 0,
                                    .field = fields};
 }
 
@@ -378,6 +418,7 @@ tc_renderer_use tc_renderer_used(const tc_renderer *renderer)
                              .programs = &renderer->objects->programs,
                              .textures = &renderer->textures,
                              .windows = &renderer->windows,
+                             .drape = renderer->needs.imagery ? &renderer->drape : NULL,
                              .frame = &renderer->last};
 }
 

@@ -19,8 +19,10 @@ typedef struct tc_frame_stats {
     int blocks, blocks_unculled;                   /* of the draws those that cover area; with those outside the view */
     int levels_active, levels_fine, levels_beyond; /* drawn; too fine for the view; beyond the horizon */
     int64_t samples_updated, bytes_uploaded;
-    bool resident; /* the clipmap held all that this view needs */
-    bool failed;   /* a part of that could not be read, and will be tried again */
+    bool resident;          /* the clipmap held all that this view needs */
+    bool failed;            /* a part of that could not be read, and will be tried again */
+    int64_t texels_updated; /* of imagery */
+    bool imagery_failed;
 } tc_frame_stats;
 
 /* Bytes by item, on both sides of the driver. */
@@ -72,6 +74,7 @@ typedef struct tc_renderer_use {
     const tc_scene_programs *programs;
     const tc_level_textures *textures;
     const tc_windows *windows;
+    const struct tc_drape *drape; /* NULL: no imagery */
     const tc_frame_stats *frame;
 } tc_renderer_use;
 tc_renderer_use tc_renderer_used(const tc_renderer *renderer);

@@ -16,6 +16,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
                             .land = palette.natural,
                             .water = palette.water && !options->colours,
                             .given = options->colours != NULL,
+                            .imagery = options->imagery != NULL,
                             .holes = options->holes && info->void_count > 0,
                             .level_colours = options->level_colours,
                             .morph = !options->frame.no_morph,
@@ -34,6 +35,7 @@ static const struct need {
     {offsetof(tc_scene_needs, land), "NATURAL_LAND", "rock and snow: another body's dust"},
     {offsetof(tc_scene_needs, water), "WATER", "water: nothing lies below the sea"},
     {offsetof(tc_scene_needs, given), "GIVEN_COLOURS", NULL},
+    {offsetof(tc_scene_needs, imagery), "IMAGERY", "imagery: none given"},
     {offsetof(tc_scene_needs, level_colours), "LEVEL_COLOURS", "level colours: not asked for"},
     {offsetof(tc_scene_needs, multisampled), "MULTISAMPLED", "smooth edges: one sample a pixel"},
     {offsetof(tc_scene_needs, linear), "LINEAR_LIGHT", NULL},
@@ -65,6 +67,5 @@ int tc_scene_needs_left_out(const tc_scene_needs *needs, const char *lines[TC_SC
                          : dry ? "water, rock and snow: colours are given"
                                : table[i].why;
     }
-    lines[n++] = "imagery: none given";
     return n;
 }

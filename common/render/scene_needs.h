@@ -5,6 +5,7 @@
 
 #include "colour_ramp.h"
 #include "surface.h"
+#include "common/imagery/imagery.h"
 #include "common/terraclip.h"
 
 /* What may be asked of a scene. */
@@ -16,6 +17,7 @@ typedef struct tc_scene_options {
     int samples;                   /* a pixel; 0: 1. The most that the driver has where it has fewer */
     int64_t budget;                /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
     const tc_colour_ramp *colours; /* of heights, in place of the terrain's own; outlives the renderer. NULL: those */
+    const tc_imagery *imagery;     /* over the map; outlives the renderer. NULL: none */
     bool level_colours;            /* may be switched while running, as may the next two */
     bool wireframe;
     tc_frame_options frame;
@@ -28,12 +30,16 @@ typedef struct tc_scene_needs {
     bool land;          /* rock and snow, not another body's dust */
     bool water;         /* some of it lies below the sea */
     bool given;         /* colours of heights, without rock, snow and water */
+    bool imagery;       /* colours of pictures over those of heights */
     bool holes;         /* the mask of voids */
     bool level_colours; /* may be switched, as may the next */
     bool morph;         /* else levels meet abruptly */
     bool multisampled;  /* of the target, as are the next two */
     bool linear;        /* light is written, not what is shown */
     bool by_w;          /* the distance cannot be told by depth */
+    int image_n;        /* size of the windows of imagery; and how many times as long as wide a pixel's area on it is */
+    int image_taps;     /* taken to be, by so many of the shader's own readings, */
+    int image_filter;   /* or by the textures' filter, where that is above 1 */
 } tc_scene_needs;
 
 tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info);

@@ -6,13 +6,14 @@
 
 #include "common/gl/program.h"
 
-enum { MAX_PARTS = 16, SCENE = TC_SCENE_DEFINES + 256, DEFINES = TC_FRAME_DEFINES + SCENE };
+enum { MAX_PARTS = 16, SCENE = TC_SCENE_DEFINES + 384, DEFINES = TC_FRAME_DEFINES + SCENE };
 
 /* What stages begin with, before the surface's parts, and what they end with. */
 static const struct stage {
-    const char *first[4], *last;
+    const char *first[6], *last;
 } terrain_vertex = {{"frame.glsl"}, "renderer.vert"},
   terrain_fragment = {{"frame.glsl", "encode.glsl", "ground.glsl"}, "renderer.frag"},
+  draped_fragment = {{"frame.glsl", "encode.glsl", "ground.glsl", "stack.glsl", "imagery.glsl"}, "renderer.frag"},
   sky_fragment = {{"frame.glsl", "encode.glsl"}, NULL};
 static const char *const sky_vertex[] = {"frame.glsl", "sky.vert", NULL};
 
@@ -21,17 +22,28 @@ static void list_parts(const char *parts[MAX_PARTS], const struct stage *stage, 
     int count = 0;
     for (const char *const *first = stage->first; *first; first++)
         parts[count++] = *first;
-    while (*surface && count < MAX_PARTS - 2)
-        parts[count++] = *surface++;
+    for (; *surface && count < MAX_PARTS - 2; surface++) {
+        bool there = false; /* a part that the stage needs as well */
+        for (int i = 0; i < count && !there; i++)
+            there = strcmp(parts[i], *surface) == 0;
+        if (!there)
+            parts[count++] = *surface;
+    }
     parts[count++] = stage->last;
     parts[count] = NULL;
+}
+
+static const struct stage *fragment_stage(const tc_scene_needs *needs)
+{
+    return needs->imagery ? &draped_fragment : &terrain_fragment;
 }
 
 void tc_scene_frame_defines(char text[TC_FRAME_DEFINES])
 {
     snprintf(text, TC_FRAME_DEFINES,
-             "#define LAYERS %d\n#define LAYER_VECTORS %d\n#define SURFACE_VECTORS %d\n#define SURFACE_INTEGERS %d\n",
-             TC_MAX_LAYERS, TC_LAYER_VECTORS, TC_SURFACE_VECTORS, TC_SURFACE_INTEGERS);
+             "#define LAYERS %d\n#define LAYER_VECTORS %d\n#define SURFACE_VECTORS %d\n#define SURFACE_INTEGERS %d\n"
+             "#define CHARTS %d\n",
+             TC_MAX_LAYERS, TC_LAYER_VECTORS, TC_SURFACE_VECTORS, TC_SURFACE_INTEGERS, TC_MAX_CHARTS);
 }
 
 /* Those before the lines of a scene. */
@@ -57,6 +69,15 @@ static void list_defines(const tc_surface *surface, const tc_scene_needs *needs,
              : needs->multisampled ? "sample"
                                    : "centroid",
              needs->by_w ? "w" : "z", needs->by_w ? "w / p.w" : "z", closers ? "#define CLOSERS\n" : "", scene);
+    if (needs->imagery) { /* smooth edges bring several samples a pixel, and finer texels with them */
+        const bool filter = needs->image_filter > 1;
+        const size_t used = strlen(defines);
+        snprintf(defines + used, SCENE - used,
+                 "#define IMAGE_MASK %d\n#define IMAGE_ANISOTROPY %d.0\n#define IMAGE_BIAS %s\n", needs->image_n,
+                 filter ? needs->image_filter : needs->image_taps, needs->multisampled ? "-0.5" : "0.0");
+        if (!filter)
+            snprintf(defines + strlen(defines), SCENE - strlen(defines), "#define IMAGE_TAPS %d\n", needs->image_taps);
+    }
     for (const char *const *own = surface->defines; own && *own; own++) {
         size_t used = strlen(defines);
         snprintf(defines + used, SCENE - used, "#define %s\n", *own);
@@ -84,7 +105,7 @@ static tc_status build_terrain(const tc_gl *gl, const tc_surface *surface, const
     list_defines(surface, needs, closers, scene);
     add_sizes(scene, defines);
     list_parts(vertex, &terrain_vertex, surface->vertex_parts);
-    list_parts(fragment, &terrain_fragment, surface->fragment_parts);
+    list_parts(fragment, fragment_stage(needs), surface->fragment_parts);
     return tc_program_build(gl, vertex, fragment, surface->texts, defines, program_ret, error);
 }
 
@@ -140,7 +161,7 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
 {
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
     list_parts(vertex, &terrain_vertex, surface->vertex_parts);
-    list_parts(fragment, &terrain_fragment, surface->fragment_parts);
+    list_parts(fragment, fragment_stage(needs), surface->fragment_parts);
     for (int closers = 0; closers < 2; closers++) {
         char defines[SCENE];
         if (!programs->terrain[tc_program_variant(needs)][closers])

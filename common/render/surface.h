@@ -120,6 +120,16 @@ typedef struct tc_frame_options {
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
 } tc_frame_options;
 
+/* Where a view stands on a chart, for windows of other contents than the surface's own, whose samples ("texels") are
+ * `texel` chart coordinates apart. */
+typedef struct tc_standing {
+    double x, y;         /* texels: what the shaders' places on the chart are relative to */
+    double per_place[2]; /* texels per unit of those places */
+    double lo[2], hi[2]; /* texels, relative to x and y, of what may be in sight */
+    double texel;        /* metres of a texel on the body */
+    double distance;     /* metres to the ground below */
+} tc_standing;
+
 /* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
 
 /* What a surface calls what it is made of, where that is told (--explain, left_out of --stats). */
@@ -171,6 +181,8 @@ struct tc_surface {
     /* Windows wanted at each level: wanted[chart][level - 1]; empty for levels too fine for the view, and for all
      * levels of a chart that no vertex reads. */
     void (*wanted)(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS]);
+    /* False for a chart of which nothing is in sight. */
+    bool (*stand)(const tc_view *view, int chart, const double texel[2], tc_standing *standing_ret);
     /* What is visible of the windows as they stand. */
     void (*draws)(const tc_view *view, const tc_layers *layers, tc_frame *frame);
     /* Height drawn at map position (x, y), in the camera's units, by the same rules as the GLSL, in double: metres

@@ -50,7 +50,7 @@ static const double FIRST_PAUSE = 0.25, LONGEST_PAUSE = 30;
 size_t tc_texel_bytes(tc_texel_format format)
 {
     static const size_t bytes[TC_TEXEL_FORMATS] = {
-        [TC_TEXEL_RG32F] = 8, [TC_TEXEL_RGBA8_SNORM] = 4, [TC_TEXEL_RGBA8] = 4, [TC_TEXEL_R8] = 1};
+        [TC_TEXEL_RG32F] = 8, [TC_TEXEL_RGBA8_SNORM] = 4, [TC_TEXEL_SRGB8_ALPHA8] = 4, [TC_TEXEL_R8] = 1};
     return bytes[format];
 }
 
@@ -238,12 +238,12 @@ tc_status tc_clipmap_fill(tc_clipmap *c, int level, tc_rect rect)
     return fill_contents(c, level, rect, NULL);
 }
 
-tc_status tc_fill_read(const tc_fill *f, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
+tc_status tc_fill_read(const tc_fill *f, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride)
 {
     const tc_field *field = f->clipmap->field;
     if (!f->late)
-        return tc_field_read(field, level, rect, z, voids, stride);
-    tc_ready ready = tc_field_read_ready(field, level, rect, z, voids, stride, TC_SOON);
+        return tc_field_read_samples(field, level, rect, samples, voids, stride);
+    tc_ready ready = tc_field_samples_ready(field, level, rect, samples, voids, stride, TC_SOON);
     *f->late = ready == TC_COMING;
     return ready == TC_READY ? TC_OK : TC_ERR_IO;
 }

@@ -26,10 +26,10 @@ enum { TC_MAX_LEVELS = 32, TC_CLIPMAP_MAX_N = 2047, TC_MAX_CONTENTS = 4 };
 
 /* How a texel lies in memory; who draws makes textures by it. */
 typedef enum tc_texel_format {
-    TC_TEXEL_RG32F,       /* two floats */
-    TC_TEXEL_RGBA8_SNORM, /* four signed bytes, -127 .. 127 for -1 .. 1 */
-    TC_TEXEL_RGBA8,       /* four bytes, 0 .. 255 for 0 .. 1 */
-    TC_TEXEL_R8,          /* one */
+    TC_TEXEL_RG32F,        /* two floats */
+    TC_TEXEL_RGBA8_SNORM,  /* four signed bytes, -127 .. 127 for -1 .. 1 */
+    TC_TEXEL_SRGB8_ALPHA8, /* four bytes, 0 .. 255 for 0 .. 1, the first three as shown: filtered as light */
+    TC_TEXEL_R8,           /* one */
     TC_TEXEL_FORMATS
 } tc_texel_format;
 size_t tc_texel_bytes(tc_texel_format format);
@@ -56,9 +56,9 @@ typedef struct tc_fill {
     bool *late;         /* NULL: the field is waited for */
 } tc_fill;
 
-/* Reads the field's heights or voids for a fill, as tc_field_read() does, which it is instead of. Where it may not wait
- * and would have to, it fails, and the fill with it, which is then made another time. */
-tc_status tc_fill_read(const tc_fill *fill, int level, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride);
+/* Reads the field's samples or voids for a fill, as tc_field_read_samples() does, which it is instead of. Where it may
+ * not wait and would have to, it fails, and the fill with it, which is then made another time. */
+tc_status tc_fill_read(const tc_fill *fill, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride);
 
 struct tc_content_class {
     const char *name;

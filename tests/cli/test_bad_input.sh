@@ -168,6 +168,7 @@ done <<end
 --samples     0 17 -1 1.5 ""
 --output      ""
 --colours     ""
+--imagery     ""
 --synthesis   0 21 -1 1.5 x ""
 --path        ""
 --frames      0 -1 1000001 1e3 ""

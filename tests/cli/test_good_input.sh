@@ -124,7 +124,7 @@ same filled.png last.png 'NaN and nodata'
 # ---- What is told
 
 keys='frames frame_ms median p95 max update_ms draw_ms triangles draws levels_active samples_updated bytes_uploaded
-bytes_decoded synthesised_levels memory geometry heights normals imagery pyramid renderer backend left_out'
+bytes_decoded synthesised_levels imagery_levels memory geometry heights normals imagery pyramid renderer backend left_out'
 json_keys() { # FILE
     grep -o '"[A-Za-z0-9_]*":' "$1" | tr -d '":' | tr '\n' ' '
 }
@@ -184,7 +184,7 @@ for program in $viewer $terraclip; do
 done
 run $viewer --help
 # Every option that the table of bad values knows is in the help, and the keys of the window are.
-for word in --view --fov --size --colours --synthesis --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
+for word in --view --fov --size --colours --imagery --synthesis --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
     --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --stats --json --explain \
     --quiet --verbose 'W A S D' F11; do
     grep -q -- "$word" stdout.txt || fail "the help does not tell of $word"

@@ -21,15 +21,16 @@ packed/read      base field codec/entropy codec/lifting codec/exact codec/lh04 c
 packed/write     base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
 synthesis        base field
 map              base field synthesis chart packed/file packed/read
+imagery          base field chart packed/file packed/read map
 view             base map
 window           base field view
 content          base field window
 measure          base field chart map view window content
 gl               base
-render           base field chart map view window content gl
+render           base field chart map imagery view window content gl
 planar           base field chart map view window content render
 spherical        base field chart map view window content render
-app              base input field chart packed/file packed/read map view window content measure gl render
+app              base input field chart packed/file packed/read map imagery view window content measure gl render
 data             base input field chart packed/file packed/read packed/write map app
 end
 

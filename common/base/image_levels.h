@@ -1,0 +1,20 @@
+/* image_levels.h - the levels of a picture from its rows, as they come: each half of the one before, in linear light,
+ * pixels weighed by their alpha. Memory of two rows a level. */
+#ifndef TC_IMAGE_LEVELS_H
+#define TC_IMAGE_LEVELS_H
+
+#include "image.h"
+
+/* Sizes of all levels until both sides are at most `least`; returns how many. */
+int tc_image_sizes(int64_t width, int64_t height, int64_t least, tc_image_size size_ret[TC_IMAGE_LEVELS]);
+
+/* What is done with row y of a level. */
+typedef tc_status (*tc_image_row_function)(void *context, int level, int64_t y, uint8_t (*rgba)[4], tc_error *error);
+
+/* Reads all rows and gives those of all levels, level 0 included, as soon as they are known. progress: as in
+ * common/input/image.h; false from it is TC_ERR_IO. */
+tc_status tc_image_make_levels(tc_image_rows *rows, int levels, const tc_image_size *size, tc_image_row_function give,
+                               void *context, bool (*progress)(void *context, double done), void *progress_context,
+                               tc_error *error);
+
+#endif

@@ -1,0 +1,91 @@
+/* imagery_place.c - from the charts of a map to the pixels of a picture, and back. */
+#include <math.h>
+
+#include "imagery_internal.h"
+
+#define DEGREE (M_PI / 180)
+
+void tc_layer_place(const tc_map *map, tc_layer *layer)
+{
+    const tc_image *image = layer->image;
+    layer->around = !image->find && map->chart[0].wraps;
+    layer->period = layer->around ? (double)image->level[0].width : image->period;
+    layer->joined = layer->period > 0 && layer->period <= (double)image->level[0].width + 0.5;
+}
+
+/* Columns and rows of chart 0's samples as the data has them, counted from the north-west corner, and back. */
+static void to_corner(const tc_map *map, double *x, double *y)
+{
+    const tc_chart *c = &map->chart[0];
+    *x = ldexp((*x - c->x0) / c->dx, -map->synthesised) + 0.5;
+    *y = (double)map->height - 0.5 - ldexp((*y - c->y0) / c->dy, -map->synthesised);
+}
+
+static void from_corner(const tc_map *map, double *x, double *y)
+{
+    const tc_chart *c = &map->chart[0];
+    *x = c->x0 + ldexp((*x - 0.5) * c->dx, map->synthesised);
+    *y = c->y0 + ldexp(((double)map->height - 0.5 - *y) * c->dy, map->synthesised);
+}
+
+/* The column next to the picture's middle of all that are the same place. */
+static double come_round(const tc_layer *layer, double px)
+{
+    double middle = 0.5 * (double)layer->image->level[0].width;
+    return layer->period > 0 ? px - layer->period * floor((px - middle) / layer->period + 0.5) : px;
+}
+
+void tc_layer_find(const tc_map *map, tc_layer *layer, int chart, int count, double *x, double *y)
+{
+    const tc_chart_class *class = map->chart[chart].class, *base = map->chart[0].class;
+    const double *t = map->georef.transform, w = (double)layer->image->level[0].width,
+                 h = (double)layer->image->level[0].height;
+    for (int i = 0; i < count; i++) {
+        double a, b;
+        class->to_place(x[i], y[i], &a, &b);
+        if (layer->around) {
+            x[i] = (a / (2 * M_PI) + 0.5) * w, y[i] = (0.5 - b / M_PI) * h;
+            continue;
+        }
+        base->from_place(a, b, &a, &b);
+        to_corner(map, &a, &b);
+        if (layer->image->find)
+            x[i] = t[0] + a * t[1] + b * t[2], y[i] = t[3] + a * t[4] + b * t[5];
+        else
+            x[i] = a / (double)map->width * w, y[i] = b / (double)map->height * h;
+    }
+    if (layer->image->find)
+        layer->image->find(layer->image, count, x, y);
+    for (int i = 0; i < count; i++)
+        x[i] = come_round(layer, x[i]);
+}
+
+void tc_layer_locate(const tc_map *map, tc_layer *layer, int chart, int count, double *x, double *y)
+{
+    const tc_chart_class *class = map->chart[chart].class, *base = map->chart[0].class;
+    const double *t = map->georef.transform, w = (double)layer->image->level[0].width,
+                 h = (double)layer->image->level[0].height, determinant = t[1] * t[5] - t[2] * t[4];
+    if (layer->image->locate)
+        layer->image->locate(layer->image, count, x, y);
+    for (int i = 0; i < count; i++) {
+        double a = x[i], b = y[i];
+        if (layer->around) {
+            a = (a / w - 0.5) * 2 * M_PI, b = (0.5 - b / h) * M_PI;
+        } else {
+            if (layer->image->find)
+                a = ((x[i] - t[0]) * t[5] - (y[i] - t[3]) * t[2]) / determinant,
+                b = ((y[i] - t[3]) * t[1] - (x[i] - t[0]) * t[4]) / determinant;
+            else
+                a = a / w * (double)map->width, b = b / h * (double)map->height;
+            from_corner(map, &a, &b);
+            base->to_place(a, b, &a, &b);
+        }
+        class->from_place(a, b, &x[i], &y[i]);
+    }
+}
+
+bool tc_layer_holds(const tc_layer *layer, double px, double py)
+{
+    const tc_image_size *size = &layer->image->level[0];
+    return py >= 0 && py <= (double)size->height && (layer->joined || (px >= 0 && px <= (double)size->width));
+}

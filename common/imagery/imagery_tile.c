@@ -1,0 +1,343 @@
+/* imagery_tile.c - a tile of colours: for each texel the pixels of the area that it stands for, in linear light.
+ *
+ * A tile is made in blocks of 32 x 32 texels. Pixels of texels are found exactly on a lattice of every eighth one and,
+ * where the middle of a cell is where its corners say, in between by them; elsewhere (poles, the sides of a map in
+ * longitude and latitude, the edge of a projection) one by one. How far it is from texel to texel along either axis
+ * says which level of the picture is read and how many of its pixels, of which bilinear ones are averaged: at most 16
+ * along the longer axis (Heckbert 1989's elliptical average by boxes). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/base/rect.h"
+#include "common/base/srgb.h"
+#include "common/base/status.h"
+#include "imagery_internal.h"
+
+enum {
+    BLOCK = 32,
+    CELL = 8,
+    CELLS = BLOCK / CELL,
+    CORNERS = CELLS + 1,
+    MOST_TAPS = 16,
+    LARGEST_PIECE = 1 << 20 /* pixels read at once */
+};
+#define CLOSE 0.03 /* pixels of the level read, by which the middle of a cell may be beside what its corners say */
+
+/* Where the texels of a block are in a picture, in pixels of its level 0. */
+typedef struct found {
+    double x[BLOCK * BLOCK], y[BLOCK * BLOCK];
+} found;
+
+/* A cell of a block. */
+typedef struct cell {
+    double along[2], down[2]; /* pixels from texel to texel along a row, and from row to row */
+    int level;                /* of the picture; -1: nothing of it is here */
+    tc_rect needs;            /* pixels of that level; columns may go beyond a picture that comes round again */
+} cell;
+
+/* What a block is made with; one for a tile. */
+typedef struct workshop {
+    found at;
+    cell cell[CELLS * CELLS];
+    float light[BLOCK * BLOCK][4]; /* linear, times alpha; alpha: all layers so far */
+    uint8_t (*pixels)[4];
+    size_t room; /* pixels of it */
+    const tc_srgb *srgb;
+} workshop;
+
+typedef struct block {
+    tc_colour_field *field;
+    int level;
+    int64_t x, y; /* first texel */
+    int w, h;
+} block;
+
+/* ---- Finding ------------------------------------------------------------------------------------------------------
+ */
+
+/* Chart coordinates of texel (i, j) of a block. */
+static void place_of(const block *b, double i, double j, double *x, double *y)
+{
+    int coarser = b->field->head.info.levels - b->level;
+    *x = b->field->x0 + ldexp(((double)b->x + i) * b->field->dx, coarser);
+    *y = b->field->y0 + ldexp(((double)b->y + j) * b->field->dy, coarser);
+}
+
+/* The way from one pixel to another, the short way round. */
+static double way(const tc_layer *layer, double from, double to)
+{
+    double d = to - from;
+    return layer->period > 0 ? d - layer->period * rint(d / layer->period) : d;
+}
+
+/* Whether a cell's corners say where its inside is; fills it in then. c: x, y of corners and middle. */
+static bool between(const tc_layer *layer, const double c[5][2], int ci, int cj, found *at)
+{
+    double x0 = c[0][0], ex = way(layer, x0, c[1][0]), sx = way(layer, x0, c[2][0]), bx = way(layer, x0, c[3][0]);
+    double y0 = c[0][1], ey = c[1][1] - y0, sy = c[2][1] - y0, by = c[3][1] - y0;
+    double mx = 0.25 * (ex + sx + bx), my = 0.25 * (ey + sy + by), size = hypot(ex, ey) + hypot(sx, sy);
+    double off = hypot(way(layer, x0, c[4][0]) - mx, c[4][1] - y0 - my), step = fmax(1, size / (2 * CELL));
+    if (!(off <= CLOSE * step))
+        return false;
+    for (int j = 0; j < CELL; j++)
+        for (int i = 0; i < CELL; i++) {
+            double u = (double)i / CELL, v = (double)j / CELL, both = u * v;
+            int k = (cj * CELL + j) * BLOCK + ci * CELL + i;
+            at->x[k] = x0 + u * ex + v * sx + both * (bx - ex - sx);
+            at->y[k] = y0 + u * ey + v * sy + both * (by - ey - sy);
+        }
+    return true;
+}
+
+static void find_block(const block *b, tc_layer *layer, found *at)
+{
+    const tc_map *map = b->field->imagery->map;
+    double x[CORNERS * CORNERS + CELLS * CELLS], y[CORNERS * CORNERS + CELLS * CELLS];
+    int middle = CORNERS * CORNERS;
+    for (int k = 0; k < middle; k++)
+        place_of(b, k % CORNERS * CELL, k / CORNERS * CELL, &x[k], &y[k]);
+    for (int k = 0; k < CELLS * CELLS; k++)
+        place_of(b, (k % CELLS + 0.5) * CELL, (k / CELLS + 0.5) * CELL, &x[middle + k], &y[middle + k]);
+    pthread_mutex_lock(&layer->mutex);
+    tc_layer_find(map, layer, b->field->chart, middle + CELLS * CELLS, x, y);
+    for (int cj = 0; cj < CELLS; cj++)
+        for (int ci = 0; ci < CELLS; ci++) {
+            int k = cj * CORNERS + ci, m = middle + cj * CELLS + ci;
+            const double c[5][2] = {{x[k], y[k]},
+                                    {x[k + 1], y[k + 1]},
+                                    {x[k + CORNERS], y[k + CORNERS]},
+                                    {x[k + CORNERS + 1], y[k + CORNERS + 1]},
+                                    {x[m], y[m]}};
+            if (between(layer, c, ci, cj, at))
+                continue;
+            double cx[CELL * CELL], cy[CELL * CELL];
+            for (int n = 0; n < CELL * CELL; n++)
+                place_of(b, ci * CELL + n % CELL, cj * CELL + n / CELL, &cx[n], &cy[n]);
+            tc_layer_find(map, layer, b->field->chart, CELL * CELL, cx, cy);
+            for (int n = 0; n < CELL * CELL; n++) {
+                int to = (cj * CELL + n / CELL) * BLOCK + ci * CELL + n % CELL;
+                at->x[to] = cx[n], at->y[to] = cy[n];
+            }
+        }
+    pthread_mutex_unlock(&layer->mutex);
+}
+
+/* ---- What of the picture is read ----------------------------------------------------------------------------------
+ */
+
+/* The way between two texels, where both have a place. */
+static bool step_of(const tc_layer *layer, const found *at, int from, int to, double step[2])
+{
+    step[0] = way(layer, at->x[from], at->x[to]), step[1] = at->y[to] - at->y[from];
+    return isfinite(step[0]) && isfinite(step[1]);
+}
+
+/* Steps from texel to texel in the cell's middle, or wherever in it they are known. */
+static bool steps_of(const tc_layer *layer, const found *at, int ci, int cj, cell *c)
+{
+    int middle = (cj * CELL + CELL / 2 - 1) * BLOCK + ci * CELL + CELL / 2 - 1;
+    if (step_of(layer, at, middle, middle + 1, c->along) && step_of(layer, at, middle, middle + BLOCK, c->down))
+        return true;
+    for (int n = 0; n < (CELL - 1) * (CELL - 1); n++) {
+        int k = (cj * CELL + n / (CELL - 1)) * BLOCK + ci * CELL + n % (CELL - 1);
+        if (step_of(layer, at, k, k + 1, c->along) && step_of(layer, at, k, k + BLOCK, c->down))
+            return true;
+    }
+    return false;
+}
+
+static void survey_cell(const block *b, const tc_layer *layer, const found *at, int ci, int cj, cell *c)
+{
+    c->level = -1;
+    if (!steps_of(layer, at, ci, cj, c))
+        return;
+    double a = hypot(c->along[0], c->along[1]), d = hypot(c->down[0], c->down[1]), most = fmax(a, d);
+    int level = (int)floor(log2(fmax(fmax(fmin(a, d), most / MOST_TAPS), 1)));
+    level = level < layer->image->levels ? level : layer->image->levels - 1;
+    double scale = ldexp(1, -level), reach_x = 0.5 * (fabs(c->along[0]) + fabs(c->down[0])),
+           reach_y = 0.5 * (fabs(c->along[1]) + fabs(c->down[1]));
+    double first = NAN, lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
+    bool any = false;
+    for (int n = 0; n < CELL * CELL; n++) {
+        int i = ci * CELL + n % CELL, j = cj * CELL + n / CELL, k = j * BLOCK + i;
+        if (i >= b->w || j >= b->h || !isfinite(at->x[k]) || !isfinite(at->y[k]))
+            continue;
+        first = isnan(first) ? at->x[k] : first;
+        double x = first + way(layer, first, at->x[k]);
+        lo[0] = fmin(lo[0], x), hi[0] = fmax(hi[0], x);
+        lo[1] = fmin(lo[1], at->y[k]), hi[1] = fmax(hi[1], at->y[k]);
+        any |= tc_layer_holds(layer, at->x[k], at->y[k]);
+    }
+    if (!any)
+        return;
+    const tc_image_size *size = &layer->image->level[level];
+    c->level = level;
+    c->needs = (tc_rect){
+        (int64_t)floor((lo[0] - reach_x) * scale - 0.5), (int64_t)floor((lo[1] - reach_y) * scale - 0.5),
+        (int64_t)floor((hi[0] + reach_x) * scale - 0.5) + 2, (int64_t)floor((hi[1] + reach_y) * scale - 0.5) + 2};
+    if (!layer->joined)
+        c->needs.x0 = tc_clamp64(c->needs.x0, 0, size->width - 1),
+        c->needs.x1 = tc_clamp64(c->needs.x1, c->needs.x0 + 1, size->width);
+    c->needs.y0 = tc_clamp64(c->needs.y0, 0, size->height - 1);
+    c->needs.y1 = tc_clamp64(c->needs.y1, c->needs.y0 + 1, size->height);
+}
+
+/* Pixels rect of a level, whose columns may go round. */
+static tc_status read_round(tc_layer *layer, int level, tc_rect rect, workshop *w, tc_error *error)
+{
+    size_t pixels = (size_t)tc_rect_area(rect);
+    if (pixels > w->room) {
+        free(w->pixels);
+        w->room = 0;
+        if (!(w->pixels = malloc(pixels * sizeof *w->pixels)))
+            return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for a part of it", layer->image->name);
+        w->room = pixels;
+    }
+    int64_t width = layer->image->level[level].width, stride = rect.x1 - rect.x0;
+    tc_status status = TC_OK;
+    pthread_mutex_lock(&layer->mutex);
+    for (int64_t x = rect.x0, next; x < rect.x1 && status == TC_OK; x = next) {
+        int64_t column = x % width + (x % width < 0 ? width : 0);
+        next = tc_min64(rect.x1, x + width - column);
+        status = layer->image->read(layer->image, level, (tc_rect){column, rect.y0, column + next - x, rect.y1},
+                                    w->pixels + (x - rect.x0), stride, error);
+    }
+    pthread_mutex_unlock(&layer->mutex);
+    return status;
+}
+
+/* ---- Colours ------------------------------------------------------------------------------------------------------
+ */
+
+/* Pixels that were read, and where from. */
+typedef struct piece {
+    const uint8_t (*pixels)[4];
+    tc_rect rect;
+    const tc_srgb *srgb;
+} piece;
+
+/* Adds what is at (x, y), pixels of the piece's level with centres at halves, by `share`. Beyond the piece, which is
+ * beyond the picture, its border goes on. */
+static void add_bilinear(const piece *p, double x, double y, float share, float sum[4])
+{
+    double i = floor(x - 0.5), j = floor(y - 0.5);
+    float u = (float)(x - 0.5 - i), v = (float)(y - 0.5 - j);
+    int64_t w = p->rect.x1 - p->rect.x0, h = p->rect.y1 - p->rect.y0;
+    int64_t c0 = tc_clamp64((int64_t)i - p->rect.x0, 0, w - 1), c1 = tc_clamp64((int64_t)i + 1 - p->rect.x0, 0, w - 1);
+    int64_t r0 = tc_clamp64((int64_t)j - p->rect.y0, 0, h - 1), r1 = tc_clamp64((int64_t)j + 1 - p->rect.y0, 0, h - 1);
+    const uint8_t *q[4] = {p->pixels[r0 * w + c0], p->pixels[r0 * w + c1], p->pixels[r1 * w + c0],
+                           p->pixels[r1 * w + c1]};
+    const float weight[4] = {(1 - u) * (1 - v) * share, u * (1 - v) * share, (1 - u) * v * share, u * v * share};
+    for (int k = 0; k < 4; k++) {
+        float a = weight[k] * (float)q[k][3];
+        sum[0] += a * p->srgb->linear[q[k][0]];
+        sum[1] += a * p->srgb->linear[q[k][1]];
+        sum[2] += a * p->srgb->linear[q[k][2]];
+        sum[3] += a;
+    }
+}
+
+static int taps(double pixels)
+{
+    return (int)fmin(fmax(ceil(pixels - 0.1), 1), MOST_TAPS);
+}
+
+/* The texels of a cell, over what is there. */
+static void paint_cell(const block *b, const tc_layer *layer, int ci, int cj, const piece *p, workshop *w)
+{
+    const cell *c = &w->cell[cj * CELLS + ci];
+    const double scale = ldexp(1, -c->level), turn = layer->period * scale;
+    const double ax = c->along[0] * scale, ay = c->along[1] * scale, dx = c->down[0] * scale, dy = c->down[1] * scale;
+    const int na = taps(hypot(ax, ay)), nd = taps(hypot(dx, dy));
+    const float share = 1 / (255.0f * (float)(na * nd));
+    for (int n = 0; n < CELL * CELL; n++) {
+        int i = ci * CELL + n % CELL, j = cj * CELL + n / CELL, k = j * BLOCK + i;
+        if (i >= b->w || j >= b->h || !tc_layer_holds(layer, w->at.x[k], w->at.y[k]))
+            continue;
+        double x = w->at.x[k] * scale, y = w->at.y[k] * scale;
+        if (turn > 0) /* as the piece counts them */
+            x -= turn * rint((x - 0.5 * (double)(p->rect.x0 + p->rect.x1)) / turn);
+        float own[4] = {0, 0, 0, 0}, *light = w->light[k];
+        for (int t = 0; t < na * nd; t++) {
+            double s = (t % na + 0.5) / na - 0.5, r = (t / na + 0.5) / nd - 0.5;
+            add_bilinear(p, x + s * ax + r * dx, y + s * ay + r * dy, share, own);
+        }
+        for (int q = 0; q < 4; q++)
+            light[q] = own[q] + (1 - own[3]) * light[q];
+    }
+}
+
+/* All cells that read one level: what they need is read at once where that is not too much. */
+static tc_status paint(const block *b, tc_layer *layer, int level, workshop *w, tc_error *error)
+{
+    tc_rect all = {0, 0, 0, 0};
+    for (int k = 0; k < CELLS * CELLS; k++)
+        if (w->cell[k].level == level)
+            all = tc_rect_around(all, w->cell[k].needs);
+    bool at_once = tc_rect_area(all) <= LARGEST_PIECE;
+    tc_status status = at_once ? read_round(layer, level, all, w, error) : TC_OK;
+    for (int k = 0; k < CELLS * CELLS && status == TC_OK; k++) {
+        const cell *c = &w->cell[k];
+        if (c->level != level)
+            continue;
+        if (!at_once)
+            status = read_round(layer, level, c->needs, w, error);
+        if (status == TC_OK)
+            paint_cell(b, layer, k % CELLS, k / CELLS,
+                       &(piece){(const uint8_t(*)[4])w->pixels, at_once ? all : c->needs, w->srgb}, w);
+    }
+    return status;
+}
+
+static void store(const block *b, const workshop *w, uint8_t (*texels)[4], ptrdiff_t stride)
+{
+    for (int j = 0; j < b->h; j++)
+        for (int i = 0; i < b->w; i++) {
+            const float *light = w->light[j * BLOCK + i];
+            uint8_t *to = texels[j * stride + i];
+            for (int q = 0; q < 3; q++)
+                to[q] = tc_srgb_shown(w->srgb, sqrtf(fmaxf(light[q], 0)));
+            to[3] = (uint8_t)lrintf(255 * fminf(light[3], 1));
+        }
+}
+
+static tc_status make_block(const block *b, workshop *w, uint8_t (*texels)[4], ptrdiff_t stride, tc_error *error)
+{
+    const tc_imagery *imagery = b->field->imagery;
+    tc_status status = TC_OK;
+    memset(w->light, 0, sizeof w->light);
+    for (int n = 0; n < imagery->layers && status == TC_OK; n++) {
+        tc_layer *layer = &imagery->layer[n];
+        uint32_t levels = 0;
+        find_block(b, layer, &w->at);
+        for (int k = 0; k < CELLS * CELLS; k++) {
+            survey_cell(b, layer, &w->at, k % CELLS, k / CELLS, &w->cell[k]);
+            levels |= w->cell[k].level < 0 ? 0 : UINT32_C(1) << w->cell[k].level;
+        }
+        for (int level = 0; levels >> level && status == TC_OK; level++)
+            if (levels >> level & 1)
+                status = paint(b, layer, level, w, error);
+    }
+    if (status == TC_OK)
+        store(b, w, texels, stride);
+    return status;
+}
+
+tc_status tc_imagery_make(tc_colour_field *field, int level, tc_rect rect, uint8_t (*texels)[4], ptrdiff_t stride,
+                          tc_error *error)
+{
+    workshop *w = malloc(sizeof *w);
+    if (!w)
+        return tc_fail(error, TC_ERR_MEMORY, "imagery: not enough memory");
+    w->pixels = NULL, w->room = 0, w->srgb = tc_srgb_tables();
+    tc_status status = TC_OK;
+    for (int64_t y = rect.y0; y < rect.y1 && status == TC_OK; y += BLOCK)
+        for (int64_t x = rect.x0; x < rect.x1 && status == TC_OK; x += BLOCK) {
+            const block b = {field, level, x, y, (int)tc_min64(BLOCK, rect.x1 - x), (int)tc_min64(BLOCK, rect.y1 - y)};
+            status = make_block(&b, w, texels + (y - rect.y0) * stride + (x - rect.x0), stride, error);
+        }
+    free(w->pixels);
+    free(w);
+    return status;
+}

@@ -1,0 +1,82 @@
+// imagery.glsl - colours of pictures at a place: which levels of which chart's stack a pixel reads, and how
+// (common/render/drape.c).
+//
+// A level is chosen by the pixel's area on the chart: by its shorter side where the filter takes care of the longer one.
+// Towards the reach of its windows, by the distance from the viewer, a level passes over into the coarser one, so that
+// nothing moves with the windows themselves.
+layout(binding = 4) uniform sampler2DArray image_map; // light times alpha, alpha
+
+const float IMAGE_FADE = 0.1; // of a window's size, in which it passes over
+
+// Colours of a layer around `at`, samples from the viewer's nearest; the pixel's sides are a and b samples.
+vec4 image_layer(int l, vec2 at, vec2 a, vec2 b)
+{
+    vec4 first = layer[3 * l + 1], held = layer[3 * l + 2];
+    const float side = float(IMAGE_MASK + 1);
+    float slice = float(l - LAYERS);
+#ifdef IMAGE_TAPS
+    // Along the longer side as often as it is longer.
+    float la = dot(a, a), lb = dot(b, b), area = abs(a.x * b.y - a.y * b.x), major = sqrt(max(la, lb));
+    float count = clamp(ceil(major * major / max(area, 1e-6 * major * major) - 0.5), 1.0, float(IMAGE_TAPS));
+    vec2 longer = la > lb ? a : b;
+    vec4 sum = vec4(0.0);
+    for (float i = 0.5; i < count; i += 1.0) {
+        vec2 there = clamp(at + longer * (i / count - 0.5), held.xy, held.zw);
+        sum += textureLod(image_map, vec3((first.xy + there + 0.5) / side, slice), 0.0);
+    }
+    return sum / count;
+#else
+    // The filter goes no further than what is held.
+    vec2 room = min(at - held.xy, held.zw - at);
+    float fits = min(1.0, (2.0 * min(room.x, room.y) + 1.0) / max(max(length(a), length(b)), 1e-6));
+    return textureGrad(image_map, vec3((first.xy + at + 0.5) / side, slice), fits * a / side, fits * b / side);
+#endif
+}
+
+// The place of a spot, in samples of the next coarser layer.
+vec2 coarser_place(int l, vec2 place)
+{
+    vec4 c = layer[3 * (l - 1)], held = layer[3 * (l - 1) + 2];
+    return clamp(c.xy + place * c.zw, held.xy, held.zw);
+}
+
+// Light times alpha, and alpha, at a place of a chart; x and y: how it changes from pixel to pixel.
+vec4 image_at(int chart, vec2 place, vec2 x, vec2 y)
+{
+    ivec4 levels = image_stack[chart];
+    Spot spot;
+    if (levels.z < 0)
+        return vec4(0.0);
+    vec2 texels = image_scale[chart].xy, a = x * texels, b = y * texels;
+    float major = max(max(dot(a, a), dot(b, b)), 1e-12), area = abs(a.x * b.y - a.y * b.x);
+    major = sqrt(major);
+    float minor = max(area / major, major / IMAGE_ANISOTROPY);
+    float shift = max(log2(max(minor, 1e-6)) + IMAGE_BIAS, 0.0);
+    const float fade = IMAGE_FADE * float(IMAGE_MASK);
+    if (!find_spot(Stack(levels.x, levels.y, levels.z, 2.0 / fade), place, shift, spot))
+        return vec4(0.0);
+    int k = levels.x - spot.layer;
+    vec2 off = abs(spot.at);
+    float alpha = spot.alpha;
+    if (k < levels.z)
+        alpha = max(alpha, clamp((max(off.x, off.y) - 0.5 * float(IMAGE_MASK) + 3.0 + fade) / fade, 0.0, 1.0));
+    float scale = exp2(-float(k));
+    vec4 own = vec4(0.0), coarse = vec4(0.0);
+    if (alpha < 1.0)
+        own = image_layer(spot.layer, spot.at, a * scale, b * scale);
+    if (alpha > 0.0)
+        coarse = image_layer(spot.layer - 1, coarser_place(spot.layer, place), 0.5 * a * scale, 0.5 * b * scale);
+    return mix(own, coarse, alpha);
+}
+
+// As ground.glsl wants it: squares of what is shown, and how much it covers. Level ground by day keeps its colour.
+vec4 image_colour(vec4 light)
+{
+    vec3 c = light.rgb / max(light.a, 1e-4);
+    vec3 shown = mix(12.92 * c, 1.055 * pow(max(c, 1e-6), vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
+#ifdef LIT
+    return vec4(shown * shown / daylight(sun.z, 1.0, 1.0), light.a);
+#else
+    return vec4(shown * shown, light.a);
+#endif
+}
