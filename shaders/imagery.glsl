@@ -1,24 +1,40 @@
 // imagery.glsl - colours of pictures at a place: which levels of which chart's stack a pixel reads, and how
 // (common/render/drape.c).
 //
-// A level is chosen by the pixel's area on the chart: by its shorter side where the filter takes care of the longer one.
-// Towards the reach of its windows, by the distance from the viewer, a level passes over into the coarser one, so that
-// nothing moves with the windows themselves.
+// A level is chosen by the pixel's area on the ground, from its distance and the ground's normal rather than from what is
+// next to it, which across slivers of triangles and their edges is anything: by the area's shorter side where the filter
+// takes care of the longer one. Towards the reach of its windows, by the distance from the viewer, a level passes over
+// into the coarser one, so that nothing moves with the windows themselves.
 layout(binding = 4) uniform sampler2DArray image_map; // light times alpha, alpha
 
 const float IMAGE_FADE = 0.1; // of a window's size, in which it passes over
 
-// Colours of a layer around `at`, samples from the viewer's nearest; the pixel's sides are a and b samples.
-vec4 image_layer(int l, vec2 at, vec2 a, vec2 b)
+// A pixel's area on the ground, in the eye's axes, metres: its sides.
+struct Footprint {
+    vec3 longer, shorter;
+};
+
+// Of ground with this unit normal, so far from the eye.
+Footprint footprint_of(vec3 from_eye, vec3 normal)
+{
+    float away = max(length(from_eye), 1e-6), wide = away * lens.x;
+    vec3 ray = from_eye / away, aside = cross(normal, ray);
+    float facing = clamp(abs(dot(normal, ray)), 0.005, 1.0), flat_on = length(aside);
+    // Seen from straight above all sides are alike.
+    aside = flat_on > 1e-3 ? aside / flat_on : normalize(abs(normal.z) > 0.5 ? vec3(normal.z, 0.0, -normal.x)
+                                                                              : vec3(-normal.y, normal.x, 0.0));
+    return Footprint(cross(aside, normal) * (wide / facing), aside * wide);
+}
+
+// Colours of a layer around `at`, samples from the viewer's nearest; the pixel's sides, the longer and the shorter one.
+vec4 image_layer(int l, vec2 at, vec2 longer, vec2 shorter)
 {
     vec4 first = layer[3 * l + 1], held = layer[3 * l + 2];
     const float side = float(IMAGE_MASK + 1);
     float slice = float(l - LAYERS);
 #ifdef IMAGE_TAPS
     // Along the longer side as often as it is longer.
-    float la = dot(a, a), lb = dot(b, b), area = abs(a.x * b.y - a.y * b.x), major = sqrt(max(la, lb));
-    float count = clamp(ceil(major * major / max(area, 1e-6 * major * major) - 0.5), 1.0, float(IMAGE_TAPS));
-    vec2 longer = la > lb ? a : b;
+    float count = clamp(ceil(length(longer) / max(length(shorter), 1e-6) - 0.5), 1.0, float(IMAGE_TAPS));
     vec4 sum = vec4(0.0);
     for (float i = 0.5; i < count; i += 1.0) {
         vec2 there = clamp(at + longer * (i / count - 0.5), held.xy, held.zw);
@@ -28,8 +44,8 @@ vec4 image_layer(int l, vec2 at, vec2 a, vec2 b)
 #else
     // The filter goes no further than what is held.
     vec2 room = min(at - held.xy, held.zw - at);
-    float fits = min(1.0, (2.0 * min(room.x, room.y) + 1.0) / max(max(length(a), length(b)), 1e-6));
-    return textureGrad(image_map, vec3((first.xy + at + 0.5) / side, slice), fits * a / side, fits * b / side);
+    float fits = min(1.0, (2.0 * min(room.x, room.y) + 1.0) / max(length(longer), 1e-6));
+    return textureGrad(image_map, vec3((first.xy + at + 0.5) / side, slice), fits * longer / side, shorter / side);
 #endif
 }
 
@@ -40,18 +56,15 @@ vec2 coarser_place(int l, vec2 place)
     return clamp(c.xy + place * c.zw, held.xy, held.zw);
 }
 
-// Light times alpha, and alpha, at a place of a chart; x and y: how it changes from pixel to pixel.
-vec4 image_at(int chart, vec2 place, vec2 x, vec2 y)
+// Light times alpha, and alpha, at a place of a chart. longer, shorter: the pixel's sides there.
+vec4 image_at(int chart, vec2 place, vec2 longer, vec2 shorter)
 {
     ivec4 levels = image_stack[chart];
     Spot spot;
     if (levels.z < 0)
         return vec4(0.0);
-    vec2 texels = image_scale[chart].xy, a = x * texels, b = y * texels;
-    float major = max(max(dot(a, a), dot(b, b)), 1e-12), area = abs(a.x * b.y - a.y * b.x);
-    major = sqrt(major);
-    float minor = max(area / major, major / IMAGE_ANISOTROPY);
-    float shift = max(log2(max(minor, 1e-6)) + IMAGE_BIAS, 0.0);
+    vec2 texels = image_scale[chart].xy, a = longer * texels, b = shorter * texels;
+    float size = max(length(b), length(a) / IMAGE_ANISOTROPY), shift = max(log2(max(size, 1e-6)) + IMAGE_BIAS, 0.0);
     const float fade = IMAGE_FADE * float(IMAGE_MASK);
     if (!find_spot(Stack(levels.x, levels.y, levels.z, 2.0 / fade), place, shift, spot))
         return vec4(0.0);

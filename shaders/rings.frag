@@ -58,6 +58,21 @@ struct Charted {
 };
 
 #ifdef IMAGERY
+// The ground's place, in the eye's axes.
+vec3 from_eye(vec3 s)
+{
+    float above = v_terrain.x - surface[1].z, radius = surface[1].x + above;
+    return vec3(radius * s.y, -radius * s.x, above - surface[1].y - radius * s.z);
+}
+
+// A way there, metres in the eye's axes, as one of directions around p, in the frame of the viewer's meridian.
+vec3 on_sphere(vec3 p, vec3 v)
+{
+    float ct = surface[0].x, st = surface[0].y;
+    vec3 d = vec3(st * v.z - ct * v.y, v.x, st * v.y + ct * v.z) / surface[1].x;
+    return d - p * dot(p, d);
+}
+
 // How a chart's place at direction p, in the frame of the viewer's meridian, changes with it by d.
 vec2 chart_step(int chart, vec3 p, vec3 d)
 {
@@ -129,6 +144,9 @@ vec3 slope_at(vec3 p, int chart, vec2 g)
     return vec3(g - p.xy * along / up, -side * along);
 }
 
+#endif
+
+#if defined(LIT) || defined(IMAGERY)
 // From the frame of the viewer's meridian to the eye's axes: east, north, up.
 vec3 eye_axes(vec3 p)
 {
@@ -149,11 +167,7 @@ Ground surface_ground()
     int cap = caps.x > 0.0 ? 1 : 2;
     bool known = true;
 #ifdef IMAGERY
-    // From pixel to pixel, before fragments part ways.
-    vec3 sx = dFdx(v_direction), sy = dFdy(v_direction);
-    vec3 across = vec3(ct * sx.x - st * sx.z, sx.y, -ct * sx.z - st * sx.x);
-    vec3 along = vec3(ct * sy.x - st * sy.z, sy.y, -ct * sy.z - st * sy.x);
-    vec4 image = vec4(0.0);
+    vec2 places[3];
 #endif
     Ground g;
     g.height = 0.0;
@@ -163,8 +177,7 @@ Ground surface_ground()
         g.height += share * there.height;
         known = there.known;
 #ifdef IMAGERY
-        image += share * (known ? image_at(chart, there.place, chart_step(chart, p, across), chart_step(chart, p, along))
-                                : vec4(0.0));
+        places[chart] = there.place;
 #endif
 #ifdef HOLES
         if (chart == 0 ? rest >= 0.5 : rest < 0.5)
@@ -175,10 +188,6 @@ Ground surface_ground()
 #endif
     }
     g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the sphere
-#ifdef IMAGERY
-    if (known)
-        g.colour = image_colour(image);
-#endif
 #ifdef LIT
     g.up = eye_axes(p);
     g.normal = normalize(eye_axes(p - slope));
@@ -187,6 +196,20 @@ Ground surface_ground()
     // About that of the Earth's mountains at the equator, the sea near the poles.
     g.snow_line = 5600.0 * (1.0 - pow(abs(p.z) / 0.965, 3.0));
 #endif
+#endif
+#ifdef IMAGERY
+#ifdef LIT
+    Footprint f = footprint_of(from_eye(s), g.normal);
+#else
+    Footprint f = footprint_of(from_eye(s), eye_axes(p));
+#endif
+    vec3 longer = on_sphere(p, f.longer), shorter = on_sphere(p, f.shorter);
+    vec4 image = vec4(0.0);
+    for (int chart = rest > 0.0 ? 0 : cap; chart < 3 && known; chart = chart == 0 && rest < 1.0 ? cap : 3)
+        image += (chart == 0 ? rest : 1.0 - rest) * image_at(chart, places[chart], chart_step(chart, p, longer),
+                                                             chart_step(chart, p, shorter));
+    if (known)
+        g.colour = image_colour(image);
 #endif
 #ifdef LEVEL_COLOURS
     g.level = max(floor(min(v_terrain.y, surface[1].w)), 0.0);

@@ -57,12 +57,17 @@ Ground surface_ground()
     g.height = v_height;
 #endif
     g.colour = vec4(0.0);
-#ifdef IMAGERY
-    g.colour = image_colour(image_at(0, v_plane, dFdx(v_plane), dFdy(v_plane)));
-#endif
 #ifdef LIT
     g.normal = normal(level());
     g.up = vec3(0.0, 0.0, 1.0);
+#endif
+#ifdef IMAGERY
+#ifdef LIT
+    Footprint f = footprint_of(vec3(v_plane, g.height - eye.x - eye.y), g.normal);
+#else
+    Footprint f = footprint_of(vec3(v_plane, g.height - eye.x - eye.y), vec3(0.0, 0.0, 1.0));
+#endif
+    g.colour = image_colour(image_at(0, v_plane, f.longer.xy, f.shorter.xy));
 #endif
 #ifdef LEVEL_COLOURS
     g.level = level();

@@ -34,7 +34,8 @@ static bool on_chart(const tc_chart *c, double x, double y)
     return isfinite(x) && isfinite(y) && (c->wraps || (x >= lo[0] && x <= hi[0])) && y >= lo[1] && y <= hi[1];
 }
 
-/* Pixels to a sample of the data there, along either axis the geometric mean; 0: no pixel. */
+/* Pixels to a sample of the data there: the geometric mean of both axes, but no more than suits the one with fewer, or
+ * around the poles pixels of longitude, which are slivers there, would call for levels without end; 0: no pixel. */
 static double pixels_a_sample(const tc_map *map, tc_layer *layer, int chart, double x, double y)
 {
     const tc_chart *c = &map->chart[chart];
@@ -44,8 +45,8 @@ static double pixels_a_sample(const tc_map *map, tc_layer *layer, int chart, dou
     if (!tc_layer_holds(layer, px[0], py[0]))
         return 0;
     double a[2] = {2 * (px[1] - px[0]), 2 * (py[1] - py[0])}, b[2] = {2 * (px[2] - px[0]), 2 * (py[2] - py[0])};
-    double area = fabs(a[0] * b[1] - a[1] * b[0]);
-    return isfinite(area) ? sqrt(area) : 0;
+    double area = fabs(a[0] * b[1] - a[1] * b[0]), fewer = area / fmax(hypot(a[0], a[1]), hypot(b[0], b[1]));
+    return isfinite(fewer) ? fmin(sqrt(area), 1.5 * fewer) : 0;
 }
 
 /* The most of them anywhere: at places of the picture that are on the chart, since it may be small, and at places of

@@ -19,7 +19,8 @@ enum {
     CELL = 8,
     CELLS = BLOCK / CELL,
     CORNERS = CELLS + 1,
-    MOST_TAPS = 16,
+    MOST_TAPS = 64,
+    MOST_PIXELS = 1024,     /* along the longer axis */
     LARGEST_PIECE = 1 << 20 /* pixels read at once */
 };
 #define CLOSE 0.03 /* pixels of the level read, by which the middle of a cell may be beside what its corners say */
@@ -29,17 +30,23 @@ typedef struct found {
     double x[BLOCK * BLOCK], y[BLOCK * BLOCK];
 } found;
 
+/* The pixels that a texel stands for: along the longer and the shorter axis of its area. */
+typedef struct steps {
+    double longer[2], shorter[2];
+} steps;
+
 /* A cell of a block. */
 typedef struct cell {
-    double along[2], down[2]; /* pixels from texel to texel along a row, and from row to row */
-    int level;                /* of the picture; -1: nothing of it is here */
-    tc_rect needs;            /* pixels of that level; columns may go beyond a picture that comes round again */
+    steps steps;   /* in its middle */
+    int level;     /* of the picture; -1: nothing of it is here */
+    tc_rect needs; /* pixels of that level; columns may go beyond a picture that comes round again */
 } cell;
 
 /* What a block is made with; one for a tile. */
 typedef struct workshop {
     found at;
     cell cell[CELLS * CELLS];
+    bool exact[CELLS * CELLS];     /* cells whose texels were found one by one */
     float light[BLOCK * BLOCK][4]; /* linear, times alpha; alpha: all layers so far */
     uint8_t (*pixels)[4];
     size_t room; /* pixels of it */
@@ -90,7 +97,7 @@ static bool between(const tc_layer *layer, const double c[5][2], int ci, int cj,
     return true;
 }
 
-static void find_block(const block *b, tc_layer *layer, found *at)
+static void find_block(const block *b, tc_layer *layer, found *at, bool *exact)
 {
     const tc_map *map = b->field->imagery->map;
     double x[CORNERS * CORNERS + CELLS * CELLS], y[CORNERS * CORNERS + CELLS * CELLS];
@@ -109,7 +116,8 @@ static void find_block(const block *b, tc_layer *layer, found *at)
                                     {x[k + CORNERS], y[k + CORNERS]},
                                     {x[k + CORNERS + 1], y[k + CORNERS + 1]},
                                     {x[m], y[m]}};
-            if (between(layer, c, ci, cj, at))
+            exact[cj * CELLS + ci] = !between(layer, c, ci, cj, at);
+            if (!exact[cj * CELLS + ci])
                 continue;
             double cx[CELL * CELL], cy[CELL * CELL];
             for (int n = 0; n < CELL * CELL; n++)
@@ -133,49 +141,73 @@ static bool step_of(const tc_layer *layer, const found *at, int from, int to, do
     return isfinite(step[0]) && isfinite(step[1]);
 }
 
-/* Steps from texel to texel in the cell's middle, or wherever in it they are known. */
-static bool steps_of(const tc_layer *layer, const found *at, int ci, int cj, cell *c)
+/* Steps at texel k of a block, by its neighbours on that side on which the block has one: what makes a circle of the
+ * ways to both an ellipse, by its axes. */
+static bool steps_at(const tc_layer *layer, const found *at, int k, steps *s)
 {
-    int middle = (cj * CELL + CELL / 2 - 1) * BLOCK + ci * CELL + CELL / 2 - 1;
-    if (step_of(layer, at, middle, middle + 1, c->along) && step_of(layer, at, middle, middle + BLOCK, c->down))
-        return true;
-    for (int n = 0; n < (CELL - 1) * (CELL - 1); n++) {
-        int k = (cj * CELL + n / (CELL - 1)) * BLOCK + ci * CELL + n % (CELL - 1);
-        if (step_of(layer, at, k, k + 1, c->along) && step_of(layer, at, k, k + BLOCK, c->down))
-            return true;
-    }
-    return false;
+    int right = k % BLOCK + 1 < BLOCK ? k : k - 1, below = k / BLOCK + 1 < BLOCK ? k : k - BLOCK;
+    double a[2], b[2];
+    if (!step_of(layer, at, right, right + 1, a) || !step_of(layer, at, below, below + BLOCK, b))
+        return false;
+    double both = 2 * (a[0] * b[0] + a[1] * b[1]), more = a[0] * a[0] + a[1] * a[1] - b[0] * b[0] - b[1] * b[1];
+    double angle = both == 0 && more == 0 ? 0 : 0.5 * atan2(both, more), c = cos(angle), d = sin(angle);
+    for (int i = 0; i < 2; i++)
+        s->longer[i] = c * a[i] + d * b[i], s->shorter[i] = c * b[i] - d * a[i];
+    return true;
+}
+
+/* The level whose pixels are no larger than a texel along its shorter axis. */
+static int level_for(const tc_layer *layer, const steps *s)
+{
+    double longer = hypot(s->longer[0], s->longer[1]), shorter = hypot(s->shorter[0], s->shorter[1]);
+    int level = (int)floor(log2(fmax(fmax(shorter, longer / MOST_PIXELS), 1)));
+    return level < layer->image->levels ? level : layer->image->levels - 1;
+}
+
+/* Texel n of a cell as one of its block. */
+static int texel_of(int ci, int cj, int n)
+{
+    return (cj * CELL + n / CELL) * BLOCK + ci * CELL + n % CELL;
 }
 
 static void survey_cell(const block *b, const tc_layer *layer, const found *at, int ci, int cj, cell *c)
 {
-    c->level = -1;
-    if (!steps_of(layer, at, ci, cj, c))
-        return;
-    double a = hypot(c->along[0], c->along[1]), d = hypot(c->down[0], c->down[1]), most = fmax(a, d);
-    int level = (int)floor(log2(fmax(fmax(fmin(a, d), most / MOST_TAPS), 1)));
-    level = level < layer->image->levels ? level : layer->image->levels - 1;
-    double scale = ldexp(1, -level), reach_x = 0.5 * (fabs(c->along[0]) + fabs(c->down[0])),
-           reach_y = 0.5 * (fabs(c->along[1]) + fabs(c->down[1]));
     double first = NAN, lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
-    bool any = false;
+    bool any = false, known = false;
+    c->level = layer->image->levels;
     for (int n = 0; n < CELL * CELL; n++) {
-        int i = ci * CELL + n % CELL, j = cj * CELL + n / CELL, k = j * BLOCK + i;
-        if (i >= b->w || j >= b->h || !isfinite(at->x[k]) || !isfinite(at->y[k]))
+        const int k = texel_of(ci, cj, n);
+        steps own;
+        if (k % BLOCK >= b->w || k / BLOCK >= b->h || !isfinite(at->x[k]) || !isfinite(at->y[k]))
             continue;
+        if (!steps_at(layer, at, k, &own)) { /* at the edge of what there is */
+            if (!known)
+                continue;
+            own = c->steps;
+        }
+        if (!known || n == CELL * CELL / 2 + CELL / 2)
+            c->steps = own;
+        known = true;
         first = isnan(first) ? at->x[k] : first;
-        double x = first + way(layer, first, at->x[k]);
-        lo[0] = fmin(lo[0], x), hi[0] = fmax(hi[0], x);
-        lo[1] = fmin(lo[1], at->y[k]), hi[1] = fmax(hi[1], at->y[k]);
+        double x = first + way(layer, first, at->x[k]), y = at->y[k];
+        double reach_x = 0.5 * (fabs(own.longer[0]) + fabs(own.shorter[0])),
+               reach_y = 0.5 * (fabs(own.longer[1]) + fabs(own.shorter[1]));
+        int level = level_for(layer, &own);
+        c->level = level < c->level ? level : c->level;
+        lo[0] = fmin(lo[0], x - reach_x), hi[0] = fmax(hi[0], x + reach_x);
+        lo[1] = fmin(lo[1], y - reach_y), hi[1] = fmax(hi[1], y + reach_y);
         any |= tc_layer_holds(layer, at->x[k], at->y[k]);
     }
-    if (!any)
+    if (!any) {
+        c->level = -1;
         return;
-    const tc_image_size *size = &layer->image->level[level];
-    c->level = level;
-    c->needs = (tc_rect){
-        (int64_t)floor((lo[0] - reach_x) * scale - 0.5), (int64_t)floor((lo[1] - reach_y) * scale - 0.5),
-        (int64_t)floor((hi[0] + reach_x) * scale - 0.5) + 2, (int64_t)floor((hi[1] + reach_y) * scale - 0.5) + 2};
+    }
+    const tc_image_size *size = &layer->image->level[c->level];
+    const double scale = ldexp(1, -c->level);
+    c->needs = (tc_rect){(int64_t)floor(lo[0] * scale - 0.5), (int64_t)floor(lo[1] * scale - 0.5),
+                         (int64_t)floor(hi[0] * scale - 0.5) + 2, (int64_t)floor(hi[1] * scale - 0.5) + 2};
+    if (layer->joined && c->needs.x1 - c->needs.x0 >= size->width) /* all around */
+        c->needs.x0 = 0, c->needs.x1 = size->width;
     if (!layer->joined)
         c->needs.x0 = tc_clamp64(c->needs.x0, 0, size->width - 1),
         c->needs.x1 = tc_clamp64(c->needs.x1, c->needs.x0 + 1, size->width);
@@ -214,17 +246,24 @@ static tc_status read_round(tc_layer *layer, int level, tc_rect rect, workshop *
 typedef struct piece {
     const uint8_t (*pixels)[4];
     tc_rect rect;
+    bool around; /* all columns: the first is beside the last */
     const tc_srgb *srgb;
 } piece;
 
-/* Adds what is at (x, y), pixels of the piece's level with centres at halves, by `share`. Beyond the piece, which is
- * beyond the picture, its border goes on. */
+/* Column of a piece. Beyond it, which is beyond the picture, its border goes on. */
+static int64_t column_of(const piece *p, int64_t i)
+{
+    int64_t w = p->rect.x1 - p->rect.x0, at = i - p->rect.x0;
+    return !p->around ? tc_clamp64(at, 0, w - 1) : at % w + (at % w < 0 ? w : 0);
+}
+
+/* Adds what is at (x, y), pixels of the piece's level with centres at halves, by `share`. */
 static void add_bilinear(const piece *p, double x, double y, float share, float sum[4])
 {
     double i = floor(x - 0.5), j = floor(y - 0.5);
     float u = (float)(x - 0.5 - i), v = (float)(y - 0.5 - j);
     int64_t w = p->rect.x1 - p->rect.x0, h = p->rect.y1 - p->rect.y0;
-    int64_t c0 = tc_clamp64((int64_t)i - p->rect.x0, 0, w - 1), c1 = tc_clamp64((int64_t)i + 1 - p->rect.x0, 0, w - 1);
+    int64_t c0 = column_of(p, (int64_t)i), c1 = column_of(p, (int64_t)i + 1);
     int64_t r0 = tc_clamp64((int64_t)j - p->rect.y0, 0, h - 1), r1 = tc_clamp64((int64_t)j + 1 - p->rect.y0, 0, h - 1);
     const uint8_t *q[4] = {p->pixels[r0 * w + c0], p->pixels[r0 * w + c1], p->pixels[r1 * w + c0],
                            p->pixels[r1 * w + c1]};
@@ -243,28 +282,39 @@ static int taps(double pixels)
     return (int)fmin(fmax(ceil(pixels - 0.1), 1), MOST_TAPS);
 }
 
+/* The average over a texel, whose middle is at (x, y) of the piece's level. */
+static void average(const piece *p, double x, double y, const steps *s, double scale, float sum[4])
+{
+    const double ax = s->longer[0] * scale, ay = s->longer[1] * scale;
+    const double dx = s->shorter[0] * scale, dy = s->shorter[1] * scale;
+    const int na = taps(hypot(ax, ay)), nd = taps(hypot(dx, dy));
+    const float share = 1 / (255.0f * (float)(na * nd));
+    memset(sum, 0, 4 * sizeof *sum);
+    for (int t = 0; t < na * nd; t++) {
+        double a = (t % na + 0.5) / na - 0.5, d = (t / na + 0.5) / nd - 0.5;
+        add_bilinear(p, x + a * ax + d * dx, y + a * ay + d * dy, share, sum);
+    }
+}
+
 /* The texels of a cell, over what is there. */
 static void paint_cell(const block *b, const tc_layer *layer, int ci, int cj, const piece *p, workshop *w)
 {
     const cell *c = &w->cell[cj * CELLS + ci];
     const double scale = ldexp(1, -c->level), turn = layer->period * scale;
-    const double ax = c->along[0] * scale, ay = c->along[1] * scale, dx = c->down[0] * scale, dy = c->down[1] * scale;
-    const int na = taps(hypot(ax, ay)), nd = taps(hypot(dx, dy));
-    const float share = 1 / (255.0f * (float)(na * nd));
     for (int n = 0; n < CELL * CELL; n++) {
-        int i = ci * CELL + n % CELL, j = cj * CELL + n / CELL, k = j * BLOCK + i;
-        if (i >= b->w || j >= b->h || !tc_layer_holds(layer, w->at.x[k], w->at.y[k]))
+        const int k = texel_of(ci, cj, n);
+        steps own;
+        if (k % BLOCK >= b->w || k / BLOCK >= b->h || !tc_layer_holds(layer, w->at.x[k], w->at.y[k]))
             continue;
+        if (!w->exact[cj * CELLS + ci] || !steps_at(layer, &w->at, k, &own))
+            own = c->steps;
         double x = w->at.x[k] * scale, y = w->at.y[k] * scale;
         if (turn > 0) /* as the piece counts them */
             x -= turn * rint((x - 0.5 * (double)(p->rect.x0 + p->rect.x1)) / turn);
-        float own[4] = {0, 0, 0, 0}, *light = w->light[k];
-        for (int t = 0; t < na * nd; t++) {
-            double s = (t % na + 0.5) / na - 0.5, r = (t / na + 0.5) / nd - 0.5;
-            add_bilinear(p, x + s * ax + r * dx, y + s * ay + r * dy, share, own);
-        }
+        float light[4];
+        average(p, x, y, &own, scale, light);
         for (int q = 0; q < 4; q++)
-            light[q] = own[q] + (1 - own[3]) * light[q];
+            w->light[k][q] = light[q] + (1 - light[3]) * w->light[k][q];
     }
 }
 
@@ -275,6 +325,9 @@ static tc_status paint(const block *b, tc_layer *layer, int level, workshop *w, 
     for (int k = 0; k < CELLS * CELLS; k++)
         if (w->cell[k].level == level)
             all = tc_rect_around(all, w->cell[k].needs);
+    const int64_t width = layer->image->level[level].width;
+    if (layer->joined && all.x1 - all.x0 > width)
+        all.x0 = 0, all.x1 = width;
     bool at_once = tc_rect_area(all) <= LARGEST_PIECE;
     tc_status status = at_once ? read_round(layer, level, all, w, error) : TC_OK;
     for (int k = 0; k < CELLS * CELLS && status == TC_OK; k++) {
@@ -283,9 +336,10 @@ static tc_status paint(const block *b, tc_layer *layer, int level, workshop *w, 
             continue;
         if (!at_once)
             status = read_round(layer, level, c->needs, w, error);
+        const tc_rect read = at_once ? all : c->needs;
+        const piece p = {(const uint8_t(*)[4])w->pixels, read, layer->joined && read.x1 - read.x0 == width, w->srgb};
         if (status == TC_OK)
-            paint_cell(b, layer, k % CELLS, k / CELLS,
-                       &(piece){(const uint8_t(*)[4])w->pixels, at_once ? all : c->needs, w->srgb}, w);
+            paint_cell(b, layer, k % CELLS, k / CELLS, &p, w);
     }
     return status;
 }
@@ -310,7 +364,7 @@ static tc_status make_block(const block *b, workshop *w, uint8_t (*texels)[4], p
     for (int n = 0; n < imagery->layers && status == TC_OK; n++) {
         tc_layer *layer = &imagery->layer[n];
         uint32_t levels = 0;
-        find_block(b, layer, &w->at);
+        find_block(b, layer, &w->at, w->exact);
         for (int k = 0; k < CELLS * CELLS; k++) {
             survey_cell(b, layer, &w->at, k % CELLS, k / CELLS, &w->cell[k]);
             levels |= w->cell[k].level < 0 ? 0 : UINT32_C(1) << w->cell[k].level;
