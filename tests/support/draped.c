@@ -28,6 +28,29 @@ void draped_globe(double column, double row, double width, double height, double
     rgba[3] = 1;
 }
 
+/* Anything from 0 to 1 at corners `size` pixels apart, smoothly between them. */
+static double patches(double column, double row, double size, uint64_t seed)
+{
+    double i = floor(column / size), j = floor(row / size), u = column / size - i, v = row / size - j, z[4];
+    for (int k = 0; k < 4; k++)
+        z[k] = (double)(tc_hash64(seed, (uint64_t)((int64_t)i + (k & 1) + ((int64_t)j + (k >> 1)) * 65536)) >> 11) * 0x1p-53;
+    u *= u * (3 - 2 * u), v *= v * (3 - 2 * v);
+    return (1 - v) * ((1 - u) * z[0] + u * z[1]) + v * ((1 - u) * z[2] + u * z[3]);
+}
+
+void draped_land(double column, double row, double width, double height, double rgba[4])
+{
+    (void)width, (void)height;
+    double bright = 0, green = 0, all = 0;
+    for (int size = 512, k = 0; size >= 1; size /= 2, k++) {
+        double share = sqrt(size);
+        bright += share * patches(column, row, size, 2 * (uint64_t)k), all += share;
+        green += share * patches(column, row, size, 2 * (uint64_t)k + 1);
+    }
+    bright = 0.15 + 0.7 * bright / all, green /= all;
+    rgba[0] = bright * (1.25 - 0.5 * green), rgba[1] = bright, rgba[2] = bright * (0.9 - 0.4 * green), rgba[3] = 1;
+}
+
 void draped_noise(double column, double row, double width, double height, double rgba[4])
 {
     (void)height;

@@ -11,6 +11,8 @@ typedef void (*draped_function)(double column, double row, double width, double 
 void draped_waves(double column, double row, double width, double height, double rgba[4]);
 /* The same of a globe in longitude and latitude: waves in space, so that nothing is finer at the poles. */
 void draped_globe(double column, double row, double width, double height, double rgba[4]);
+/* Like a photograph of land: patches of all sizes from some hundreds of pixels down to one, the smaller the fainter. */
+void draped_land(double column, double row, double width, double height, double rgba[4]);
 /* Every pixel anything, opaque. */
 void draped_noise(double column, double row, double width, double height, double rgba[4]);
 /* Red in the left half, nothing in the right. */

@@ -42,6 +42,7 @@ struct caster {
     ray_globe *globe;
     tc_palette palette;
     double z_base;
+    tc_image *image; /* NULL: by height */
 };
 
 caster *caster_create(const measured *m)
@@ -67,6 +68,23 @@ void caster_destroy(caster *c)
     free(c);
 }
 
+void caster_drape(caster *c, tc_image *image)
+{
+    c->image = image;
+}
+
+static void colour_at(const caster *c, const double place[3], double rgb[3])
+{
+    if (!c->image) {
+        palette_colour(&c->palette, place[2] - c->z_base, rgb);
+        return;
+    }
+    const tc_level l = tc_field_level(c->m->field, tc_field_info(c->m->field)->levels);
+    double w = (double)l.width, h = (double)l.height;
+    draped_colour(c->image, (place[0] / l.spacing_x + 0.5) / w * (double)c->image->level[0].width,
+                  (h - 0.5 - place[1] / l.spacing_y) / h * (double)c->image->level[0].height, false, rgb);
+}
+
 typedef struct casting {
     const caster *c;
     const tc_camera *camera;
@@ -86,7 +104,7 @@ static void cast_row(void *context, int64_t y)
             continue;
         const double from_eye[3] = {s * d[0], s * d[1], s * d[2]};
         tc_view_place(camera, &body, from_eye, place);
-        palette_colour(&k->c->palette, place[2] - k->c->z_base, rgb);
+        colour_at(k->c, place, rgb);
         k->p->distance[at] = s;
         for (int i = 0; i < 3; i++)
             k->p->rgb[3 * at + (size_t)i] = (uint8_t)lrint(rgb[i]);

@@ -3,6 +3,7 @@
 #define FIDELITY_H
 
 #include "common/render/palette.h"
+#include "draped.h"
 #include "measured.h"
 
 /* The colour of ground at metres above z_base, unlit: what renderer.frag shows, 8-bit levels without rounding. */
@@ -17,6 +18,8 @@ typedef struct cast_picture {
 } cast_picture;
 typedef struct caster caster;
 caster *caster_create(const measured *m);
+/* Colours from now on by a picture over all of a flat terrain, which outlives it. */
+void caster_drape(caster *c, tc_image *image);
 void caster_destroy(caster *c);
 cast_picture caster_picture(const caster *c, const tc_camera *camera, const uint8_t background[3]);
 void cast_picture_free(cast_picture *p);
