@@ -13,19 +13,33 @@ void tc_layer_place(const tc_map *map, tc_layer *layer)
     layer->joined = layer->period > 0 && layer->period <= (double)image->level[0].width + 0.5;
 }
 
-/* Columns and rows of chart 0's samples as the data has them, counted from the north-west corner, and back. */
+/* Chart coordinates between the samples that the georeference counts: those of the data, also where its finest levels
+ * are missing from a file that was cut short. */
+static void data_step(const tc_map *map, double *dx, double *dy)
+{
+    const tc_chart *c = &map->chart[0];
+    const tc_level finest = tc_field_level(c->field, tc_field_info(c->field)->levels);
+    *dx = c->dx * tc_level_stride(map->spacing_x, finest.spacing_x);
+    *dy = c->dy * tc_level_stride(map->spacing_y, finest.spacing_y);
+}
+
+/* Columns and rows of them, counted from the north-west corner, and back. */
 static void to_corner(const tc_map *map, double *x, double *y)
 {
     const tc_chart *c = &map->chart[0];
-    *x = ldexp((*x - c->x0) / c->dx, -map->synthesised) + 0.5;
-    *y = (double)map->height - 0.5 - ldexp((*y - c->y0) / c->dy, -map->synthesised);
+    double dx, dy;
+    data_step(map, &dx, &dy);
+    *x = (*x - c->x0) / dx + 0.5;
+    *y = (double)map->height - 0.5 - (*y - c->y0) / dy;
 }
 
 static void from_corner(const tc_map *map, double *x, double *y)
 {
     const tc_chart *c = &map->chart[0];
-    *x = c->x0 + ldexp((*x - 0.5) * c->dx, map->synthesised);
-    *y = c->y0 + ldexp(((double)map->height - 0.5 - *y) * c->dy, map->synthesised);
+    double dx, dy;
+    data_step(map, &dx, &dy);
+    *x = c->x0 + (*x - 0.5) * dx;
+    *y = c->y0 + ((double)map->height - 0.5 - *y) * dy;
 }
 
 /* The column next to the picture's middle of all that are the same place. */

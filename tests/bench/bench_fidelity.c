@@ -61,7 +61,6 @@ static void measure_draped(bench *b)
     static const int n[] = {127, 255, 511};
     measured m = {.name = "draped", .field = terrain_field(TERRAIN_DEFAULT, SIDE, SIDE, 30, 1)};
     tc_map *map = tc_map_flat(m.field);
-    map->width = map->height = SIDE;
     tc_image *image = draped_image(draped_land, SIDE, SIDE), *rays = draped_image(draped_land, SIDE, SIDE);
     tc_imagery *imagery;
     tc_error error;

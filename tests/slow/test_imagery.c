@@ -95,7 +95,6 @@ static void a_plane_has_its_pictures_colours(void **state)
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
         tc_field *field = terrain_field(TERRAIN_SMOOTH, SIDE, SIDE, 30, 3);
         tc_map *map = tc_map_flat(field);
-        map->width = map->height = SIDE;
         tc_image *image = draped_image(draped_waves, sizes[k][0], sizes[k][1]);
         tc_imagery *imagery = imagery_over(map, &image, 1);
         tc_scene_options options = options_with(imagery);
@@ -176,7 +175,6 @@ static void later_pictures_lie_over_earlier_ones(void **state)
     enum { SIDE = 257 };
     tc_field *field = terrain_field(TERRAIN_SMOOTH, SIDE, SIDE, 30, 3);
     tc_map *map = tc_map_flat(field);
-    map->width = map->height = SIDE;
     const tc_camera c = {
         .x = 3840, .y = 3840, .z = 12000, .pitch = -1.5707963, .fov = 0.7, .width = WIDTH, .height = HEIGHT};
     uint8_t *plain = NULL;
@@ -223,7 +221,6 @@ static void a_picture_of_another_place_is_refused(void **state)
     (void)state;
     tc_field *field = terrain_field(TERRAIN_SMOOTH, 65, 65, 30, 3);
     tc_map *map = tc_map_flat(field);
-    map->width = map->height = 65;
     map->georef.known = true, map->georef.transform[1] = 30, map->georef.transform[5] = -30;
     tc_image *image = draped_image(draped_waves, 64, 64);
     image->find = image->locate = nowhere_near;
@@ -269,7 +266,6 @@ static void a_slow_flight_shows_no_front(void **state)
     tc_field *field;
     assert_int_equal(tc_field_build(&grid, 1, &field, NULL), TC_OK);
     tc_map *map = tc_map_flat(field);
-    map->width = map->height = SIDE;
     tc_image greys = {.name = "greys", .read = read_greys, .close = close_nothing, .levels = 6};
     for (int k = 0; k < greys.levels; k++)
         greys.level[k] = (tc_image_size){PICTURE >> k, PICTURE >> k};

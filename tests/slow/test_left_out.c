@@ -36,6 +36,7 @@ static const struct trace {
     {"samples", "#define MULTISAMPLED", "samples_map", 0},
     {"closers", "#define INTERPOLATED flat", NULL, 0},
     {"sphere", "snow_line", NULL, 0},
+    {"imagery", "image_colour", "image_map", GL_SRGB8_ALPHA8},
 };
 
 static bool multisampled(const gl_record *r)
@@ -89,7 +90,7 @@ static void assert_told(const lean_scene *l, const tc_renderer *renderer)
 {
     static const char *const lines[LEAN_PARTS] = {
         [0] = "normal map", [1] = "sky",           [3] = "void mask", [4] = "rock",
-        [5] = "water",      [6] = "level colours", [7] = "smooth"};
+        [5] = "water",      [6] = "level colours", [7] = "smooth",    [10] = "imagery"};
     static tc_left_out list;
     tc_explain_left_out(renderer, &list);
     assert_true(list.count > 0 && list.lines[list.count] == NULL);

@@ -33,7 +33,8 @@ static double patches(double column, double row, double size, uint64_t seed)
 {
     double i = floor(column / size), j = floor(row / size), u = column / size - i, v = row / size - j, z[4];
     for (int k = 0; k < 4; k++)
-        z[k] = (double)(tc_hash64(seed, (uint64_t)((int64_t)i + (k & 1) + ((int64_t)j + (k >> 1)) * 65536)) >> 11) * 0x1p-53;
+        z[k] = (double)(tc_hash64(seed, (uint64_t)((int64_t)i + (k & 1) + ((int64_t)j + (k >> 1)) * 65536)) >> 11) *
+               0x1p-53;
     u *= u * (3 - 2 * u), v *= v * (3 - 2 * v);
     return (1 - v) * ((1 - u) * z[0] + u * z[1]) + v * ((1 - u) * z[2] + u * z[3]);
 }

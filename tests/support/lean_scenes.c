@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "draped.h"
 #include "made_files.h"
 #include "planar/square.h"
 
@@ -37,7 +38,7 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
      2,
      120,
      -4,
-     LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_HOLES | LEAN_LEVEL_COLOURS | LEAN_SAMPLES},
+     LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_HOLES | LEAN_LEVEL_COLOURS | LEAN_SAMPLES | LEAN_IMAGERY},
     {"planet-space", LEAN_EARTH, {0}, 10, 20, 1.5e7, 0, -90, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
     {"planet-ground", LEAN_EARTH, {0}, 10, 5, 300, 60, -5, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
     {"planet-pole", LEAN_EARTH, {0}, 10, 89.5, 3000, 60, -8, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
@@ -50,7 +51,7 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
      300,
      60,
      -5,
-     LIT_LAND | LEAN_WATER | LEAN_SPHERE | LEAN_HOLES | LEAN_LEVEL_COLOURS | LEAN_SAMPLES},
+     LIT_LAND | LEAN_WATER | LEAN_SPHERE | LEAN_HOLES | LEAN_LEVEL_COLOURS | LEAN_SAMPLES | LEAN_IMAGERY},
 };
 
 /* ---- Grounds ---------------------------------------------------------------------------------------------------- */
@@ -132,6 +133,7 @@ static tc_map *globe(double radius, bool voids)
 static struct {
     bool made;
     tc_map *atlas;
+    tc_imagery *imagery; /* NULL: not asked for */
 } grounds[LEAN_GROUNDS];
 
 bool lean_sphere(lean_ground ground)
@@ -172,10 +174,22 @@ void lean_free_all(void)
     for (int i = 0; i < LEAN_GROUNDS; i++) {
         if (!grounds[i].made)
             continue;
+        tc_imagery_destroy(grounds[i].imagery);
+        grounds[i].imagery = NULL;
         tc_map_destroy(grounds[i].atlas);
         grounds[i].made = false;
     }
     made_folder_remove();
+}
+
+static const tc_imagery *imagery_over(lean_ground ground)
+{
+    if (!grounds[ground].imagery) {
+        tc_image *image = draped_image(draped_waves, 600, 300);
+        tc_error error;
+        must(tc_imagery_create(lean_atlas(ground), &image, 1, 0, &grounds[ground].imagery, &error), &error);
+    }
+    return grounds[ground].imagery;
 }
 
 /* ---- Scenes ----------------------------------------------------------------------------------------------------- */
@@ -207,6 +221,10 @@ scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *
     const tc_map *atlas = lean_atlas(s->ground);
     const tc_field *field = atlas->chart[0].field;
     bool sphere = lean_sphere(s->ground);
+    tc_scene_options with = *options;
+    if (s->needs & LEAN_IMAGERY)
+        with.imagery = imagery_over(s->ground);
+    options = &with;
     const tc_scene_needs own = tc_scene_needs_of(options, tc_field_info(field));
     needs = needs ? needs : &own;
     tc_surface *surface;

@@ -18,7 +18,8 @@ enum {
     LEAN_SAMPLES = 1 << 7,
     LEAN_CLOSERS = 1 << 8,
     LEAN_SPHERE = 1 << 9,
-    LEAN_PARTS = 10
+    LEAN_IMAGERY = 1 << 10,
+    LEAN_PARTS = 11
 };
 
 /* Over what a scene is. */
