@@ -104,8 +104,9 @@ typedef struct tc_level {
 
 /* What is true of the whole terrain. */
 typedef struct tc_terrain_info {
-    int levels;    /* m; the coarsest level has one sample */
-    double z_base; /* metres; added to every height read */
+    int levels;      /* m; the coarsest level has one sample */
+    int synthesised; /* of these, the finest: finer than the data (tc_map_synthesise()) */
+    double z_base;   /* metres; added to every height read */
     float z_min,
         z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there */
     int64_t void_count; /* of the finest level */

@@ -154,6 +154,9 @@ void tc_explain_uses(const tc_renderer *renderer, FILE *file)
     fprintf(file, "uses: texture: colours of heights: RGBA8, %d, %d bytes\n", TC_RAMP_SIZE, 4 * TC_RAMP_SIZE);
     if (use.drape)
         print_drape(use.drape, file);
+    int finer = tc_field_info(tc_clipmap_field(use.windows->clipmap[0]))->synthesised;
+    if (finer > 0)
+        fprintf(file, "uses: synthesis: %d levels finer than the data\n", finer);
     print_frame(&use, file);
     for (int i = 0; i < LIBRARIES; i++)
         if (tc_plugin_loaded(libraries[i].plugin))

@@ -293,8 +293,6 @@ tc_status tc_viewer_write_frame(tc_viewer *v, const char *path, uint8_t *rgb, tc
 static void explain(const tc_viewer *v, const tc_left_out *left_out)
 {
     tc_explain_uses(v->renderer, stdout);
-    if (v->map->synthesised > 0)
-        printf("uses: synthesis: %d levels finer than the data\n", v->map->synthesised);
     for (int i = 0; i < left_out->count; i++)
         printf("left out: %s\n", left_out->lines[i]);
 }

@@ -77,6 +77,6 @@ tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
         status = add_levels(map, k, levels, &fit, error);
     }
     if (status == TC_OK)
-        map->synthesised = levels;
+        map->synthesised = tc_field_info(map->chart[0].field)->synthesised;
     return status;
 }

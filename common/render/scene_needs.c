@@ -19,6 +19,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
                             .imagery = options->imagery != NULL,
                             .holes = options->holes && info->void_count > 0,
                             .level_colours = options->level_colours,
+                            .detail = info->synthesised > 0,
                             .morph = !options->frame.no_morph,
                             .multisampled = options->samples > 1};
 }
@@ -32,6 +33,7 @@ static const struct need {
     {offsetof(tc_scene_needs, haze), "HAZE", "haze: a body without air"},
     {offsetof(tc_scene_needs, holes), "HOLES", "void mask: no holes to show"},
     {offsetof(tc_scene_needs, morph), NULL, "morph: switched off"},
+    {offsetof(tc_scene_needs, detail), NULL, "synthesis: no levels finer than the data"},
     {offsetof(tc_scene_needs, land), "NATURAL_LAND", "rock and snow: another body's dust"},
     {offsetof(tc_scene_needs, water), "WATER", "water: nothing lies below the sea"},
     {offsetof(tc_scene_needs, given), "GIVEN_COLOURS", NULL},

@@ -32,6 +32,7 @@ typedef struct tc_scene_needs {
     bool given;         /* colours of heights, without rock, snow and water */
     bool imagery;       /* colours of pictures over those of heights */
     bool holes;         /* the mask of voids */
+    bool detail;        /* levels finer than the data */
     bool level_colours; /* may be switched, as may the next */
     bool morph;         /* else levels meet abruptly */
     bool multisampled;  /* of the target, as are the next two */

@@ -15,10 +15,9 @@
 
 enum { BLOCK = 256 }; /* samples along a side of what is made at once */
 
-/* Memory of one reading, kept for the next one. */
+/* Memory of one reading, kept for the next one; all are as large as any reading needs. */
 typedef struct arena {
     struct arena *next;
-    size_t size; /* floats */
     float memory[];
 } arena;
 
@@ -30,26 +29,21 @@ typedef struct synthesis_field {
     int chart;
     tc_synthesis_share share;
     float lowest, highest;
+    size_t arena_bytes;
     pthread_mutex_t mutex; /* of idle */
     arena *idle;
     _Atomic size_t held; /* bytes of arenas */
 } synthesis_field;
 
-static arena *borrow(synthesis_field *p, size_t size)
+static arena *borrow(synthesis_field *p)
 {
     pthread_mutex_lock(&p->mutex);
     arena *a = p->idle;
     if (a)
         p->idle = a->next;
     pthread_mutex_unlock(&p->mutex);
-    if (a && a->size >= size)
-        return a;
-    if (a)
-        p->held -= a->size * sizeof(float);
-    free(a);
-    a = malloc(sizeof *a + size * sizeof(float));
-    if (a)
-        a->size = size, p->held += size * sizeof(float);
+    if (!a && (a = malloc(p->arena_bytes)))
+        p->held += p->arena_bytes;
     return a;
 }
 
@@ -96,6 +90,28 @@ static chain chain_of(const synthesis_field *p, int level, tc_rect rect)
         c.largest = (size_t)tc_max64((int64_t)c.largest, tc_rect_area(c.around[k - 1]));
     }
     return c;
+}
+
+/* Floats that making it takes. */
+static size_t memory_for(const chain *c)
+{
+    size_t area = (size_t)tc_rect_area(c->amplitude), energy = 3 * (size_t)tc_rect_area(c->around[0]);
+    size_t most = tc_synthesis_scratch(BLOCK + 4 * TC_COARSE_REACH, BLOCK + 4 * TC_COARSE_REACH);
+    return 2 * c->largest + 4 * area + (energy > most ? energy : most);
+}
+
+/* The same for any rectangle of a block's size: of one somewhat larger, since what is rounded on the way to level m
+ * depends on the place. */
+static size_t memory_for_any(const synthesis_field *p)
+{
+    enum { LARGER = 32 };
+    size_t most = 0;
+    for (int level = p->data + 1; level <= p->head.info.levels; level++) {
+        const chain c = chain_of(p, level, (tc_rect){-1, -1, BLOCK + LARGER, BLOCK + LARGER});
+        size_t needed = memory_for(&c);
+        most = needed > most ? needed : most;
+    }
+    return most;
 }
 
 /* ---- Making it --------------------------------------------------------------------------------------------------- */
@@ -206,9 +222,7 @@ static tc_status read_block(synthesis_field *p, int level, tc_rect rect, float *
 {
     const chain c = chain_of(p, level, rect);
     tc_rect hole = void_rect(c.count, rect), hole_have = within(p, p->data, hole);
-    size_t area = (size_t)tc_rect_area(c.amplitude), energy = 3 * (size_t)tc_rect_area(c.around[0]);
-    size_t most = tc_synthesis_scratch(BLOCK + 4 * TC_COARSE_REACH, BLOCK + 4 * TC_COARSE_REACH);
-    arena *a = borrow(p, 2 * c.largest + 4 * area + (energy > most ? energy : most) + (size_t)tc_rect_area(hole));
+    arena *a = borrow(p);
     if (!a)
         return TC_ERR_MEMORY;
     tc_status status = TC_OK;
@@ -388,6 +402,8 @@ tc_status tc_synthesis_create(tc_field *field, int levels, const tc_synthesis_fi
         size = (tc_level){field->info.wraps_x ? 2 * size.width : 2 * size.width - 1, 2 * size.height - 1,
                           size.spacing_x / 2, size.spacing_y / 2};
     tc_field_set_levels(&p->head, size);
+    p->head.info.synthesised = levels;
+    p->arena_bytes = sizeof(arena) + memory_for_any(p) * sizeof(float);
     *field_ret = &p->head;
     return TC_OK;
 }

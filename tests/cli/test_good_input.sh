@@ -167,7 +167,7 @@ grep -q '"void mask: no holes to show"' stdout.txt && grep -Eq '"[0-9]+ of [0-9]
     fail "--json: left_out is $(grep -A9 left_out stdout.txt)"
 accepts '' $viewer metres.tif --explain --unlit --background 000000 --no-morph $picture
 ! grep -Eq '^uses: (texture: normals|shaders: sky|shaders: .*(LIT|HAZE))' stdout.txt || fail '--explain: used without need'
-for part in 'normal map' sky 'void mask' morph imagery; do
+for part in 'normal map' sky 'void mask' morph synthesis imagery; do
     grep -q "^left out: $part" stdout.txt || fail "--explain does not tell of the $part"
 done
 accepts '' $viewer voids.tif --voids hole --explain $picture

@@ -63,6 +63,7 @@ cases=$((cases + 1))
 cmp -s frame-00001.png 'land--synthesis auto.png' || fail 'a frame of a flight is not the picture of its view'
 accepts '' $viewer land.tclip $picture --synthesis 3 --explain
 grep -q '^uses: synthesis: 3 levels finer than the data$' stdout.txt || fail '--explain does not tell of synthesis'
+! grep -q '^left out: synthesis' stdout.txt || fail '--explain: synthesis is used and left out'
 accepts '' $viewer land.tclip $picture --synthesis 3 --json
 grep -q '"synthesised_levels": 3,' stdout.txt || fail '--json does not tell of synthesis'
 

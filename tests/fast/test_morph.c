@@ -14,6 +14,15 @@
 
 enum { N = 63, STEPS = 4096, POINTS = 1000 };
 
+/* Terrains of 1025 x 1025 samples 30 m apart, some of them made of fewer. */
+typedef struct walked {
+    const char *name;
+    terrain_kind kind;
+    int synthesised; /* levels finer than the data */
+} walked;
+static const walked cliffs = {"cliffs of 4,000 m", TERRAIN_CLIFF, 0}, smooth = {"smooth", TERRAIN_SMOOTH, 0},
+                    fine = {"synthesised", TERRAIN_DEFAULT, 4};
+
 typedef struct walk {
     tc_field *field;
     tc_clipmap *clipmap;
@@ -62,9 +71,10 @@ static void settle(walk *w)
     assert_true(tc_clipmap_resident(w->clipmap));
 }
 
-static walk start(terrain_kind kind)
+static walk start(const walked *g)
 {
-    walk w = {.field = terrain_field(kind, 1025, 1025, 30, 3)};
+    int64_t apart = (int64_t)1 << g->synthesised, side = 1024 / apart + 1;
+    walk w = {.field = terrain_synthesised(terrain_field(g->kind, side, side, 30 * (double)apart, 3), g->synthesised)};
     tc_ground_options options = {.n = N};
     assert_int_equal(tc_ground_create(w.field, &options, &w.clipmap, NULL), TC_OK);
     w.camera = (tc_camera){.x = 400 * 30 + 0.3, .y = 450 * 30 + 7, .z = 4100, .fov = 1.5, .width = 64, .height = 64};
@@ -88,9 +98,9 @@ static void finish(walk *w)
 }
 
 /* Creeps; returns how many heights changed more than they may. */
-static int creep(terrain_kind kind, bool no_morph, double *worst)
+static int creep(const walked *g, bool no_morph, double *worst)
 {
-    walk w = start(kind);
+    walk w = start(g);
     double alpha_step[TC_MAX_LEVELS + 1], drawn[POINTS], slack[POINTS];
     const double step = 30 / 64.0, direction = 0.6;
     for (int l = 1; l <= tc_clipmap_levels(w.clipmap); l++) /* in cells of the level, over the transition's width */
@@ -121,26 +131,29 @@ static int creep(terrain_kind kind, bool no_morph, double *worst)
 static void heights_follow_the_morph(void **state)
 {
     (void)state;
-    double worst;
-    assert_int_equal(creep(TERRAIN_CLIFF, false, &worst), 0);
-    printf("continuity, cliffs of 4,000 m: largest change in a step %.3f m\n", worst);
-    assert_int_equal(creep(TERRAIN_SMOOTH, false, &worst), 0);
-    printf("continuity, smooth: largest change in a step %.5f m\n", worst);
+    const walked *const grounds[] = {&cliffs, &smooth, &fine};
+    for (int k = 0; k < 3; k++) {
+        double worst;
+        assert_int_equal(creep(grounds[k], false, &worst), 0);
+        printf("continuity, %s: largest change in a step %.5f m\n", grounds[k]->name, worst);
+    }
 }
 
 static void without_morph_heights_jump(void **state)
 {
     (void)state;
-    double worst;
-    int jumps = creep(TERRAIN_CLIFF, true, &worst);
-    printf("continuity without morph: %d jumps, the largest %.0f m\n", jumps, worst);
-    assert_true(jumps > 100);
+    const walked *const grounds[] = {&cliffs, &fine};
+    for (int k = 0; k < 2; k++) {
+        double worst;
+        int jumps = creep(grounds[k], true, &worst);
+        printf("continuity, %s, without morph: %d jumps, the largest %.2f m\n", grounds[k]->name, jumps, worst);
+        assert_true(jumps > 100);
+    }
 }
 
-static void climbing_drops_levels_without_a_jump(void **state)
+static void climb(const walked *g)
 {
-    (void)state;
-    walk w = start(TERRAIN_CLIFF);
+    walk w = start(g);
     double alpha_step[TC_MAX_LEVELS + 1] = {0}, drawn[POINTS], slack[POINTS], ground;
     tc_field_height(w.field, w.camera.x, w.camera.y, &ground);
     look(&w, alpha_step, false, w.drawn, w.slack);
@@ -162,6 +175,13 @@ static void climbing_drops_levels_without_a_jump(void **state)
     }
     assert_true(least < first); /* levels were dropped */
     finish(&w);
+}
+
+static void climbing_drops_levels_without_a_jump(void **state)
+{
+    (void)state;
+    climb(&cliffs);
+    climb(&fine);
 }
 
 int main(void)

@@ -64,19 +64,9 @@ static tc_field *default_terrain(int64_t width, int64_t height)
     return f;
 }
 
-static tc_field *synthesised(tc_field *field, int levels)
-{
-    tc_synthesis_fit fit;
-    tc_error error = {TC_OK, ""};
-    if (tc_synthesis_learn(field, &fit, &error) ||
-        tc_synthesis_create(field, levels, &fit, 0, (tc_synthesis_share){NULL, NULL}, &field, &error))
-        fail_msg("%s", error.text);
-    return field;
-}
-
 static tc_field *default_field(void)
 {
-    return synthesised(default_terrain(300, 257), LEVELS);
+    return terrain_synthesised(default_terrain(300, 257), LEVELS);
 }
 
 static float *read_rect(const tc_field *f, int level, tc_rect r)
@@ -141,7 +131,7 @@ static void columns_go_round(void **state)
     tc_field *f;
     grid.wraps_x = true;
     assert_int_equal(tc_field_build(&grid, 0, &f, &error), TC_OK);
-    f = synthesised(f, 2);
+    f = terrain_synthesised(f, 2);
     int l = tc_field_info(f)->levels;
     int64_t width = tc_field_level(f, l).width;
     assert_int_equal(width, 1024);
@@ -154,6 +144,48 @@ static void columns_go_round(void **state)
     }
     free(across), free(west), free(east);
     tc_field_destroy(f);
+}
+
+/* Heights at places of a map, asked for in some order. */
+typedef struct asking {
+    const tc_map *map;
+    double *z;
+} asking;
+enum { PLACES = 400 };
+
+static void ask_at(void *context, int64_t n)
+{
+    const asking *a = context;
+    test_random random = {(uint64_t)n + 1};
+    bool planet = tc_map_radius(a->map) > 0;
+    double u = test_random_unit(&random), v = test_random_unit(&random);
+    if (tc_map_height(a->map, planet ? 2 * M_PI * u - M_PI : 7000 * u, planet ? asin(2 * v - 1) : 3500 * v, &a->z[n]))
+        abort();
+}
+
+/* A plane, and a planet with its caps: prepared and asked by one thread, and by four in any order. */
+static void threads_do_not_matter(void **state)
+{
+    (void)state;
+    const double radius[] = {0, 6371000}, step = 360.0 / 256;
+    for (int k = 0; k < 2; k++) {
+        static double z[2][PLACES];
+        for (int n = 0; n < 2; n++) {
+            tc_grid grid = default_grid(256, 128);
+            grid.georef = (tc_georef){.known = k == 1,
+                                      .geographic = true,
+                                      .transform = {-180, step, 0, 90, 0, -step},
+                                      .semi_major = radius[k]};
+            tc_map *map;
+            tc_error error = {TC_OK, ""};
+            if (tc_map_build(&grid, radius[k], n ? 4 : 1, &map, &error) || tc_map_synthesise(map, 9, &error))
+                fail_msg("%s", error.text);
+            assert_int_equal(tc_map_charts(map), k ? 3 : 1);
+            tc_parallel_for(n ? 4 : 1, PLACES, ask_at, &(asking){map, z[n]});
+            tc_map_destroy(map);
+        }
+        assert_memory_equal(z[0], z[1], sizeof z[0]);
+    }
 }
 
 static void wide_instructions_do_the_same(void **state)
@@ -248,7 +280,7 @@ static void bounds_hold(void **state)
     step.z_min = 0, step.z_max = 1;
     tc_field *small;
     assert_int_equal(tc_field_build(&step, 0, &small, &error), TC_OK);
-    small = synthesised(small, 1);
+    small = terrain_synthesised(small, 1);
     float *swung = read_rect(small, tc_field_info(small)->levels, (tc_rect){0, 0, 9, 9});
     for (int i = 0; i < 81; i++)
         assert_true(swung[i] >= 0 && swung[i] <= 1);
@@ -258,7 +290,7 @@ static void bounds_hold(void **state)
     for (int kind = 0; kind < 3; kind++) {
         static const terrain_kind kinds[] = {TERRAIN_DEFAULT, TERRAIN_CLIFF, TERRAIN_SMOOTH};
         tc_field *f =
-            synthesised(kind ? terrain_field(kinds[kind], 300, 257, 30, 7) : default_terrain(300, 257), LEVELS);
+            terrain_synthesised(kind ? terrain_field(kinds[kind], 300, 257, 30, 7) : default_terrain(300, 257), LEVELS);
         const tc_terrain_info *info = tc_field_info(f);
         test_random random = {5};
         for (int n = 0; n < 200; n++) {
@@ -296,7 +328,7 @@ static void lakes_and_holes_stay(void **state)
     tc_field *f;
     tc_error error = {TC_OK, ""};
     assert_int_equal(tc_field_build(&grid, 0, &f, &error), TC_OK);
-    f = synthesised(f, LEVELS);
+    f = terrain_synthesised(f, LEVELS);
     int m = tc_field_info(f)->levels - LEVELS;
     for (int k = 1; k <= LEVELS; k++) {
         int64_t s = (int64_t)1 << k;
@@ -382,6 +414,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(parts_are_the_whole),
         cmocka_unit_test(columns_go_round),
+        cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(wide_instructions_do_the_same),
         cmocka_unit_test(filtering_gives_the_coarser_level),
         cmocka_unit_test(bounds_hold),

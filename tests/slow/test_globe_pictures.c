@@ -8,7 +8,16 @@
 
 #include "tests/support/planet_scene.h"
 
-enum { PLANETS = 2 };
+enum { PLANETS = 3, DATA = 2 }; /* the first DATA of them are */
+static const struct {
+    planet_kind kind;
+    int width;
+    double radius;
+    int synthesised, views; /* levels finer than the data; flights that end in one */
+    int64_t budget;         /* of a slow flight */
+} made[PLANETS] = {{PLANET_DEFAULT, 1024, 6371000, 0, 30, 5000},
+                   {PLANET_CLIFF, 1024, 400e3, 0, 30, 5000},
+                   {PLANET_DEFAULT, 512, 6371000, 10, 12, 40000}};
 static tc_context *context;
 static tc_map *planet[PLANETS];
 
@@ -16,8 +25,9 @@ static int set_up(void **state)
 {
     (void)state;
     context = scene_context();
-    planet[0] = planet_made(PLANET_DEFAULT, 1024, 6371000, 7);
-    planet[1] = planet_made(PLANET_CLIFF, 1024, 400e3, 7);
+    for (int k = 0; k < PLANETS; k++)
+        planet[k] =
+            planet_synthesised(planet_made(made[k].kind, made[k].width, made[k].radius, 7), made[k].synthesised);
     return context ? 0 : -1;
 }
 
@@ -50,7 +60,7 @@ static void culling_removes_nothing_visible(void **state)
     (void)state;
     const tc_scene_options culled = {.budget = -1}, all = {.budget = -1, .frame.no_cull = true};
     int64_t drawn = 0, without = 0, views = 0;
-    for (int k = 0; k < PLANETS; k++) {
+    for (int k = 0; k < DATA; k++) {
         test_random r = {2 + (uint64_t)k};
         scene s = planet_scene(context, planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
         for (int view = 0; view < 50; view++, views++) {
@@ -104,7 +114,7 @@ static void backs_are_not_missed(void **state)
     (void)state;
     const tc_scene_options front = {.budget = -1}, both = {.budget = -1, .frame.two_sided = true};
     int64_t different = 0, views = 0, pixels = 0;
-    for (int k = 0; k < PLANETS; k++) {
+    for (int k = 0; k < DATA; k++) {
         test_random r = {4 + (uint64_t)k};
         scene s = planet_scene(context, planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &front);
         for (int view = 0; view < 50; view++, views++) {
@@ -128,11 +138,11 @@ static void a_picture_depends_on_the_view_alone(void **state)
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {1 + (uint64_t)k};
         const tc_rings_options rings = {.n_phi = 128, .m = 8};
-        const tc_scene_options options[2] = {{.budget = 0}, {.budget = 5000}};
+        const tc_scene_options options[2] = {{.budget = 0}, {.budget = made[k].budget}};
         scene s[2];
         for (int i = 0; i < 2; i++)
             s[i] = planet_scene(context, planet[k], &rings, &options[i]);
-        for (int view = 0; view < 30; view++, views++) {
+        for (int view = 0; view < made[k].views; view++, views++) {
             tc_camera end = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             uint8_t *pixels[3];
             tc_frame_stats stats;

@@ -21,7 +21,8 @@ static tc_context *context;
 
 /* ---- Parts of programs ------------------------------------------------------------------------------------------ */
 
-/* How a part shows: words in what the compiler sees, samplers, textures. 0, NULL: not that way. */
+/* How a part shows: words in what the compiler sees, samplers, textures. 0, NULL: not that way. Levels finer than the
+ * data show in the windows. */
 static const struct trace {
     const char *name, *text, *sampler;
     GLenum texture;
@@ -37,6 +38,7 @@ static const struct trace {
     {"closers", "#define INTERPOLATED flat", NULL, 0},
     {"sphere", "snow_line", NULL, 0},
     {"imagery", "image_colour", "image_map", GL_SRGB8_ALPHA8},
+    {"synthesis", NULL, NULL, 0},
 };
 
 static bool multisampled(const gl_record *r)
@@ -47,21 +49,28 @@ static bool multisampled(const gl_record *r)
     return false;
 }
 
+/* Whether windows are finer than the ground's data. */
+static bool finer_than_data(const scene *s, const lean_scene *l)
+{
+    const tc_clipmap *c = tc_renderer_used(s->renderer).windows->clipmap[0];
+    return tc_clipmap_field_level(c, tc_clipmap_levels(c)) > lean_data_levels(l->ground);
+}
+
 /* The parts that a scene shows; a part must show in all its ways or in none. Land without light and smooth edges where
  * no place in a normal map needs them leave only the define. */
-static unsigned shown(const tc_gl *gl, const gl_record *r, const char *scene_name, unsigned needs)
+static unsigned shown(const tc_gl *gl, const gl_record *r, const scene *s, const lean_scene *l)
 {
     unsigned parts = 0;
     for (int i = 0; i < LEAN_PARTS; i++) {
         const struct trace *t = &traces[i];
-        bool rock = 1u << i == LEAN_LAND && !(needs & LEAN_LIGHT);
-        bool text = gl_record_has_text(r, rock ? "#define NATURAL_LAND" : t->text);
+        bool rock = 1u << i == LEAN_LAND && !(l->needs & LEAN_LIGHT);
+        bool text = t->text ? gl_record_has_text(r, rock ? "#define NATURAL_LAND" : t->text) : finer_than_data(s, l);
         bool sampler = t->sampler ? gl_record_has_uniform(gl, r, t->sampler) : text;
         bool texture = t->texture ? gl_record_texture(r, t->texture) != NULL : text;
         if (1u << i == LEAN_SAMPLES)
             texture = multisampled(r);
         if (text != sampler || text != texture)
-            fail_msg("%s: %s shows by text %d, sampler %d, texture %d", scene_name, t->name, text, sampler, texture);
+            fail_msg("%s: %s shows by text %d, sampler %d, texture %d", l->name, t->name, text, sampler, texture);
         parts |= text ? 1u << i : 0;
     }
     return parts;
@@ -89,8 +98,8 @@ static bool told(const tc_left_out *list, const char *start)
 static void assert_told(const lean_scene *l, const tc_renderer *renderer)
 {
     static const char *const lines[LEAN_PARTS] = {
-        [0] = "normal map", [1] = "sky",           [3] = "void mask", [4] = "rock",
-        [5] = "water",      [6] = "level colours", [7] = "smooth",    [10] = "imagery"};
+        [0] = "normal map",    [1] = "sky",    [3] = "void mask", [4] = "rock",      [5] = "water",
+        [6] = "level colours", [7] = "smooth", [10] = "imagery",  [11] = "synthesis"};
     static tc_left_out list;
     tc_explain_left_out(renderer, &list);
     assert_true(list.count > 0 && list.lines[list.count] == NULL);
@@ -111,6 +120,7 @@ static void assert_told(const lean_scene *l, const tc_renderer *renderer)
     assert_int_equal(strstr(text, "texture: normals: RGBA8_SNORM") != NULL, (l->needs & LEAN_LIGHT) != 0);
     assert_int_equal(strstr(text, ", LIT") != NULL, (l->needs & LEAN_LIGHT) != 0);
     assert_int_equal(strstr(text, "texture: voids") != NULL, (l->needs & LEAN_HOLES) != 0);
+    assert_int_equal(strstr(text, "synthesis: ") != NULL, (l->needs & LEAN_DETAIL) != 0);
     free(text);
 }
 
@@ -128,7 +138,7 @@ static void programs_hold_what_is_needed(void **state)
         tc_camera c = lean_camera(l, WIDTH, HEIGHT);
         tc_frame_stats f = scene_draw(&s, &c, true);
         assert_true(r.draws > 0 && f.triangles > 0);
-        unsigned parts = shown(&gl, &r, l->name, l->needs);
+        unsigned parts = shown(&gl, &r, &s, l);
         assert_parts(l->name, parts, l->needs);
         all |= parts, none |= ~parts;
         /* Colours are in all of them; so the check for samplers and textures is no check of nothing. */
@@ -159,7 +169,7 @@ static void what_is_there_without_need_is_found(void **state)
         scene s = lean_create(&gl, l, &l->options, NULL);
         tc_camera c = lean_camera(l, WIDTH, HEIGHT);
         scene_draw(&s, &c, true);
-        assert_int_equal(shown(&gl, &r, l->name, l->needs), l->needs | faults[i].part);
+        assert_int_equal(shown(&gl, &r, &s, l), l->needs | faults[i].part);
         scene_destroy(&s);
         gl_record_end(&r);
     }

@@ -25,7 +25,7 @@ enum { SANITIZED = 1 };
 enum { SANITIZED = 0 };
 #endif
 
-enum { SIZE = 1025, SPACING = 30, N = 63, WIDTH = 160, HEIGHT = 120 };
+enum { SIZE = 1025, SPACING = 30, N = 63, WIDTH = 160, HEIGHT = 120, FINER = 5 };
 
 /* Calls of any of the functions. */
 static long long calls(void)
@@ -47,26 +47,29 @@ static long long resident_bytes(void)
 /* ---- Flying ----------------------------------------------------------------------------------------------------- */
 
 static tc_context *context;
-static tc_field *terrain;
+static tc_field *terrain, *finer; /* than its data */
 
 static int set_up(void **state)
 {
     (void)state;
     mallopt(M_TRIM_THRESHOLD, 1 << 30); /* as the viewer does */
     context = scene_context();
-    tc_grid grid = terrain_grid(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 3);
-    grid.voids = calloc((size_t)SIZE * SIZE, 1);
-    assert_non_null(grid.voids);
-    for (int64_t i = 0; i < SIZE; i++, grid.void_count++) /* for scenes with holes */
-        grid.voids[i * SIZE + i] = 1;
-    assert_int_equal(tc_field_build(&grid, 0, &terrain, NULL), TC_OK);
+    for (int k = 0; k < 2; k++) {
+        tc_grid grid = terrain_grid(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 3);
+        grid.voids = calloc((size_t)SIZE * SIZE, 1);
+        assert_non_null(grid.voids);
+        for (int64_t i = 0; i < SIZE; i++, grid.void_count++) /* for scenes with holes */
+            grid.voids[i * SIZE + i] = 1;
+        assert_int_equal(tc_field_build(&grid, 0, k ? &finer : &terrain, NULL), TC_OK);
+    }
+    finer = terrain_synthesised(finer, FINER);
     return context ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    tc_field_destroy(terrain);
+    tc_field_destroy(terrain), tc_field_destroy(finer);
     tc_context_destroy(context);
     return 0;
 }
@@ -102,14 +105,19 @@ static void fly(scene *s, tc_stats *stats, int first, int last)
 static void frames_allocate_nothing(void **state)
 {
     (void)state;
-    const tc_scene_options scenes[] = {{0},
-                                       {.budget = 1000},
-                                       {.budget = -1, .holes = true},
-                                       {.unlit = true, .background_set = true},
-                                       {.wireframe = true, .level_colours = true},
-                                       {.samples = 4, .frame.no_cull = true}};
+    static const struct {
+        bool finer;
+        tc_scene_options options;
+    } scenes[] = {{false, {0}},
+                  {false, {.budget = 1000}},
+                  {false, {.budget = -1, .holes = true}},
+                  {false, {.unlit = true, .background_set = true}},
+                  {false, {.wireframe = true, .level_colours = true}},
+                  {false, {.samples = 4, .frame.no_cull = true}},
+                  {true, {.budget = 1000}},
+                  {true, {.budget = -1, .holes = true}}};
     for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
-        scene s = scene_create(context, terrain, N, &scenes[k]);
+        scene s = scene_create(context, scenes[k].finer ? finer : terrain, N, &scenes[k].options);
         tc_stats *stats;
         assert_int_equal(tc_stats_create(100, &stats, NULL), TC_OK);
         fly(&s, stats, 0, 20); /* warm-up */
@@ -161,19 +169,23 @@ static void resident_set_stays_flat(void **state)
         printf("resident set: not measured under a sanitizer, which holds back what is freed\n");
         skip();
     }
-    scene s = scene_create(context, terrain, N, &(tc_scene_options){0});
-    tc_stats *stats;
-    assert_int_equal(tc_stats_create(1000, &stats, NULL), TC_OK);
-    long long after[11] = {0};
-    for (int thousand = 1; thousand <= 10; thousand++) {
-        fly(&s, stats, 1000 * (thousand - 1), 1000 * thousand);
-        after[thousand] = resident_bytes();
+    static const int thousands[2] = {10, 5};
+    for (int k = 0; k < 2; k++) {
+        scene s = scene_create(context, k ? finer : terrain, N, &(tc_scene_options){0});
+        tc_stats *stats;
+        assert_int_equal(tc_stats_create(1000, &stats, NULL), TC_OK);
+        long long after[11] = {0};
+        for (int thousand = 1; thousand <= thousands[k]; thousand++) {
+            fly(&s, stats, 1000 * (thousand - 1), 1000 * thousand);
+            after[thousand] = resident_bytes();
+        }
+        printf("resident set%s: %.2f MiB after 1000 frames, %.2f after 5000, %.2f after %d\n", k ? ", synthesised" : "",
+               (double)after[1] / (1 << 20), (double)after[5] / (1 << 20), (double)after[thousands[k]] / (1 << 20),
+               1000 * thousands[k]);
+        assert_true(after[thousands[k]] - after[1] < 1 << 20);
+        tc_stats_destroy(stats);
+        scene_destroy(&s);
     }
-    printf("resident set: %.2f MiB after 1000 frames, %.2f after 5000, %.2f after 10000\n",
-           (double)after[1] / (1 << 20), (double)after[5] / (1 << 20), (double)after[10] / (1 << 20));
-    assert_true(after[10] - after[1] < 1 << 20);
-    tc_stats_destroy(stats);
-    scene_destroy(&s);
 }
 
 /* ---- By item ---------------------------------------------------------------------------------------------------- */
@@ -234,12 +246,37 @@ static void items_add_up(void **state)
     tc_field_destroy(own);
 }
 
+/* Levels finer than the data take what making them takes, from the first reading on, and are told. */
+static void making_heights_is_counted(void **state)
+{
+    (void)state;
+    static float z[300 * 300];
+    long long start = allocations.live;
+    tc_field *data = terrain_field(TERRAIN_SMOOTH, SIZE, SIZE, SPACING, 1);
+    size_t told = tc_field_tell(data).bytes;
+    tc_field *own = terrain_synthesised(data, FINER);
+    size_t bare = tc_field_tell(own).bytes - told, most = 0;
+    for (int l = tc_field_info(own)->levels; l > tc_field_info(own)->levels - FINER; l--)
+        for (int side = 300; side > 0; side /= 7) {
+            assert_int_equal(tc_field_read(own, l, (tc_rect){101, 3, 101 + side, 3 + side}, z, NULL, side), TC_OK);
+            size_t held = tc_field_tell(own).bytes - told;
+            assert_true(held > bare && (most == 0 || held == most));
+            most = held;
+        }
+    printf("memory: synthesis: %.1f KiB, %.1f of it to make heights in\n", (double)most / 1024,
+           (double)(most - bare) / 1024);
+    assert_about("field, synthesised", (double)tc_field_tell(own).bytes, (double)(allocations.live - start));
+    tc_field_destroy(own);
+    assert_int_equal(allocations.live, start);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_allocate_nothing),
         cmocka_unit_test(flying_allocates_nothing),
         cmocka_unit_test(items_add_up),
+        cmocka_unit_test(making_heights_is_counted),
         cmocka_unit_test(resident_set_stays_flat),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -10,28 +10,29 @@
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
-enum { WIDTH = 320, HEIGHT = 240, SIZE = 998, SPACING = 30 };
+enum { WIDTH = 320, HEIGHT = 240, SIZE = 998, SPACING = 30, FINER = 5 };
 
 static tc_context *context;
-static tc_field *terrain;
+static tc_field *terrain, *finer; /* than its data; as far across, but for less than one of their samples */
 
 static int set_up(void **state)
 {
     (void)state;
     context = scene_context();
     terrain = terrain_field(TERRAIN_DEFAULT, SIZE, SIZE, SPACING, 7);
+    finer = terrain_synthesised(terrain_field(TERRAIN_DEFAULT, SIZE / 2, SIZE / 2, 2 * SPACING, 7), FINER);
     return context ? 0 : -1;
 }
 
 static int tear_down(void **state)
 {
     (void)state;
-    tc_field_destroy(terrain);
+    tc_field_destroy(terrain), tc_field_destroy(finer);
     tc_context_destroy(context);
     return 0;
 }
 
-static tc_camera random_view(test_random *r)
+static tc_camera random_view(test_random *r, const tc_field *over)
 {
     double extent = (SIZE - 1) * SPACING, ground;
     tc_camera c = {.x = test_random_range(r, -0.2, 1.2) * extent,
@@ -41,7 +42,7 @@ static tc_camera random_view(test_random *r)
                    .fov = test_random_range(r, 0.4, 1.9),
                    .width = WIDTH,
                    .height = HEIGHT};
-    tc_field_height(terrain, c.x, c.y, &ground);
+    tc_field_height(over, c.x, c.y, &ground);
     c.z = ground + pow(10, test_random_range(r, 0, 4.5));
     return c;
 }
@@ -55,19 +56,19 @@ static int64_t different_pixels(const uint8_t *a, const uint8_t *b)
 }
 
 /* Two flights of different paths, speeds and budgets end in the same view. */
-static void same_view_same_picture(int samples)
+static void same_view_same_picture(const tc_field *field, int samples, int views)
 {
     test_random r = {1};
     tc_scene_options options[2] = {{.budget = 0, .samples = samples}, {.budget = 700, .samples = samples}};
     scene s[2];
     for (int k = 0; k < 2; k++)
-        s[k] = scene_create(context, terrain, 63, &options[k]);
-    for (int view = 0; view < 60; view++) {
-        tc_camera end = random_view(&r);
+        s[k] = scene_create(context, field, 63, &options[k]);
+    for (int view = 0; view < views; view++) {
+        tc_camera end = random_view(&r, field);
         uint8_t *pixels[2];
         for (int k = 0; k < 2; k++) {
             for (int64_t leg = test_random_int(&r, 0, 12); leg > 0; leg--) {
-                tc_camera c = random_view(&r);
+                tc_camera c = random_view(&r, field);
                 scene_draw(&s[k], &c, test_random_unit(&r) < 0.3);
             }
             scene_draw(&s[k], &end, true);
@@ -82,13 +83,19 @@ static void same_view_same_picture(int samples)
 static void a_picture_depends_on_the_view_alone(void **state)
 {
     (void)state;
-    same_view_same_picture(1);
+    same_view_same_picture(terrain, 1, 60);
 }
 
 static void also_with_several_samples_a_pixel(void **state)
 {
     (void)state;
-    same_view_same_picture(4);
+    same_view_same_picture(terrain, 4, 60);
+}
+
+static void also_finer_than_the_data(void **state)
+{
+    (void)state;
+    same_view_same_picture(finer, 1, 20);
 }
 
 static void culling_removes_nothing_visible(void **state)
@@ -99,7 +106,7 @@ static void culling_removes_nothing_visible(void **state)
     scene s = scene_create(context, terrain, 63, &culled);
     int64_t drawn = 0, without = 0;
     for (int view = 0; view < 100; view++) {
-        tc_camera c = random_view(&r);
+        tc_camera c = random_view(&r, terrain);
         tc_renderer_set_options(s.renderer, &culled);
         tc_frame_stats stats = scene_draw(&s, &c, true);
         drawn += stats.triangles, without += stats.triangles_unculled;
@@ -126,7 +133,7 @@ static void backs_are_not_missed(void **state)
     scene s = scene_create(context, terrain, 63, &front);
     int64_t different = 0, views = 150;
     for (int64_t view = 0; view < views; view++) {
-        tc_camera c = random_view(&r);
+        tc_camera c = random_view(&r, terrain);
         tc_renderer_set_options(s.renderer, &front);
         scene_draw(&s, &c, true);
         uint8_t *a = scene_pixels(&s, &c);
@@ -190,7 +197,7 @@ static void drawn_depth_is_the_surface(void **state)
     double worst = 0;
     int64_t pixels = 0;
     for (int view = 0; view < 20; view++) {
-        tc_camera c = random_view(&r);
+        tc_camera c = random_view(&r, terrain);
         scene_draw(&s, &c, true);
         tc_renderer_read(s.renderer, NULL, depth);
         for (int i = 0; i < WIDTH * HEIGHT; i += 7) {
@@ -219,6 +226,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_picture_depends_on_the_view_alone),
         cmocka_unit_test(also_with_several_samples_a_pixel),
+        cmocka_unit_test(also_finer_than_the_data),
         cmocka_unit_test(culling_removes_nothing_visible),
         cmocka_unit_test(backs_are_not_missed),
         cmocka_unit_test(maps_are_not_mirrored),

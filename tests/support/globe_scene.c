@@ -30,6 +30,16 @@ double globe_smooth(double longitude, double latitude)
     return 1e-3 * sin(5 * x + 1) * cos(4 * y - 3 * z) + 1e-4 * sin(17 * y * z);
 }
 
+double globe_fractal(double longitude, double latitude)
+{
+    double x = cos(latitude) * cos(longitude), y = cos(latitude) * sin(longitude), z = sin(latitude), sum = 0;
+    for (int k = 0; k < 9; k++) {
+        double f = ldexp(1, k);
+        sum += pow(2.1, -k) * sin(f * (3 * x + y) + k) * cos(f * (2.3 * y - 2 * z) + 3 * k);
+    }
+    return 1e-3 * sum;
+}
+
 tc_map *globe_atlas(globe_function f, int64_t width, double radius)
 {
     const double degree = M_PI / 180;

@@ -14,6 +14,9 @@ typedef double (*globe_function)(double longitude, double latitude);
 double globe_rough(double longitude, double latitude);
 double globe_smooth(double longitude, double latitude);
 
+/* Mountains as high, from octave to octave lower as terrains' are, down to some tens of kilometres on the Earth. */
+double globe_fractal(double longitude, double latitude);
+
 /* A globe of width x width / 2 samples, one of them on longitude 0; width as tc_lonlat_width says. Ends the program on
  * failure. */
 tc_map *globe_atlas(globe_function f, int64_t width, double radius);

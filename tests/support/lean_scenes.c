@@ -12,7 +12,7 @@
 
 #define DEGREE (M_PI / 180)
 #define LIT_LAND (LEAN_LIGHT | LEAN_SKY | LEAN_HAZE | LEAN_LAND)
-enum { SIZE = 1025, POND = 65, N = 127, GLOBE = 1024 };
+enum { SIZE = 1025, POND = 65, N = 127, GLOBE = 1024, FINER = 5 };
 
 const lean_scene lean_scenes[LEAN_SCENES] = {
     {"flat-unlit",
@@ -30,6 +30,7 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
     {"no-holes", LEAN_COAST, {.holes = true}, .4, .6, 200, 120, -10, LIT_LAND | LEAN_WATER | LEAN_CLOSERS},
     {"holes", LEAN_VOIDS, {.holes = true}, .4, .6, 200, 120, -10, LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_HOLES},
     {"packed", LEAN_PACKED, {0}, .4, .6, 200, 120, -10, LIT_LAND | LEAN_WATER | LEAN_CLOSERS},
+    {"detail", LEAN_FINER, {0}, .4, .6, 2, 120, -10, LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_DETAIL},
     {"everything",
      LEAN_VOIDS,
      {.holes = true, .level_colours = true, .samples = 4},
@@ -42,6 +43,7 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
     {"planet-space", LEAN_EARTH, {0}, 10, 20, 1.5e7, 0, -90, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
     {"planet-ground", LEAN_EARTH, {0}, 10, 5, 300, 60, -5, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
     {"planet-pole", LEAN_EARTH, {0}, 10, 89.5, 3000, 60, -8, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
+    {"planet-detail", LEAN_EARTH_FINER, {0}, 10, 58, 300, 60, -5, LIT_LAND | LEAN_WATER | LEAN_SPHERE | LEAN_DETAIL},
     {"moon", LEAN_MOON, {0}, 10, 5, 20000, 60, -20, LEAN_LIGHT | LEAN_SKY | LEAN_SPHERE},
     {"planet-everything",
      LEAN_EARTH_VOIDS,
@@ -134,6 +136,7 @@ static struct {
     bool made;
     tc_map *atlas;
     tc_imagery *imagery; /* NULL: not asked for */
+    int levels;          /* of its data */
 } grounds[LEAN_GROUNDS];
 
 bool lean_sphere(lean_ground ground)
@@ -146,7 +149,7 @@ static tc_map *make(lean_ground ground)
     if (lean_sphere(ground))
         return globe(ground == LEAN_MOON ? 1737400 : 6371000, ground == LEAN_EARTH_VOIDS);
     tc_field *p;
-    if (ground == LEAN_PACKED) {
+    if (ground == LEAN_PACKED || ground == LEAN_FINER) {
         p = packed();
     } else {
         int size = ground == LEAN_POND ? POND : SIZE;
@@ -164,9 +167,20 @@ static tc_map *make(lean_ground ground)
 
 const tc_map *lean_atlas(lean_ground ground)
 {
-    if (!grounds[ground].made)
-        grounds[ground].atlas = make(ground), grounds[ground].made = true;
+    if (!grounds[ground].made) {
+        tc_map *atlas = make(ground);
+        grounds[ground].levels = tc_field_info(tc_map_field(atlas, 0))->levels;
+        grounds[ground].atlas =
+            planet_synthesised(atlas, ground == LEAN_FINER || ground == LEAN_EARTH_FINER ? FINER : 0);
+        grounds[ground].made = true;
+    }
     return grounds[ground].atlas;
+}
+
+int lean_data_levels(lean_ground ground)
+{
+    lean_atlas(ground);
+    return grounds[ground].levels;
 }
 
 void lean_free_all(void)

@@ -19,7 +19,8 @@ enum {
     LEAN_CLOSERS = 1 << 8,
     LEAN_SPHERE = 1 << 9,
     LEAN_IMAGERY = 1 << 10,
-    LEAN_PARTS = 11
+    LEAN_DETAIL = 1 << 11,
+    LEAN_PARTS = 12
 };
 
 /* Over what a scene is. */
@@ -29,8 +30,10 @@ typedef enum lean_ground {
     LEAN_POND,   /* so small that one level holds it */
     LEAN_VOIDS,  /* the coast with voids */
     LEAN_PACKED, /* the coast, packed */
+    LEAN_FINER,  /* that, with levels finer than its data */
     LEAN_EARTH,  /* a globe */
     LEAN_EARTH_VOIDS,
+    LEAN_EARTH_FINER,
     LEAN_MOON, /* another body's */
     LEAN_GROUNDS
 } lean_ground;
@@ -44,13 +47,16 @@ typedef struct lean_scene {
     double heading, pitch;
     unsigned needs; /* what must be there; nothing else may */
 } lean_scene;
-enum { LEAN_SCENES = 13 };
+enum { LEAN_SCENES = 15 };
 extern const lean_scene lean_scenes[LEAN_SCENES];
 
 /* A ground, made when first asked for. free_all: of those asked for. */
 const tc_map *lean_atlas(lean_ground ground);
 void lean_free_all(void);
 bool lean_sphere(lean_ground ground);
+
+/* Levels of its data; it may have finer ones. */
+int lean_data_levels(lean_ground ground);
 
 tc_camera lean_camera(const lean_scene *s, int width, int height);
 

@@ -100,6 +100,13 @@ tc_map *planet_made(planet_kind kind, int64_t width, double radius, uint64_t see
     return build(&g, radius);
 }
 
+tc_map *planet_synthesised(tc_map *planet, int levels)
+{
+    tc_error error;
+    must(tc_map_synthesise(planet, levels, &error), &error);
+    return planet;
+}
+
 double planet_slope(void *context, const double p[3])
 {
     return *(double *)context * (0.48 * p[0] - 0.6 * p[1] + 0.64 * p[2]);

@@ -19,6 +19,9 @@ typedef enum planet_kind {
 } planet_kind;
 tc_map *planet_made(planet_kind kind, int64_t width, double radius, uint64_t seed);
 
+/* The planet itself, with so many levels finer than its data, fitted to it; 0: as it is. */
+tc_map *planet_synthesised(tc_map *planet, int levels);
+
 /* Of a constant gradient in space: *(double *)context metres times a . p, |a| = 1. */
 double planet_slope(void *context, const double p[3]);
 /* The same with a few harmonics up to degree 12. */

@@ -166,11 +166,14 @@ const char *heights_broken(const tc_clipmap *clipmap)
         tc_level size = tc_field_level(p, pl);
         int64_t x1 = goes_round(v) ? v->clip.x1 : tc_min64(v->clip.x1, size.width),
                 y1 = tc_min64(v->clip.y1, size.height);
+        enum { ROWS = 32 }; /* read at once, since some fields make many for one */
+        float rows[ROWS][2048];
         for (int64_t j = v->clip.y0; j < y1; j++) {
-            float row[2048];
-            if (tc_field_read(p, pl, (tc_rect){v->clip.x0, j, x1, j + 1}, row, NULL, 2048))
+            int64_t r = (j - v->clip.y0) % ROWS;
+            if (r == 0 &&
+                tc_field_read(p, pl, (tc_rect){v->clip.x0, j, x1, tc_min64(j + ROWS, y1)}, rows[0], NULL, 2048))
                 return "the pyramid cannot be read";
-            const float(*z)[2] = tc_ground_heights(clipmap, l) + (j & mask) * (mask + 1);
+            const float *row = rows[r], (*z)[2] = tc_ground_heights(clipmap, l) + (j & mask) * (mask + 1);
             for (int64_t i = v->clip.x0; i < x1; i++)
                 if (z[i & mask][0] != row[i - v->clip.x0])
                     return say("height", l, i, j, z[i & mask][0], row[i - v->clip.x0]);

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "common/synthesis/synthesis.h"
 #include "data/synth_planar.h"
 #include "kept.h"
 
@@ -100,5 +101,17 @@ tc_field *terrain_field(terrain_kind kind, int64_t width, int64_t height, double
     tc_field *field;
     if (tc_field_build(&grid, 0, &field, NULL))
         exit(99);
+    return field;
+}
+
+tc_field *terrain_synthesised(tc_field *field, int levels)
+{
+    tc_synthesis_fit fit;
+    tc_error error;
+    if (levels > 0 && (tc_synthesis_learn(field, &fit, &error) ||
+                       tc_synthesis_create(field, levels, &fit, 0, (tc_synthesis_share){NULL, NULL}, &field, &error))) {
+        fprintf(stderr, "terrain: %s\n", error.text);
+        exit(99);
+    }
     return field;
 }

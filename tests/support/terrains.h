@@ -24,4 +24,7 @@ int64_t test_random_int(test_random *r, int64_t lo, int64_t hi); /* lo <= i <= h
 tc_grid terrain_grid(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed);
 tc_field *terrain_field(terrain_kind kind, int64_t width, int64_t height, double spacing, uint64_t seed);
 
+/* The field, which it takes over, with so many levels finer than its data, fitted to it; 0: as it is. */
+tc_field *terrain_synthesised(tc_field *field, int levels);
+
 #endif
