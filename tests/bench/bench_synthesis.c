@@ -33,8 +33,8 @@ static void truth(const dataset *d)
         die(d->name, &error);
     int m = tc_field_info(real)->levels;
     tc_synthesis_fit fit[2];
-    tc_field *made[2] = {detail_synthesise(real, DROPPED, false, &fit[0]),
-                         detail_synthesise(real, DROPPED, true, &fit[1])};
+    tc_field *made[2] = {detail_synthesise(real, DROPPED, DETAIL_FITTED, &fit[0]),
+                         detail_synthesise(real, DROPPED, DETAIL_GAUSSIAN, &fit[1])};
     printf("%s: ratio %.2f, anisotropy %.2f, kurtosis %.1f -> b %.2f c %.2f smear %.2f spread %.2f peak %.2f curvature "
            "%.2f %.2f "
            "bands %.2f "

@@ -28,9 +28,11 @@ makes_page() {
 is_whole() { # WHAT
     holds '^<!DOCTYPE html>' "$1"
     holds '</main></body></html>' "$1"
-    lacks '<script|<link|<img|<iframe|@import|url\([^#]' "$1"
-    lacks '(src|href|srcset)=.?(https?:|//|data:|[a-z]+\.)' "$1"
-    cases=$((cases + 2))
+    lacks '<script|<link|<iframe|@import|url\([^#]' "$1"
+    lacks '(src|href|srcset)=.?(https?:|//|[a-z]+\.)' "$1"
+    cases=$((cases + 3))
+    [ "$(grep -o '<img' "$page" | wc -l)" = "$(grep -o ' src="data:image/png;base64,[A-Za-z0-9+/=]*">' "$page" | wc -l)" ] ||
+        fail "$1: pictures that are not in it"
     for element in table tr td figure svg div p details pre ul; do
         opened=$(grep -o "<$element[ >]" "$page" | wc -l) closed=$(grep -o "</$element>" "$page" | wc -l)
         [ "$opened" = "$closed" ] || fail "$1: $opened <$element>, $closed ends of it"
@@ -100,6 +102,13 @@ printf '%s\n' terrain,width,height,levels,raw_bytes,packed_bytes,bits_per_sample
     echo default-planet-10km,rings,512,1280,960,60,1,4,16,270000,43000,25
     echo default-planet-2m,rings,512,1280,960,90,1,4,28,520000,130000,40
 } >folder/views.csv
+{
+    echo terrain,spacing_m,west,south,side,true,true_rms_m,synthesised,synthesised_rms_m,gaussian,gaussian_rms_m,smooth,smooth_rms_m
+    for terrain in peaks "$hostile"; do
+        printf '"%s",90,1,1,4,t.png,11.3,s.png,12.5,lost.png,17.1,u.png,0\n' "$terrain"
+    done
+} >folder/hillshades.csv
+for name in t s u; do printf 'of %s' "$name" >"folder/$name.png"; done
 printf 'A scene\n$ viewer <file>\nleft out: <nothing>\n' >folder/explain/1.txt
 
 makes_page
@@ -124,6 +133,11 @@ holds '1 of 2</b><span>500,000 to the horizon, CH06&#39;s 330,000, 100,000 drawn
 holds '13.3 times' 'the median against brute force' # 400 / 30
 holds '0.250 px in 30.0 ms</b><span>worst 99.9 % at n = 255' 'the worst error'
 lacks 'No plot' 'plots'
+holds '<img alt="synthesised; adds 12.5 m rms" width="4" height="4" src="data:image/png;base64,b2Ygcw==">' 'a hillshade'
+holds '<figcaption>smooth: U alone</figcaption>' 'the words below a picture'
+holds '<p class="fault">There is no lost.png' 'a lost picture'
+cases=$((cases + 1))
+[ "$(grep -c '<img' "$page")" = 6 ] || fail "$(grep -c '<img' "$page") pictures instead of 6"
 holds 'not at hand' 'figures of papers that nobody found'
 cases=$((cases + 2))
 [ "$(grep -c '<svg' "$page")" = 11 ] || fail "$(grep -c '<svg' "$page") plots instead of 11" # 3 scenes twice, 2, 2, 1

@@ -1,6 +1,6 @@
 #!/bin/sh
 # The page-making half of the report: page.sh FOLDER. Makes FOLDER/index.html of what measure.sh left there; a table
-# that is missing, or whose program failed, is shown as that. Needs awk and gnuplot.
+# that is missing, or whose program failed, is shown as that. Needs awk, base64 and gnuplot.
 set -u
 here=${0%/*} out=$1
 command -v gnuplot >/dev/null 2>&1 || { echo "report: gnuplot is not installed" >&2; exit 1; }
@@ -81,6 +81,19 @@ figure() { # ID TITLE CAPTION WIDTH HEIGHT PLOT [NAME=VALUE...]; values are gnup
     fi
     [ -z "$caption" ] || printf '<figcaption>%s</figcaption>\n' "$caption"
     echo '</figure>'
+}
+
+# A picture that lies beside the tables, inline, a pixel of it a pixel of the page.
+picture() { # FILE SIDE CAPTION
+    echo '<figure>'
+    if [ -f "$out/$1" ]; then
+        printf '<img alt="%s" width="%s" height="%s" src="data:image/png;base64,' "$3" "$2" "$2"
+        base64 <"$out/$1" | tr -d '\n'
+        echo '">'
+    else
+        printf '<p class="fault">There is no %s.</p>\n' "$(printf '%s\n' "$1" | escaped)"
+    fi
+    printf '<figcaption>%s</figcaption></figure>\n' "$3"
 }
 
 . "$here/sections.sh"

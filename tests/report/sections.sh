@@ -1,6 +1,6 @@
 # sections.sh - the parts of the report's page, in their order; read by page.sh, whose functions it uses.
 
-parts='summary contents error fidelity update levels space figures9 ch06 bn08 compression scaling extreme left_out runs'
+parts='summary contents error fidelity hillshades update levels space figures9 ch06 bn08 compression scaling extreme left_out runs'
 
 gp() { # TEXT: as a string of gnuplot
     printf "'%s'" "$(printf '%s' "$1" | tr '\n\\' '  ' | sed "s/'/''/g")"
@@ -162,6 +162,24 @@ Lower is better in the plots.</p>'
     curves fidelity "$work/fidelity.csv" terrain height+scheme n loss 'n' '1 - SSIM' positive=1 -- xlog=1 ylog=1
     table "$work/fidelity.csv" 'columns=terrain=Terrain;height=From;scheme=Scheme;n=n;ssim=SSIM:5;
         rmse=RMSE, levels:3;pixels=Pixels:int' group=2
+}
+
+part_hillshades() {
+    section hillshades 'Detail finer than the data: hillshades'
+    measured hillshades hillshades.csv || return
+    echo '<p>Terrains as they are, and with their two finest levels dropped and made again from what is left. A pixel is a
+sample of the finest level; light from the north-west, 45 degrees high, nothing exaggerated. Of each terrain a square
+steeper than three quarters of it. How much a level adds is not learned from the true one: it follows the trend of the
+coarser levels.</p>'
+    before=
+    awk -f "$here/csv.awk" -f "$here/hillshades.awk" "$out/hillshades.csv" >"$work/hillshades"
+    while IFS='|' read -r terrain spacing side file caption; do
+        [ "$terrain" = "$before" ] || printf '%s<h3>%s, every %s m</h3><div class="pictures">\n' "${before:+</div>}" \
+            "$(printf '%s\n' "$terrain" | escaped)" "$(printf '%s\n' "$spacing" | escaped)"
+        before=$terrain
+        picture "$file" "$side" "$caption"
+    done <"$work/hillshades"
+    echo "${before:+</div>}"
 }
 
 # ---- LH04 ------------------------------------------------------------------------------------------------------------

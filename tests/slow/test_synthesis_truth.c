@@ -63,7 +63,7 @@ static void looks_like_the_terrain(void **state)
                 continue;
             assert_int_equal(tc_field_build(&grid, 0, &real, NULL), TC_OK);
             tc_synthesis_fit fit;
-            tc_field *made = detail_synthesise(real, 2, false, &fit);
+            tc_field *made = detail_synthesise(real, 2, DETAIL_FITTED, &fit);
             int m = tc_field_info(real)->levels;
             for (int l = 1; l <= 2; l++) {
                 const int64_t side = 1600;

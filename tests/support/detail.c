@@ -147,13 +147,14 @@ static tc_field *cut_off(const tc_field *field, int finest)
     return cut;
 }
 
-tc_field *detail_synthesise(const tc_field *field, int dropped, bool uniform, tc_synthesis_fit *fit)
+tc_field *detail_synthesise(const tc_field *field, int dropped, detail_kind kind, tc_synthesis_fit *fit)
 {
     tc_error error = {TC_OK, ""};
     tc_field *cut = cut_off(field, tc_field_info(field)->levels - dropped), *made;
     tc_status status = tc_synthesis_learn(cut, fit, &error);
-    if (!status && uniform)
+    if (!status && kind == DETAIL_GAUSSIAN)
         tc_synthesis_uniform(fit);
+    fit->none |= kind == DETAIL_NONE;
     if (!status)
         status = tc_synthesis_create(cut, dropped, fit, 0, (tc_synthesis_share){NULL, NULL}, &made, &error);
     if (status) {

@@ -21,7 +21,14 @@ detail_figures detail_measure(const tc_field *field, const tc_field *slopes, int
 /* Mean and largest |log2| of two rows of deciles' ratio. */
 void detail_compare(const detail_figures *a, const detail_figures *b, double *mean_ret, double *worst_ret);
 
-/* A field with its finest levels dropped and synthesised again from what is left, as fitted to it or uniformly. */
-tc_field *detail_synthesise(const tc_field *field, int dropped, bool uniform, tc_synthesis_fit *fit);
+/* How detail is made. */
+typedef enum detail_kind {
+    DETAIL_FITTED,
+    DETAIL_GAUSSIAN, /* one a level, as LH04 */
+    DETAIL_NONE      /* U alone */
+} detail_kind;
+
+/* A field with its finest levels dropped and made again from what is left, to which *fit is fitted. */
+tc_field *detail_synthesise(const tc_field *field, int dropped, detail_kind kind, tc_synthesis_fit *fit);
 
 #endif
