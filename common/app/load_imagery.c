@@ -5,6 +5,18 @@
 
 #include "common/base/status.h"
 
+/* A picture that does not say where it lies could be of a part of the map, or of more than it: what is done is said. */
+static void tell_place(const tc_map *map, const tc_image *image, const tc_image_options *options)
+{
+    bool around = map->chart[0].wraps;
+    bool globe = map->body.radius > 0 && image->level[0].width == 2 * image->level[0].height;
+    if (image->find)
+        return;
+    tc_say(options->source, globe && !around,
+           "%s: says nothing of where it lies: laid over all of the %s; a georeference puts it elsewhere", image->name,
+           around ? "globe" : "terrain");
+}
+
 tc_status tc_imagery_load(const tc_map *map, const char *const *paths, int count, int threads,
                           const tc_image_options *options, tc_imagery **imagery_ret, tc_error *error)
 {
@@ -17,7 +29,7 @@ tc_status tc_imagery_load(const tc_map *map, const char *const *paths, int count
     int opened = 0;
     while (opened < count && status == TC_OK)
         if ((status = tc_image_open(paths[opened], &where, options, &images[opened], error)) == TC_OK)
-            opened++;
+            tell_place(map, images[opened++], options);
     if (status == TC_OK)
         status = tc_imagery_create(map, images, count, threads, imagery_ret, error);
     else
