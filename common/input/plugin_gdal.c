@@ -492,6 +492,7 @@ static bool same_crs(const char *wkt, const char *other_wkt)
 extern const struct tc_gdal_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
 const struct tc_gdal_plugin tc_plugin = {.open = open_raster,
                                          .open_image = tc_gdal_open_image,
+                                         .cache_image = tc_gdal_cache_image,
                                          .unpack_hgt = tc_gdal_unpack_hgt,
                                          .recognises = recognises,
                                          .write_tiff = tc_gdal_write_tiff,

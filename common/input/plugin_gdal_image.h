@@ -19,9 +19,9 @@ typedef struct tc_gdal_pixels {
     tc_gdal_pixel_kind kind;
     int band[4], count; /* of colours */
     int alpha;          /* band; 0: none */
+    bool multiplied;    /* by it colours are stored */
     int masks;          /* of so many of the bands; 0: none */
-    GDALDataType type;  /* GDT_Byte or GDT_UInt16 */
-    double white;       /* the number that is */
+    double white[5];    /* the number that is, of each of the colours; [4]: of alpha */
     uint8_t (*palette)[4];
     int entries;
 } tc_gdal_pixels;
@@ -34,6 +34,9 @@ void tc_gdal_pixels_free(tc_gdal_pixels *pixels);
 /* Pixels of the raster (overview -1) or of one of its overviews; false where GDAL cannot read them. */
 bool tc_gdal_pixels_read(const tc_gdal_pixels *pixels, GDALDatasetH dataset, int overview, tc_rect rect,
                          uint8_t (*rgba)[4], ptrdiff_t stride);
+
+/* Whether colours are stored times the alpha of that band (plugin_gdal_alpha.c). */
+bool tc_gdal_alpha_multiplied(GDALDatasetH dataset, int alpha);
 
 /* ---- Levels kept in files (plugin_gdal_image_cache.c) -------------------------------------------------------------
  */

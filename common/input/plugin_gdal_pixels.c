@@ -83,12 +83,30 @@ static bool read_palette(GDALRasterBandH band, tc_gdal_pixels *p)
     return p->palette != NULL;
 }
 
-/* The number that is white. */
-static double white_of(GDALRasterBandH band, GDALDataType type)
+/* The number that is white; 0: the band's are none that could be colours. */
+static double white_of(GDALRasterBandH band)
 {
+    GDALDataType type = GDALGetRasterDataType(band);
     const char *bits = GDALGetMetadataItem(band, "NBITS", "IMAGE_STRUCTURE");
     int count = bits ? atoi(bits) : 0, all = type == GDT_Byte ? 8 : 16;
+    if (type != GDT_Byte && type != GDT_UInt16)
+        return 0;
     return (double)((1 << (count > 0 && count <= all ? count : all)) - 1);
+}
+
+/* White of all bands that are read, and whether colours are stored times alpha. */
+static tc_status choose_white(const char *name, GDALDatasetH dataset, tc_gdal_pixels *p, tc_error *error)
+{
+    for (int k = 0; k < 5; k++) {
+        int number = k == 4 ? p->alpha : k < p->count ? p->band[k] : 0;
+        GDALRasterBandH band = number ? GDALGetRasterBand(dataset, number) : NULL;
+        if (band && !(p->white[k] = white_of(band)))
+            return tc_fail(error, TC_ERR_UNSUPPORTED,
+                           "%s: expected colours of 8 or 16 bits, found samples of type %s: heights or measurements?",
+                           name, GDALGetDataTypeName(GDALGetRasterDataType(band)));
+    }
+    p->multiplied = p->alpha && tc_gdal_alpha_multiplied(dataset, p->alpha);
+    return TC_OK;
 }
 
 /* Which mask tells where there is no colour. */
@@ -106,16 +124,13 @@ tc_status tc_gdal_pixels_of(const char *name, GDALDatasetH dataset, const tc_sou
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a picture, found none in it", name);
     choose_bands(dataset, options, &p);
     GDALRasterBandH first = GDALGetRasterBand(dataset, p.band[0]);
-    p.type = GDALGetRasterDataType(first);
-    if (p.type != GDT_Byte && p.type != GDT_UInt16)
-        return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "%s: expected colours of 8 or 16 bits, found samples of type %s: heights or measurements?", name,
-                       GDALGetDataTypeName(p.type));
-    p.white = white_of(first, p.type);
+    tc_status status = choose_white(name, dataset, &p, error);
+    if (status != TC_OK)
+        return status;
     if (p.kind == TC_PIXELS_GREY && read_palette(first, &p))
         p.kind = TC_PIXELS_PALETTE;
-    if (p.kind != TC_PIXELS_PALETTE && p.type == GDT_UInt16)
-        tc_say(options, false, "%s: 16 bits a colour: 0 is taken for black, %.0f for white", name, p.white);
+    if (p.kind != TC_PIXELS_PALETTE && p.white[0] > 255)
+        tc_say(options, false, "%s: more than 8 bits a colour: 0 is taken for black, %.0f for white", name, p.white[0]);
     choose_mask(dataset, &p);
     *pixels_ret = p;
     return TC_OK;
@@ -137,19 +152,31 @@ static GDALRasterBandH band_at(GDALDatasetH dataset, int band, int overview)
     return overview < 0 ? b : GDALGetOverview(b, overview);
 }
 
-/* Component k of the pixels: what is stored, as eight bits. */
-static bool read_component(const tc_gdal_pixels *p, GDALRasterBandH band, tc_rect r, uint16_t *wide, uint8_t (*rgba)[4],
-                           ptrdiff_t stride, int k)
+/* What a band stores. */
+static bool read_wide(GDALRasterBandH band, tc_rect r, uint16_t *wide)
+{
+    int w = (int)(r.x1 - r.x0), h = (int)(r.y1 - r.y0);
+    return GDALRasterIO(band, GF_Read, (int)r.x0, (int)r.y0, w, h, wide, w, h, GDT_UInt16, 0, 0) == CE_None;
+}
+
+/* Component k of the pixels as eight bits, whose white is white[which]. alpha: what is stored of it, where colours
+ * are to be divided by it. */
+static bool read_component(const tc_gdal_pixels *p, GDALRasterBandH band, int which, tc_rect r, uint16_t *wide,
+                           const uint16_t *alpha, uint8_t (*rgba)[4], ptrdiff_t stride, int k)
 {
     int x = (int)r.x0, y = (int)r.y0, w = (int)(r.x1 - r.x0), h = (int)(r.y1 - r.y0);
-    if (p->type == GDT_Byte && p->white == 255)
+    const double scale = 255 / p->white[which];
+    if (p->white[which] == 255 && !alpha)
         return GDALRasterIO(band, GF_Read, x, y, w, h, &rgba[0][k], w, h, GDT_Byte, 4, (int)(4 * stride)) == CE_None;
-    if (GDALRasterIO(band, GF_Read, x, y, w, h, wide, w, h, GDT_UInt16, 0, 0) != CE_None)
+    if (!read_wide(band, r, wide))
         return false;
     for (int j = 0; j < h; j++)
         for (int i = 0; i < w; i++) {
-            double v = wide[(size_t)j * (size_t)w + (size_t)i] * (255 / p->white) + 0.5;
-            rgba[j * stride + i][k] = (uint8_t)(v > 255 ? 255 : v);
+            size_t n = (size_t)j * (size_t)w + (size_t)i;
+            double v = wide[n] * scale;
+            if (alpha)
+                v = alpha[n] > 0 ? v * p->white[4] / alpha[n] : 0;
+            rgba[j * stride + i][k] = (uint8_t)(v > 254.5 ? 255 : v + 0.5);
         }
     return true;
 }
@@ -158,7 +185,7 @@ static bool read_palette_pixels(const tc_gdal_pixels *p, GDALRasterBandH band, t
                                 uint8_t (*rgba)[4], ptrdiff_t stride)
 {
     int w = (int)(r.x1 - r.x0), h = (int)(r.y1 - r.y0);
-    if (GDALRasterIO(band, GF_Read, (int)r.x0, (int)r.y0, w, h, wide, w, h, GDT_UInt16, 0, 0) != CE_None)
+    if (!read_wide(band, r, wide))
         return false;
     for (int j = 0; j < h; j++)
         for (int i = 0; i < w; i++) {
@@ -202,12 +229,13 @@ bool tc_gdal_pixels_read(const tc_gdal_pixels *p, GDALDatasetH dataset, int over
                          ptrdiff_t stride)
 {
     size_t pixels = (size_t)((r.x1 - r.x0) * (r.y1 - r.y0));
-    uint16_t *wide = malloc(pixels * sizeof *wide); /* also two masks */
-    bool good = wide != NULL;
+    uint16_t *wide = malloc((p->multiplied ? 2 : 1) * pixels * sizeof *wide); /* also two masks */
+    uint16_t *alpha = p->multiplied && wide ? wide + pixels : NULL;
+    bool good = wide && (!alpha || read_wide(band_at(dataset, p->alpha, overview), r, alpha));
     if (good && p->kind == TC_PIXELS_PALETTE)
         good = read_palette_pixels(p, band_at(dataset, p->band[0], overview), r, wide, rgba, stride);
     for (int k = 0; k < p->count && good && p->kind != TC_PIXELS_PALETTE; k++)
-        good = read_component(p, band_at(dataset, p->band[k], overview), r, wide, rgba, stride, k);
+        good = read_component(p, band_at(dataset, p->band[k], overview), k, r, wide, alpha, rgba, stride, k);
     for (int64_t j = 0; j < r.y1 - r.y0 && good; j++)
         for (int64_t i = 0; i < r.x1 - r.x0; i++) {
             uint8_t *pixel = rgba[j * stride + i];
@@ -219,7 +247,7 @@ bool tc_gdal_pixels_read(const tc_gdal_pixels *p, GDALDatasetH dataset, int over
                 pixel[3] = 255;
         }
     if (good && p->alpha)
-        good = read_component(p, band_at(dataset, p->alpha, overview), r, wide, rgba, stride, 3);
+        good = read_component(p, band_at(dataset, p->alpha, overview), 4, r, wide, NULL, rgba, stride, 3);
     if (good && p->masks)
         good = read_masks(p, dataset, overview, r, (uint8_t *)wide, rgba, stride);
     free(wide);
