@@ -162,13 +162,28 @@ void close_raster(tc_raster *raster)
     delete self(raster);
 }
 
+/* What is no picture at all, or not all of one. */
+tc_status check_whole(const char *path, const OIIO::ImageSpec &spec, tc_error *error)
+{
+    if (spec.deep || spec.depth > 1 || spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a flat picture, found a deep or empty one", path);
+    /* OpenEXR reads an uncompressed row that is too short for the claimed width without complaint. */
+    struct stat about;
+    double bytes = (double)spec.width * spec.height * spec.nchannels * spec.format.size();
+    if (spec.get_string_attribute("compression") == "none" && stat(path, &about) == 0 && (double)about.st_size < bytes)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged or truncated: expected at least %.0f bytes, found %lld", path,
+                       bytes, (long long)about.st_size);
+    return TC_OK;
+}
+
 tc_status describe(oiio_raster *r, const tc_source_options *options, tc_error *error)
 {
     const OIIO::ImageSpec &spec = r->input->spec();
     const char *path = r->path.c_str();
-    if (spec.deep || spec.depth > 1 || spec.width < 1 || spec.height < 1)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a flat picture, found a deep or empty one", path);
-    if (spec.nchannels > 2 || spec.nchannels < 1)
+    tc_status status = check_whole(path, spec, error);
+    if (status != TC_OK)
+        return status;
+    if (spec.nchannels > 2)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected one channel of heights, found %s channels: %s", path,
                        spec.nchannels == 3 ? "three" : "more than three", tc_channels_advice());
     r->alpha = spec.nchannels == 2 ? spec.alpha_channel : -1;
@@ -178,12 +193,6 @@ tc_status describe(oiio_raster *r, const tc_source_options *options, tc_error *e
     if (!choose_type(r))
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected real numbers, found samples of type %s", path,
                        spec.format.c_str());
-    /* OpenEXR reads an uncompressed row that is too short for the claimed width without complaint. */
-    double bytes = (double)spec.width * spec.height * spec.nchannels * spec.format.size();
-    struct stat about;
-    if (spec.get_string_attribute("compression") == "none" && stat(path, &about) == 0 && (double)about.st_size < bytes)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: damaged or truncated: expected at least %.0f bytes, found %lld", path,
-                       bytes, (long long)about.st_size);
     tc_raster_info &info = r->base.info;
     info.width = spec.width;
     info.height = spec.height;
@@ -235,6 +244,7 @@ struct oiio_rows {
     std::string path;
     std::unique_ptr<OIIO::ImageInput> input;
     bool light;             /* floats are light, not what is shown */
+    bool multiplied;        /* colours are, by alpha */
     std::vector<float> row; /* one row or one row of tiles, all channels, 0 .. 1 */
     int64_t tile_row = -1;  /* which row of tiles it holds */
 };
@@ -282,9 +292,11 @@ tc_status read_colours(tc_image_rows *rows, int64_t row, int64_t count, uint8_t 
                                r->path.c_str(), one_line(r->input->geterror()).c_str());
             for (int i = 0; i < spec.width; i++, from += spec.nchannels) {
                 uint8_t *to = rgba[k * spec.width + i];
+                float alpha = spec.alpha_channel >= 0 ? from[spec.alpha_channel] : 1;
+                float whole = r->multiplied && alpha > 0 ? alpha : 1;
                 for (int c = 0; c < 3; c++)
-                    to[c] = shown(from[colours >= 3 ? c : 0], r->light);
-                to[3] = spec.alpha_channel >= 0 ? shown(from[spec.alpha_channel], false) : 255;
+                    to[c] = shown(from[colours >= 3 ? c : 0] / whole, r->light);
+                to[3] = shown(alpha, false);
             }
         }
     } catch (const std::exception &failure) {
@@ -312,8 +324,10 @@ tc_status open_rows(const char *path, const tc_image_options *options, tc_image_
             return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: cannot be opened as a picture: %s", path,
                            one_line(OIIO::geterror()).c_str());
         const OIIO::ImageSpec &spec = r->input->spec();
-        if (spec.deep || spec.depth > 1 || spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
-            return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a flat picture, found a deep or empty one", path);
+        tc_status status = check_whole(path, spec, error);
+        if (status != TC_OK)
+            return status;
+        r->multiplied = spec.alpha_channel >= 0 && !spec.get_int_attribute("oiio:UnassociatedAlpha");
         r->light = spec.format.is_floating_point() && spec.get_string_attribute("oiio:ColorSpace") != "sRGB";
         if (r->light && options->source->say)
             options->source->say(options->source->say_context, false,

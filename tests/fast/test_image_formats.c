@@ -360,9 +360,198 @@ static void pixels_are_what_the_file_means(void **state)
     assert_int_equal(made_folder_count(), 0);
 }
 
+/* ---- VRT ---------------------------------------------------------------------------------------------------------
+ */
+
+static void write_text(const char *path, const char *text)
+{
+    make_bytes(path, text, strlen(text));
+}
+
+/* A VRT of W x H, its bands as given. */
+static const char *write_vrt(const char *name, const char *bands)
+{
+    static char text[8192];
+    const char *path = made_path(name);
+    snprintf(text, sizeof text, "<VRTDataset rasterXSize=\"%d\" rasterYSize=\"%d\">%s</VRTDataset>", W, H, bands);
+    write_text(path, text);
+    return path;
+}
+
+/* Columns x0 on of a band of a file, as many, at the same place. */
+static const char *part_of(const char *file, int band, int x0, int count)
+{
+    static char text[8][512];
+    static int next;
+    char *t = text[next++ % 8];
+    snprintf(t, sizeof text[0],
+             "<SimpleSource><SourceFilename relativeToVRT=\"1\">%s</SourceFilename><SourceBand>%d</SourceBand>"
+             "<SrcRect xOff=\"%d\" yOff=\"0\" xSize=\"%d\" ySize=\"%d\"/><DstRect xOff=\"%d\" yOff=\"0\" "
+             "xSize=\"%d\" ySize=\"%d\"/></SimpleSource>",
+             file, band, x0, count, H, x0, count, H);
+    return t;
+}
+
+/* Two pictures with a gap between them, which is nodata by a number of its own in each band. */
+static void vrt_of_two(void **state)
+{
+    (void)state;
+    const picture p = {"two.vrt", "GTiff", .meaning = RGB};
+    static char bands[8000];
+    *bands = '\0';
+    assert_true(write_file(&p, made_path("left.tif")) && write_file(&p, made_path("right.tif")));
+    for (int k = 1; k <= 3; k++) {
+        static const char *const names[] = {"Red", "Green", "Blue"};
+        snprintf(
+            bands + strlen(bands), sizeof bands - strlen(bands),
+            "<VRTRasterBand dataType=\"Byte\" band=\"%d\"><NoDataValue>%d</NoDataValue><ColorInterp>%s</ColorInterp>"
+            "%s%s</VRTRasterBand>",
+            k, 10 + k, names[k - 1], part_of("left.tif", k, 0, 15), part_of("right.tif", k, 20, W - 20));
+    }
+    const rgba *found = pixels_of(write_vrt("two.vrt", bands));
+    for (int i = 0; i < COUNT; i++) {
+        rgba want;
+        int x = i % W, y = i / W;
+        shown(&p, x, y, want);
+        want[3] = (x >= 15 && x < 20) || (want[0] == 11 && want[1] == 12 && want[2] == 13) ? 0 : 255;
+        assert_int_equal(found[i][3], want[3]);
+        if (want[3])
+            assert_memory_equal(found[i], want, 3); /* also where one band happens to store its nodata */
+    }
+}
+
+/* Bands are what they are called, in whatever order and type. */
+static void vrt_of_mixed_bands(void **state)
+{
+    (void)state;
+    const picture eight = {"eight.tif", "GTiff", .white = 255}, sixteen = {"sixteen.tif", "GTiff", .white = 65535};
+    assert_true(write_file(&eight, made_path(eight.file)) && write_file(&sixteen, made_path(sixteen.file)));
+    static const struct {
+        const char *called, *type, *file;
+    } order[] = {{"Blue", "Byte", "eight.tif"},
+                 {"Alpha", "UInt16", "sixteen.tif"},
+                 {"Red", "UInt16", "sixteen.tif"},
+                 {"Green", "Byte", "eight.tif"}};
+    static char bands[8000];
+    *bands = '\0';
+    for (int k = 0; k < 4; k++)
+        snprintf(bands + strlen(bands), sizeof bands - strlen(bands),
+                 "<VRTRasterBand dataType=\"%s\" band=\"%d\"><ColorInterp>%s</ColorInterp>%s</VRTRasterBand>",
+                 order[k].type, k + 1, order[k].called, part_of(order[k].file, 1, 0, W));
+    const rgba *found = pixels_of(write_vrt("mixed.vrt", bands));
+    for (int i = 0; i < COUNT; i++) {
+        rgba a, b;
+        shown(&eight, i % W, i / W, a), shown(&sixteen, i % W, i / W, b);
+        const rgba want = {b[0], a[0], a[0], b[0]};
+        assert_memory_equal(found[i], want, 4);
+    }
+}
+
+static void bands_that_are_not_called_colours(void **state)
+{
+    (void)state;
+    const picture p = {"plain.tif", "GTiff", {"PHOTOMETRIC=MINISBLACK"}, .more = 2};
+    const picture colours = {"", "", .meaning = RGB};
+    assert_true(write_file(&p, made_path(p.file)));
+    assert_int_equal(compare(&colours, pixels_of(made_path(p.file))), 0);
+    assert_non_null(strstr(said, "3 bands of which none is called red, green or blue"));
+    const picture two = {"pair.tif", "GTiff", {"ALPHA=NO"}, .more = 1}, grey = {"", "", .white = 255};
+    assert_true(write_file(&two, made_path(two.file)));
+    assert_int_equal(compare(&grey, pixels_of(made_path(two.file))), 0);
+    assert_non_null(strstr(said, "two bands of which none is called alpha"));
+}
+
+/* ---- What is no picture ------------------------------------------------------------------------------------------ */
+
+static void refuses_picture(const char *path, tc_status status, const char *word)
+{
+    tc_image *image = NULL;
+    tc_error error = {0};
+    tc_status found = open_picture(path, &image, &error);
+    if (found != status || !strstr(error.text, word) || strchr(error.text, '\n') || image)
+        fail_msg("%s: expected status %d and \"%s\", found %d: %s", path, (int)status, word, (int)found, error.text);
+}
+
+static void measurements_are_refused(void **state)
+{
+    (void)state;
+    static const GDALDataType types[] = {GDT_Int16, GDT_UInt32, GDT_Int32, GDT_Float32, GDT_Float64, GDT_CFloat32};
+    for (size_t k = 0; k < sizeof types / sizeof *types; k++)
+        for (int bands = 1; bands <= 4; bands += 3) {
+            const char *path = made_path("measured.tif");
+            GDALClose(GDALCreate(GDALGetDriverByName("GTiff"), path, W, H, bands, types[k], NULL));
+            char word[80];
+            snprintf(word, sizeof word, "expected colours of 8 or 16 bits, found samples of type %s",
+                     GDALGetDataTypeName(types[k]));
+            refuses_picture(path, TC_ERR_UNSUPPORTED, word);
+        }
+}
+
+/* ---- By OpenImageIO ---------------------------------------------------------------------------------------------- */
+
+static void tga(void **state)
+{
+    (void)state;
+    for (int channels = 3; channels <= 4; channels++) {
+        const picture p = {"a.tga", "", .meaning = RGB, .alpha = channels == 4};
+        static uint8_t samples[COUNT * 4];
+        for (int i = 0; i < COUNT * channels; i++)
+            samples[i] = (uint8_t)stored(&p, i % channels + 1, i / channels % W, i / channels / W);
+        make_tga(made_path("a.tga"), W, H, channels, samples);
+        assert_int_equal(compare(&p, pixels_of(made_path("a.tga"))), 0);
+    }
+    cut_file(made_path("a.tga"), 900);
+    refuses_picture(made_path("a.tga"), TC_ERR_FORMAT, "a.tga: ");
+}
+
+/* As shown, of light. */
+static double of_light(double light)
+{
+    light = fmin(fmax(light, 0), 1);
+    return 255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055);
+}
+
+/* OpenEXR holds light, times alpha. */
+static void exr(void **state)
+{
+    (void)state;
+    static float samples[COUNT * 4];
+    for (int i = 0; i < COUNT; i++) {
+        float alpha = (float)(i % 5) / 4, *s = samples + 4 * i;
+        s[0] = alpha, s[1] = alpha * (float)(i % 97) / 96, s[2] = alpha * (float)(i % 31) / 20;
+        s[3] = i % 7 ? alpha * (float)(i / W) / H : NAN;
+    }
+    make_exr_channels(made_path("a.exr"), W, H, "ABGR", samples);
+    const rgba *found = pixels_of(made_path("a.exr"));
+    for (int i = 0; i < COUNT; i++) {
+        const float *s = samples + 4 * i;
+        assert_true(fabs(found[i][3] - 255 * s[0]) <= 0.51);
+        for (int k = 0; k < 3 && s[0] > 0; k++) {
+            float light = s[3 - k] / s[0];
+            assert_true(fabs(found[i][k] - (isnan(light) ? 0 : of_light(light))) <= 0.51);
+        }
+    }
+    static float grey[COUNT];
+    for (int i = 0; i < COUNT; i++)
+        grey[i] = (float)(1.2 * i / COUNT - 0.1);
+    make_exr(made_path("grey.exr"), W, H, grey);
+    found = pixels_of(made_path("grey.exr"));
+    for (int i = 0; i < COUNT; i++)
+        for (int k = 0; k < 4; k++)
+            assert_true(fabs(found[i][k] - (k < 3 ? of_light(grey[i]) : 255)) <= 0.51);
+    cut_file(made_path("grey.exr"), -100); /* which OpenEXR does not notice */
+    refuses_picture(made_path("grey.exr"), TC_ERR_FORMAT, "damaged or truncated");
+}
+
 int main(void)
 {
     GDALAllRegister();
-    const struct CMUnitTest tests[] = {cmocka_unit_test(pixels_are_what_the_file_means)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(pixels_are_what_the_file_means),
+                                       cmocka_unit_test(vrt_of_two),
+                                       cmocka_unit_test(vrt_of_mixed_bands),
+                                       cmocka_unit_test(bands_that_are_not_called_colours),
+                                       cmocka_unit_test(measurements_are_refused),
+                                       cmocka_unit_test(tga),
+                                       cmocka_unit_test(exr)};
     return cmocka_run_group_tests(tests, NULL, remove_folder);
 }

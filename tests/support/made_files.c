@@ -359,13 +359,22 @@ static void put_attribute(buffer *b, const char *name, const char *type, const b
 
 void make_exr(const char *path, int width, int height, const float *samples)
 {
+    make_exr_channels(path, width, height, "Y", samples);
+}
+
+void make_exr_channels(const char *path, int width, int height, const char *channels, const float *samples)
+{
     buffer b = {0}, v = {0};
+    const size_t count = strlen(channels);
     put(&b, "\x76\x2f\x31\x01\x02\0\0\0", 8);
-    put_text(&v, "Y");
-    put_little(&v, 2, 4); /* float */
-    put_little(&v, 0, 4);
-    put_little(&v, 1, 4);
-    put_little(&v, 1, 4);
+    for (size_t k = 0; k < count; k++) {
+        put(&v, &channels[k], 1);
+        put_little(&v, 0, 1);
+        put_little(&v, 2, 4); /* float */
+        put_little(&v, 0, 4);
+        put_little(&v, 1, 4);
+        put_little(&v, 1, 4);
+    }
     put_little(&v, 0, 1);
     put_attribute(&b, "channels", "chlist", &v);
     v = (buffer){0};
@@ -391,14 +400,30 @@ void make_exr(const char *path, int width, int height, const float *samples)
     put(&v, &(float){1}, 4);
     put_attribute(&b, "screenWindowWidth", "float", &v);
     put_little(&b, 0, 1);
-    uint64_t line = 8 + 4 * (uint64_t)width, first = b.count + 8 * (uint64_t)height;
+    uint64_t line = 8 + 4 * count * (uint64_t)width, first = b.count + 8 * (uint64_t)height;
     for (int y = 0; y < height; y++)
         put_little(&b, first + (uint64_t)y * line, 8);
     for (int y = 0; y < height; y++) {
         put_little(&b, (uint64_t)y, 4);
         put_little(&b, line - 8, 4);
-        put(&b, samples + (size_t)y * (size_t)width, 4 * (size_t)width);
+        for (size_t k = 0; k < count; k++)
+            for (int x = 0; x < width; x++)
+                put(&b, samples + ((size_t)y * (size_t)width + (size_t)x) * count + k, 4);
     }
+    finish(&b, path);
+}
+
+void make_tga(const char *path, int width, int height, int channels, const uint8_t *samples)
+{
+    const unsigned char head[18] = {[2] = 2, [16] = (unsigned char)(8 * channels), [17] = channels == 4 ? 0x28 : 0x20};
+    buffer b = {0};
+    put(&b, head, 12);
+    put_little(&b, (uint64_t)width, 2);
+    put_little(&b, (uint64_t)height, 2);
+    put(&b, head + 16, 2);
+    for (size_t i = 0; i < (size_t)width * (size_t)height; i++)
+        for (int k = 0; k < channels; k++) /* blue, green, red, alpha */
+            put(&b, samples + i * (size_t)channels + (k < 3 ? 2 - k : 3), 1);
     finish(&b, path);
 }
 

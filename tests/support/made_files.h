@@ -45,8 +45,13 @@ void make_tiff(const char *path, const made_tiff *tiff);
  */
 void make_png(const char *path, int width, int height, int depth, int colour, const void *samples);
 
-/* An uncompressed OpenEXR picture with one float channel "Y". */
+/* An uncompressed OpenEXR picture with one float channel "Y"; or with several, a letter each in alphabetical order,
+ * whose samples follow each other. */
 void make_exr(const char *path, int width, int height, const float *samples);
+void make_exr_channels(const char *path, int width, int height, const char *channels, const float *samples);
+
+/* A TGA picture of 24 or 32 bits, from the top: red, green, blue and perhaps alpha. */
+void make_tga(const char *path, int width, int height, int channels, const uint8_t *samples);
 
 /* A 16-bit binary PGM. */
 void make_pgm(const char *path, int width, int height, const uint16_t *samples);
