@@ -30,12 +30,16 @@ struct tc_image {
     void (*close)(tc_image *image);
 };
 
-/* Rows from the top of a picture, once, each: where levels are made from. */
+/* A picture from the top down, once: where levels are made from. */
 typedef struct tc_image_rows tc_image_rows;
 struct tc_image_rows {
     const char *name;
     int64_t width, height;
     tc_status (*read)(tc_image_rows *rows, int64_t row, int64_t count, uint8_t (*rgba)[4], tc_error *error);
+    /* Pixels rect, without gaps, of a picture that is kept in parts of that size: those of one row of parts after the
+     * other each cost what they have, where its rows would cost all of them. NULL: it is kept in rows. */
+    tc_status (*read_part)(tc_image_rows *rows, tc_rect rect, uint8_t (*rgba)[4], tc_error *error);
+    int64_t part_width, part_height;
     void (*close)(tc_image_rows *rows);
 };
 

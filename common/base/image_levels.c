@@ -9,6 +9,8 @@
 #include "srgb.h"
 #include "status.h"
 
+enum { BAND_PIXELS = 1 << 20 }; /* that are read at once, about */
+
 int tc_image_sizes(int64_t width, int64_t height, int64_t least, tc_image_size size_ret[TC_IMAGE_LEVELS])
 {
     int levels = 0;
@@ -20,14 +22,11 @@ int tc_image_sizes(int64_t width, int64_t height, int64_t least, tc_image_size s
 }
 
 typedef struct cascade {
-    int levels;
-    const tc_image_size *size;
+    const tc_image_making *m;
     const tc_srgb *srgb;
     uint8_t (*row[TC_IMAGE_LEVELS])[4];   /* of level k > 0: the one that was just made */
     uint8_t (*first[TC_IMAGE_LEVELS])[4]; /* of a pair, waiting for the second */
     int64_t count[TC_IMAGE_LEVELS];       /* rows so far */
-    tc_image_row_function give;
-    void *context;
 } cascade;
 
 /* A pixel from four, weighed by their alpha. */
@@ -64,11 +63,13 @@ static void halve(const tc_srgb *t, const uint8_t (*a)[4], const uint8_t (*b)[4]
 /* Row after row of a level, and of those that follow from it. */
 static tc_status push(cascade *c, int level, uint8_t (*row)[4], tc_error *error)
 {
-    for (tc_status status;; row = c->row[++level]) {
-        int64_t y = c->count[level]++, width = c->size[level].width;
-        if ((status = c->give(c->context, level, y, row, error)) || level + 1 == c->levels)
+    const tc_image_making *m = c->m;
+    for (;; row = c->row[++level]) {
+        int64_t y = c->count[level]++, width = m->size[level].width;
+        tc_status status = level >= m->first ? m->give(m->context, level, y, row, error) : TC_OK;
+        if (status || level + 1 == m->levels)
             return status;
-        bool last = y + 1 == c->size[level].height;
+        bool last = y + 1 == m->size[level].height;
         if (y % 2 == 0 && !last) {
             memcpy(c->first[level], row, (size_t)width * 4);
             return TC_OK;
@@ -78,38 +79,83 @@ static tc_status push(cascade *c, int level, uint8_t (*row)[4], tc_error *error)
     }
 }
 
-static tc_status run(cascade *c, tc_image_rows *rows, uint8_t (*band)[4], int64_t most,
-                     bool (*progress)(void *, double), void *progress_context, tc_error *error)
+static tc_status tell(const cascade *c, const tc_image_rows *rows, int64_t done, tc_error *error)
 {
-    tc_status status = TC_OK;
+    const tc_image_making *m = c->m;
+    if (m->progress && !m->progress(m->progress_context, (double)done / (double)rows->height))
+        return tc_fail(error, TC_ERR_IO, "%s: interrupted", rows->name);
+    return TC_OK;
+}
+
+static tc_status no_memory(const tc_image_rows *rows, tc_error *error)
+{
+    return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for rows of it", rows->name);
+}
+
+static tc_status run_rows(cascade *c, tc_image_rows *rows, tc_error *error)
+{
+    int64_t most = tc_clamp64(BAND_PIXELS / rows->width, 1, rows->height);
+    uint8_t(*band)[4] = malloc((size_t)(most * rows->width) * 4);
+    tc_status status = band ? TC_OK : no_memory(rows, error);
     for (int64_t y = 0; y < rows->height && !status; y += most) {
         int64_t count = tc_min64(most, rows->height - y);
         status = rows->read(rows, y, count, band, error);
         for (int64_t j = 0; j < count && !status; j++)
             status = push(c, 0, band + j * rows->width, error);
-        if (!status && progress && !progress(progress_context, (double)(y + count) / (double)rows->height))
-            status = tc_fail(error, TC_ERR_IO, "%s: interrupted", rows->name);
+        if (!status)
+            status = tell(c, rows, y + count, error);
     }
+    free(band);
     return status;
 }
 
-tc_status tc_image_make_levels(tc_image_rows *rows, int levels, const tc_image_size *size, tc_image_row_function give,
-                               void *context, bool (*progress)(void *, double), void *progress_context, tc_error *error)
+/* Level 1 of a part, whose pixels follow each other, into rows of that level, from column 0 of the part on. */
+static void halve_part(const cascade *c, const uint8_t (*part)[4], int64_t width, int64_t height, uint8_t (*half)[4])
 {
-    enum { BAND_PIXELS = 1 << 20 };
-    cascade c = {.levels = levels, .size = size, .srgb = tc_srgb_tables(), .give = give, .context = context};
-    int64_t most = tc_clamp64(BAND_PIXELS / rows->width, 1, rows->height);
-    uint8_t(*band)[4] = malloc((size_t)(most * rows->width) * 4);
-    bool room = band != NULL;
-    for (int k = 0; k + 1 < levels && room; k++) {
-        c.first[k] = malloc((size_t)size[k].width * 4);
-        c.row[k + 1] = malloc((size_t)size[k + 1].width * 4);
+    for (int64_t y = 0; y < height; y += 2)
+        halve(c->srgb, part + y * width, part + tc_min64(y + 1, height - 1) * width, width,
+              half + y / 2 * c->m->size[1].width);
+}
+
+/* Parts of even sizes, so that none of level 1's pixels is of two of them. */
+static tc_status run_parts(cascade *c, tc_image_rows *rows, tc_error *error)
+{
+    const int64_t w = rows->width, h = rows->height, down = rows->part_height * (rows->part_height % 2 ? 2 : 1),
+                  least = rows->part_width * (rows->part_width % 2 ? 2 : 1),
+                  across = least * tc_max64(BAND_PIXELS / (down * least), 1);
+    const int64_t part_pixels = tc_min64(across, w) * tc_min64(down, h);
+    uint8_t(*part)[4] = malloc((size_t)part_pixels * 4);
+    uint8_t(*half)[4] = malloc((size_t)((tc_min64(down, h) + 1) / 2 * c->m->size[1].width) * 4);
+    tc_status status = part && half ? TC_OK : no_memory(rows, error);
+    for (int64_t y = 0; y < h && !status; y += down) {
+        int64_t y1 = tc_min64(y + down, h);
+        for (int64_t x = 0; x < w && !status; x += across) {
+            int64_t x1 = tc_min64(x + across, w);
+            status = rows->read_part(rows, (tc_rect){x, y, x1, y1}, part, error);
+            if (!status)
+                halve_part(c, (const uint8_t(*)[4])part, x1 - x, y1 - y, half + x / 2);
+            if (!status)
+                status = tell(c, rows, y, error);
+        }
+        for (int64_t j = 0; j < (y1 - y + 1) / 2 && !status; j++)
+            status = push(c, 1, half + j * c->m->size[1].width, error);
+    }
+    free(part), free(half);
+    return status ? status : tell(c, rows, h, error);
+}
+
+tc_status tc_image_make_levels(tc_image_rows *rows, const tc_image_making *m, tc_error *error)
+{
+    cascade c = {.m = m, .srgb = tc_srgb_tables()};
+    bool room = true;
+    for (int k = 0; k + 1 < m->levels && room; k++) {
+        c.first[k] = malloc((size_t)m->size[k].width * 4);
+        c.row[k + 1] = malloc((size_t)m->size[k + 1].width * 4);
         room = c.first[k] && c.row[k + 1];
     }
-    tc_status status = room ? run(&c, rows, band, most, progress, progress_context, error)
-                            : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for rows of it", rows->name);
-    for (int k = 0; k + 1 < levels; k++)
+    bool parts = rows->read_part && m->first > 0 && m->levels > 1;
+    tc_status status = !room ? no_memory(rows, error) : parts ? run_parts(&c, rows, error) : run_rows(&c, rows, error);
+    for (int k = 0; k + 1 < m->levels; k++)
         free(c.first[k]), free(c.row[k + 1]);
-    free(band);
     return status;
 }

@@ -51,7 +51,9 @@ tc_status tc_image_in_memory(tc_image_rows *rows, tc_image **image_ret, tc_error
     }
     for (int k = 0; room && k < m->base.levels; k++)
         room = (m->pixels[k] = malloc((size_t)(m->base.level[k].width * m->base.level[k].height) * 4)) != NULL;
-    tc_status status = room ? tc_image_make_levels(rows, m->base.levels, m->base.level, keep_row, m, NULL, NULL, error)
+    const tc_image_making making = {
+        .levels = room ? m->base.levels : 0, .size = room ? m->base.level : NULL, .give = keep_row, .context = m};
+    tc_status status = room ? tc_image_make_levels(rows, &making, error)
                             : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", rows->name);
     if (status == TC_OK)
         *image_ret = &m->base;

@@ -41,16 +41,53 @@ bool tc_gdal_alpha_multiplied(GDALDatasetH dataset, int alpha);
 /* ---- Levels kept in files (plugin_gdal_image_cache.c) -------------------------------------------------------------
  */
 
-/* Opens the files that hold levels first .. first + count - 1, made from rows where they are not there yet; width and
- * height are those of level 0. dataset_ret[k]: to be closed. */
 typedef struct tc_gdal_cache {
-    const char *name; /* of the picture, for messages */
-    char base[4096];  /* of the files' names; empty: there is no place for a cache */
-    int first, count;
-    int64_t width, height;
+    const char *name;      /* of the picture, for messages */
+    char base[4096];       /* of the files' names; empty: there is no place for a cache */
+    int first, count;      /* levels */
+    int64_t width, height; /* of level 0 */
 } tc_gdal_cache;
+
+/* Where the cache keeps what was made of a picture of these files, as they are now. */
+void tc_gdal_cache_name(tc_gdal_cache *cache, char *const *files);
+
+/* Opens the files that hold the levels, made from rows where they are not there yet. dataset_ret[k], of level first +
+ * k: to be closed. */
 tc_status tc_gdal_cache_open(const tc_gdal_cache *cache, tc_image_rows *rows, const tc_image_options *options,
                              GDALDatasetH *dataset_ret, tc_error *error);
+
+/* Takes the files away, which are not what they should be. */
+void tc_gdal_cache_forget(const tc_gdal_cache *cache);
+
+/* ---- Pictures -----------------------------------------------------------------------------------------------------
+ */
+
+/* A level: of the picture's own dataset, a file of the cache, or made in memory. */
+typedef struct tc_gdal_level {
+    GDALDatasetH dataset;
+    const tc_gdal_pixels *pixels;
+    int overview;    /* of it; -1: itself */
+    tc_image *small; /* instead */
+    int small_level; /* of that */
+} tc_gdal_level;
+
+typedef struct tc_gdal_image {
+    tc_image base;
+    GDALDatasetH dataset;
+    tc_gdal_pixels pixels;
+    tc_gdal_cache cache;
+    GDALDatasetH cached[TC_IMAGE_LEVELS];
+    tc_gdal_pixels plain; /* of the cached ones */
+    tc_gdal_level level[TC_IMAGE_LEVELS];
+    tc_image *small; /* levels in memory, the coarsest ones or all; NULL: there are none */
+    void *places;
+    char path[];
+} tc_gdal_image;
+
+/* Settles where each level is (plugin_gdal_image_levels.c). Rows are those of the picture where only another library
+ * reads it, else NULL. */
+tc_status tc_gdal_image_levels(tc_gdal_image *image, tc_image_rows *rows, const tc_image_options *options,
+                               tc_error *error);
 
 /* ---- Places (plugin_gdal_image_place.c) ---------------------------------------------------------------------------
  */

@@ -1,14 +1,19 @@
 /* plugin_gdal_image_cache.c - levels of a picture in tiled files of the user's cache: GeoTIFF without loss, a file a
- * level, made once. A file gets its name when it is whole. */
+ * level, made once. A file gets its name when it is whole; until then it has none, so that nothing is left of it
+ * whatever ends the program. */
 #include "plugin_gdal_image.h"
 
 #include "common/base/image_levels.h"
+#include "common/base/outfile.h"
+#include "common/base/rect.h"
 #include "common/base/status.h"
 
 #include <cpl_conv.h>
 #include <cpl_string.h>
 
 #include <errno.h>
+#include <inttypes.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +25,8 @@ enum { TILE_COLUMNS = 256, TILE_ROWS = 128 };
 
 typedef struct level_file {
     GDALDatasetH dataset;
-    char path[4200], temporary[4240];
+    char path[4200];
+    int nameless;       /* its descriptor; -1: none */
     uint8_t (*rows)[4]; /* of tiles, until they are full */
     tc_image_size size;
 } level_file;
@@ -31,37 +37,116 @@ typedef struct making {
     tc_gdal_messages said;
 } making;
 
+/* ---- Finding ------------------------------------------------------------------------------------------------------
+ */
+
+static uint64_t mix(uint64_t hash, const char *text) /* FNV-1a */
+{
+    for (const char *c = text; *c; c++)
+        hash = (hash ^ (unsigned char)*c) * UINT64_C(0x100000001b3);
+    return hash;
+}
+
+void tc_gdal_cache_name(tc_gdal_cache *cache, char *const *files)
+{
+    const char *home = getenv("XDG_CACHE_HOME"), *user = getenv("HOME");
+    uint64_t hash = mix(UINT64_C(0xcbf29ce484222325), "1"); /* of how levels are made */
+    for (; *files; files++) {
+        char real[PATH_MAX], times[96] = "";
+        struct stat about;
+        bool there = realpath(*files, real) && stat(real, &about) == 0;
+        if (there)
+            snprintf(times, sizeof times, " %jd %jd %ld ", (intmax_t)about.st_size, (intmax_t)about.st_mtim.tv_sec,
+                     about.st_mtim.tv_nsec);
+        hash = mix(mix(hash, there ? real : *files), times);
+    }
+    *cache->base = '\0';
+    if (home && *home == '/')
+        snprintf(cache->base, sizeof cache->base, "%s/terraclip/%016" PRIx64, home, hash);
+    else if (user && *user == '/')
+        snprintf(cache->base, sizeof cache->base, "%s/.cache/terraclip/%016" PRIx64, user, hash);
+}
+
 static void name_file(const tc_gdal_cache *cache, int level, char path[4200])
 {
     snprintf(path, 4200, "%s-%d.tif", cache->base, level);
 }
 
-/* All files, as they were left; false where one is missing or another picture's. */
+void tc_gdal_cache_forget(const tc_gdal_cache *cache)
+{
+    char path[4200];
+    for (int k = 0; k < cache->count; k++) {
+        name_file(cache, cache->first + k, path);
+        unlink(path);
+    }
+}
+
+/* A number that GDAL tells of a block; -1: none. */
+static int64_t about_block(GDALRasterBandH band, const char *what, int x, int y)
+{
+    const char *text = GDALGetMetadataItem(band, CPLSPrintf("BLOCK_%s_%d_%d", what, x, y), "TIFF");
+    return text ? strtoll(text, NULL, 10) : -1;
+}
+
+/* Whether the file has all its blocks, of which the last row was written last. */
+static bool is_whole(const char *path, GDALDatasetH dataset)
+{
+    GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
+    struct stat about;
+    int w, h;
+    GDALGetBlockSize(band, &w, &h);
+    if (w != TILE_COLUMNS || h != TILE_ROWS || stat(path, &about) != 0)
+        return false;
+    int across = (GDALGetRasterXSize(dataset) + w - 1) / w, down = (GDALGetRasterYSize(dataset) + h - 1) / h;
+    for (int x = 0; x < across; x++) {
+        int64_t at = about_block(band, "OFFSET", x, down - 1), size = about_block(band, "SIZE", x, down - 1);
+        if (at <= 0 || size <= 0 || at + size > about.st_size)
+            return false;
+    }
+    return true;
+}
+
+/* All files, as they were left; false where one is missing, another picture's or not whole. */
 static bool open_files(const tc_gdal_cache *cache, GDALDatasetH *dataset_ret)
 {
     tc_image_size size[TC_IMAGE_LEVELS];
+    tc_gdal_messages said;
     tc_image_sizes(cache->width, cache->height, 1, size);
+    tc_gdal_listen(&said);
     bool good = true;
-    for (int k = 0; k < cache->count; k++) {
+    for (int k = 0; k < cache->count && good; k++) {
         char path[4200];
         name_file(cache, cache->first + k, path);
-        dataset_ret[k] =
-            good ? GDALOpenEx(path, GDAL_OF_RASTER, (const char *const[]){"GTiff", NULL}, NULL, NULL) : NULL;
-        good = good && dataset_ret[k] && GDALGetRasterCount(dataset_ret[k]) == 4 &&
-               GDALGetRasterXSize(dataset_ret[k]) == size[cache->first + k].width &&
-               GDALGetRasterYSize(dataset_ret[k]) == size[cache->first + k].height;
+        GDALDatasetH d = GDALOpenEx(path, GDAL_OF_RASTER, (const char *const[]){"GTiff", NULL}, NULL, NULL);
+        dataset_ret[k] = d;
+        good = d && GDALGetRasterCount(d) == 4 && GDALGetRasterXSize(d) == size[cache->first + k].width &&
+               GDALGetRasterYSize(d) == size[cache->first + k].height && is_whole(path, d);
     }
     for (int k = 0; k < cache->count && !good; k++)
         if (dataset_ret[k])
             GDALClose(dataset_ret[k]), dataset_ret[k] = NULL;
+    tc_gdal_heard(&said);
     return good;
+}
+
+/* ---- Making -------------------------------------------------------------------------------------------------------
+ */
+
+static tc_status cannot_keep(const making *m, const level_file *f, const char *why, tc_error *error)
+{
+    return tc_fail(error, TC_ERR_IO, "%s: its levels cannot be kept in %s: %s", m->cache->name, f->path,
+                   why                ? why
+                   : *m->said.failure ? m->said.failure
+                                      : strerror(errno));
 }
 
 static bool begin_file(const tc_gdal_cache *cache, int level, tc_image_size size, level_file *f)
 {
     name_file(cache, level, f->path);
-    snprintf(f->temporary, sizeof f->temporary, "%s.%ld.tmp", f->path, (long)getpid());
     f->size = size;
+    f->nameless = tc_outfile_nameless(f->path);
+    if (f->nameless < 0)
+        return false;
     char **how = NULL;
     how = CSLSetNameValue(how, "TILED", "YES");
     how = CSLSetNameValue(how, "BLOCKXSIZE", CPLSPrintf("%d", TILE_COLUMNS));
@@ -72,8 +157,8 @@ static bool begin_file(const tc_gdal_cache *cache, int level, tc_image_size size
     how = CSLSetNameValue(how, "BIGTIFF", "IF_SAFER");
     how = CSLSetNameValue(how, "PHOTOMETRIC", "RGB");
     how = CSLSetNameValue(how, "ALPHA", "NON-PREMULTIPLIED");
-    f->dataset =
-        GDALCreate(GDALGetDriverByName("GTiff"), f->temporary, (int)size.width, (int)size.height, 4, GDT_Byte, how);
+    f->dataset = GDALCreate(GDALGetDriverByName("GTiff"), CPLSPrintf("/proc/self/fd/%d", f->nameless), (int)size.width,
+                            (int)size.height, 4, GDT_Byte, how);
     CSLDestroy(how);
     f->rows = malloc((size_t)size.width * TILE_ROWS * 4);
     return f->dataset && f->rows;
@@ -82,19 +167,37 @@ static bool begin_file(const tc_gdal_cache *cache, int level, tc_image_size size
 static tc_status give_row(void *context, int level, int64_t y, uint8_t (*rgba)[4], tc_error *error)
 {
     making *m = context;
-    if (level < m->cache->first)
-        return TC_OK;
     level_file *f = &m->level[level - m->cache->first];
     int64_t at = y % TILE_ROWS, w = f->size.width;
     memcpy(f->rows + at * w, rgba, (size_t)w * 4);
     if (at + 1 < TILE_ROWS && y + 1 < f->size.height)
         return TC_OK;
-    if (GDALDatasetRasterIO(f->dataset, GF_Write, 0, (int)(y - at), (int)w, (int)at + 1, f->rows, (int)w, (int)at + 1,
-                            GDT_Byte, 4, NULL, 4, (int)(4 * w), 1) != CE_None)
-        return tc_fail(error, TC_ERR_IO, "%s: its levels cannot be written to %s: %s", m->cache->name, f->temporary,
-                       m->said.failure);
+    bool good = GDALDatasetRasterIO(f->dataset, GF_Write, 0, (int)(y - at), (int)w, (int)at + 1, f->rows, (int)w,
+                                    (int)at + 1, GDT_Byte, 4, NULL, 4, (int)(4 * w), 1) == CE_None;
     GDALFlushCache(f->dataset); /* keeps the memory bounded */
-    return TC_OK;
+    return good && !*m->said.failure ? TC_OK : cannot_keep(m, f, NULL, error);
+}
+
+/* A file that is written, or is not: gets its name, or is gone. */
+static tc_status end_file(making *m, level_file *f, tc_status status, tc_error *error)
+{
+    tc_outfile out;
+    tc_error why = {0};
+    if (f->dataset)
+        GDALClose(f->dataset); /* writes the directory; tells of failure only by a message */
+    if (status == TC_OK && *m->said.failure)
+        status = cannot_keep(m, f, NULL, error);
+    if (status == TC_OK) {
+        status = tc_outfile_begin(f->path, &out, &why);
+        if (status == TC_OK)
+            status = tc_outfile_end(&out, tc_outfile_adopt(&out, f->nameless, &why), &why);
+        if (status != TC_OK)
+            status = cannot_keep(m, f, why.text, error);
+    }
+    if (f->nameless >= 0)
+        close(f->nameless);
+    free(f->rows);
+    return status;
 }
 
 /* What compressing does not save must fit, too. */
@@ -145,25 +248,21 @@ static tc_status make_files(const tc_gdal_cache *cache, tc_image_rows *rows, con
         status = check_room(cache, size, error);
     tc_gdal_listen(&m->said);
     CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", "NO"); /* no .aux.xml beside the file */
-    for (int k = 0; k < cache->count && status == TC_OK; k++)
-        if (!begin_file(cache, cache->first + k, size[cache->first + k], &m->level[k]))
-            status = tc_fail(error, TC_ERR_IO, "%s: its levels cannot be written to %s: %s", cache->name,
-                             m->level[k].temporary, m->said.failure);
+    int begun = 0;
+    for (; begun < cache->count && status == TC_OK; begun++)
+        if (!begin_file(cache, cache->first + begun, size[cache->first + begun], &m->level[begun]))
+            status = cannot_keep(m, &m->level[begun], NULL, error);
+    const tc_image_making what = {.first = cache->first,
+                                    .levels = cache->first + cache->count,
+                                    .size = size,
+                                    .give = give_row,
+                                    .context = m,
+                                    .progress = options->progress,
+                                    .progress_context = options->progress_context};
     if (status == TC_OK)
-        status = tc_image_make_levels(rows, cache->first + cache->count, size, give_row, m, options->progress,
-                                      options->progress_context, error);
-    for (int k = 0; k < cache->count; k++) {
-        level_file *f = &m->level[k];
-        free(f->rows);
-        if (!f->dataset)
-            continue;
-        GDALClose(f->dataset); /* writes the directory; tells of failure only by a message */
-        if (status == TC_OK && (*m->said.failure || rename(f->temporary, f->path) != 0))
-            status = tc_fail(error, TC_ERR_IO, "%s: its levels cannot be written to %s: %s", cache->name, f->path,
-                             *m->said.failure ? m->said.failure : strerror(errno));
-        if (status != TC_OK)
-            unlink(f->temporary);
-    }
+        status = tc_image_make_levels(rows, &what, error);
+    for (int k = 0; k < begun; k++)
+        status = end_file(m, &m->level[k], status, error);
     CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", NULL);
     tc_gdal_heard(&m->said);
     free(m);
