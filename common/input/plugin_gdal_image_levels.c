@@ -114,16 +114,34 @@ static bool in_parts(tc_gdal_image *g)
     return true;
 }
 
+/* Whether an overview, or a mask's, has the size of a level. */
+static bool is_size(GDALRasterBandH o, tc_image_size size)
+{
+    /* Formats round halves up or down. */
+    return o && llabs(GDALGetRasterBandXSize(o) - size.width) <= 1 &&
+           llabs(GDALGetRasterBandYSize(o) - size.height) <= 1;
+}
+
+/* Whether the picture's mask is known at an overview, too: where it is not, GDAL takes all for valid. */
+static bool has_mask(tc_gdal_image *g, GDALRasterBandH o, tc_image_size size)
+{
+    GDALRasterBandH band = band_of(g, -1), mask = GDALGetMaskBand(band);
+    int flags = GDALGetMaskFlags(band);
+    if (!g->pixels.masks || flags & GMF_NODATA)
+        return !g->pixels.masks || GDALGetMaskFlags(o) == flags;
+    for (int i = 0; i < GDALGetOverviewCount(mask); i++)
+        if (is_size(GDALGetOverview(mask, i), size))
+            return true;
+    return false;
+}
+
 /* The overview that is a level; -1: there is none. */
 static int overview_of(tc_gdal_image *g, tc_image_size size)
 {
     GDALRasterBandH band = band_of(g, -1);
     for (int i = 0; i < GDALGetOverviewCount(band); i++) {
         GDALRasterBandH o = GDALGetOverview(band, i);
-        /* Formats round halves up or down. One without the picture's mask is none of it. */
-        if (o && llabs(GDALGetRasterBandXSize(o) - size.width) <= 1 &&
-            llabs(GDALGetRasterBandYSize(o) - size.height) <= 1 && cost_of(o) <= PART &&
-            (!g->pixels.masks || GDALGetMaskFlags(o) == GDALGetMaskFlags(band)))
+        if (is_size(o, size) && cost_of(o) <= PART && has_mask(g, o, size))
             return i;
     }
     return -1;

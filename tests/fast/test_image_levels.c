@@ -176,35 +176,37 @@ static void levels_are_halves_in_linear_light(void **state)
 
 enum { WIDE = 4100, HIGH = 2101, BLOCKS = 256 };
 
-/* Smooth enough to be written fast, and nowhere the same. */
+/* Grey, smooth enough to be written fast, and nowhere the same. */
 static void waves(int64_t x, int64_t y, rgba out)
 {
-    out[0] = (uint8_t)(x / 8 + y), out[1] = (uint8_t)(y / 4 * 3 + x / 64), out[2] = (uint8_t)(x * y >> 12);
+    out[0] = out[1] = out[2] = (uint8_t)(x / 8 + y + (x * y >> 12));
     out[3] = 255;
-}
-
-/* Writes it; more: of how it is written. */
-static const char *write_large(const char *name, const char *const *more)
-{
-    const char *path = made_path(name);
-    GDALDatasetH d = GDALCreate(GDALGetDriverByName("GTiff"), path, WIDE, HIGH, 3, GDT_Byte, (char **)more);
-    assert_non_null(d);
-    enum { ROWS = 64 };
-    static rgba rows[ROWS * WIDE];
-    computed p = picture(WIDE, HIGH, waves);
-    for (int y = 0; y < HIGH; y += ROWS) {
-        int count = HIGH - y < ROWS ? HIGH - y : ROWS;
-        give_rows(&p.base, y, count, rows, NULL);
-        assert_int_equal(
-            GDALDatasetRasterIO(d, GF_Write, 0, y, WIDE, count, rows, WIDE, count, GDT_Byte, 3, NULL, 4, 4 * WIDE, 1),
-            CE_None);
-    }
-    GDALClose(d);
-    return path;
 }
 
 static const char *const tiled[] = {"TILED=YES", "BLOCKXSIZE=256", "BLOCKYSIZE=256", "COMPRESS=LZW", NULL};
 static const char *const striped[] = {"COMPRESS=LZW", NULL};
+
+/* Writes it, as told, where it is not there yet. */
+static const char *write_large(const char *name, const char *const *how)
+{
+    const char *path = made_path(name);
+    if (access(path, F_OK) == 0)
+        return path;
+    GDALDatasetH d = GDALCreate(GDALGetDriverByName("GTiff"), path, WIDE, HIGH, 1, GDT_Byte, (char **)how);
+    assert_non_null(d);
+    for (int y = 0; y < HIGH; y++) {
+        static uint8_t row[WIDE];
+        for (int x = 0; x < WIDE; x++) {
+            rgba pixel;
+            waves(x, y, pixel);
+            row[x] = pixel[0];
+        }
+        assert_int_equal(GDALRasterIO(GDALGetRasterBand(d, 1), GF_Write, 0, y, WIDE, 1, row, WIDE, 1, GDT_Byte, 0, 0),
+                         CE_None);
+    }
+    GDALClose(d);
+    return path;
+}
 
 static tc_image *open_large(const char *path)
 {
@@ -265,11 +267,17 @@ static int64_t bytes_read(void)
     return bytes;
 }
 
-/* All levels are those that the same pixels have in memory. */
-static void has_levels(tc_image *image, void (*pixel)(int64_t x, int64_t y, rgba out))
+static tc_image *large_in_memory(void)
 {
-    computed p = picture(WIDE, HIGH, pixel);
-    tc_image *truth = in_memory(&p);
+    static tc_image *image;
+    computed p = picture(WIDE, HIGH, waves);
+    return image ? image : (image = in_memory(&p));
+}
+
+/* All levels are those that the same pixels have in memory. */
+static void has_levels(tc_image *image)
+{
+    tc_image *truth = large_in_memory();
     assert_true(image->levels >= 4 && image->levels <= truth->levels);
     const tc_image_size last = image->level[image->levels - 1];
     assert_true(last.width <= 512 && last.height <= 512);
@@ -277,26 +285,25 @@ static void has_levels(tc_image *image, void (*pixel)(int64_t x, int64_t y, rgba
         const tc_image_size s = image->level[level];
         assert_true(s.width == truth->level[level].width && s.height == truth->level[level].height);
         rgba *a = level_of(image, level), *b = level_of(truth, level);
-        if (memcmp(a, b, (size_t)(s.width * s.height) * 4) != 0)
-            fail_msg("level %d is another one", level);
+        bool same = memcmp(a, b, (size_t)(s.width * s.height) * 4) == 0;
         free(a), free(b);
+        if (!same)
+            fail_msg("level %d is another one", level);
     }
-    truth->close(truth);
 }
 
-/* Opens a picture, looks at all of it, and again by the next program. in_cache: files that are kept. */
+/* Opens a picture, and again as the next program does, which looks at all of it. in_cache: files that are kept. */
 static void check_large(const char *path, int in_cache)
 {
     forget();
     tc_image *image = open_large(path);
     assert_int_equal(cached(), in_cache);
-    has_levels(image, waves);
     image->close(image);
     int64_t before = bytes_read();
     image = open_large(path);
     if (bytes_read() - before > 200000)
         fail_msg("opening it again reads %lld bytes", (long long)(bytes_read() - before));
-    has_levels(image, waves);
+    has_levels(image);
     image->close(image);
     assert_int_equal(cached(), in_cache);
 }
@@ -313,14 +320,225 @@ static void tiled_ones_get_overviews(void **state)
     check_large(write_large("tiled.tif", tiled), 4);
 }
 
+/* Blocks of which GDAL's cache does not hold a row are decoded once. */
+static void nothing_is_read_twice(void **state)
+{
+    (void)state;
+    static const char *const blocks[] = {"TILED=YES", "BLOCKXSIZE=1024", "BLOCKYSIZE=1024", "COMPRESS=LZW", NULL};
+    static const char *const strips[] = {"BLOCKYSIZE=1024", "COMPRESS=LZW", NULL};
+    const GIntBig usual = GDALGetCacheMax64();
+    for (int k = 0; k < 2; k++) {
+        const char *path = k ? write_large("strips.tif", strips) : write_large("blocks.tif", blocks);
+        struct stat about;
+        assert_int_equal(stat(path, &about), 0);
+        forget();
+        GDALSetCacheMax64(3 << 20);
+        int64_t before = bytes_read();
+        tc_image *image = open_large(path);
+        int64_t bytes = bytes_read() - before;
+        GDALSetCacheMax64(usual);
+        image->close(image);
+        if ((double)bytes > 1.1 * (double)about.st_size + 5e5) /* and the heads of what was made */
+            fail_msg("%lld bytes of %lld are read", (long long)bytes, (long long)about.st_size);
+    }
+}
+
+/* Overviews of these factors. */
+static void add_overviews(const char *path, int count)
+{
+    static int factors[] = {2, 4, 8, 16, 32};
+    GDALDatasetH d = GDALOpen(path, GA_Update);
+    assert_non_null(d);
+    assert_int_equal(GDALBuildOverviews(d, "NEAREST", count, factors, 0, NULL, NULL, NULL), CE_None);
+    GDALClose(d);
+}
+
+/* A level's pixels are those of an overview. */
+static void is_overview(tc_image *image, int level, GDALDatasetH d, int overview)
+{
+    GDALRasterBandH band = GDALGetOverview(GDALGetRasterBand(d, 1), overview);
+    for (int n = 0; n < 50; n++) {
+        const tc_image_size s = image->level[level];
+        int64_t x = n * 7919 % s.width, y = n * 104729 % s.height;
+        uint8_t want;
+        rgba found;
+        assert_int_equal(GDALRasterIO(band, GF_Read, (int)x, (int)y, 1, 1, &want, 1, 1, GDT_Byte, 0, 0), CE_None);
+        assert_int_equal(image->read(image, level, (tc_rect){x, y, x + 1, y + 1}, &found, 1, NULL), TC_OK);
+        assert_true(found[0] == want && found[1] == want && found[2] == want && found[3] == 255);
+    }
+}
+
+/* Its overviews are the picture's levels; coarser ones than it has are halves of the last. */
+static void own_overviews_are_used(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2; k++) {
+        const int count = k ? 5 : 2;
+        const char *path = k ? write_large("with-five.tif", tiled) : write_large("with-two.tif", striped);
+        add_overviews(path, count);
+        forget();
+        tc_image *image = open_large(path);
+        assert_int_equal(cached(), k ? 0 : 1); /* striped, it can only be read as a whole */
+        assert_true(image->levels > 4);
+        GDALDatasetH d = GDALOpen(path, GA_ReadOnly);
+        for (int level = 1; level < image->levels && level <= count; level++)
+            is_overview(image, level, d, level - 1);
+        GDALClose(d);
+        if (count == 2) {
+            const tc_image_size half_size = image->level[3];
+            rgba *fine = level_of(image, 2), *half = level_of(image, 3);
+            for (int64_t i = 0; i < half_size.width * half_size.height; i += 97)
+                check_half((const rgba *)fine, image->level[2], half[i], i % half_size.width, i / half_size.width);
+            free(fine), free(half);
+        }
+        image->close(image);
+    }
+}
+
+/* Overviews that know nothing of the picture's mask are not. */
+static void overviews_have_the_mask(void **state)
+{
+    (void)state;
+    const char *path = write_large("masked.tif", tiled);
+    add_overviews(path, 5); /* before it has one */
+    GDALDatasetH d = GDALOpen(path, GA_Update);
+    assert_int_equal(GDALCreateDatasetMaskBand(d, GMF_PER_DATASET), CE_None);
+    GDALRasterBandH mask = GDALGetMaskBand(GDALGetRasterBand(d, 1));
+    static uint8_t there[WIDE];
+    memset(there, 255, WIDE / 2);
+    for (int y = 0; y < HIGH; y++)
+        assert_int_equal(GDALRasterIO(mask, GF_Write, 0, y, WIDE, 1, there, WIDE, 1, GDT_Byte, 0, 0), CE_None);
+    GDALClose(d);
+    forget();
+    tc_image *image = open_large(path);
+    for (int level = 0; level < image->levels; level++) {
+        const tc_image_size s = image->level[level];
+        rgba *pixels = level_of(image, level);
+        for (int64_t y = 0; y < s.height; y += 50)
+            for (int64_t x = 0; x < s.width; x++)
+                if (llabs((x << level) - WIDE / 2) > 1 << level)
+                    assert_int_equal(pixels[y * s.width + x][3], x << level < WIDE / 2 ? 255 : 0);
+        free(pixels);
+    }
+    image->close(image);
+}
+
+static const char *write_vrt(const char *name, const char *source)
+{
+    char text[1000];
+    snprintf(text, sizeof text,
+             "<VRTDataset rasterXSize=\"%d\" rasterYSize=\"%d\"><VRTRasterBand dataType=\"Byte\" band=\"1\">"
+             "<SimpleSource><SourceFilename relativeToVRT=\"1\">%s</SourceFilename></SimpleSource></VRTRasterBand>"
+             "</VRTDataset>",
+             WIDE, HIGH, source);
+    make_bytes(made_path(name), text, strlen(text));
+    return made_path(name);
+}
+
+/* A VRT can be read in parts where its files can; it is another picture where one of them is. */
+static void vrts_are_what_their_files_are(void **state)
+{
+    (void)state;
+    write_large("striped.tif", striped), write_large("tiled.tif", tiled);
+    assert_int_equal(rename(write_large("part.tif", striped), made_path("a.tif")), 0);
+    check_large(write_vrt("tiled.vrt", "tiled.tif"), 4);
+    write_vrt("a.vrt", "a.tif");
+    check_large(write_vrt("nested.vrt", "a.vrt"), 5);
+    assert_int_equal(rename(made_path("tiled.tif"), made_path("a.tif")), 0); /* the VRTs are as they were */
+    tc_image *image = open_large(made_path("nested.vrt"));
+    assert_int_equal(cached(), 5 + 4);
+    image->close(image);
+}
+
+static void spoil(const char *path, long at, const char *bytes, size_t count)
+{
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, at, SEEK_SET), 0);
+    assert_int_equal(fwrite(bytes, 1, count, file), count);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Files of the cache that are not whole, or not there, are made anew. */
+static void the_cache_mends_itself(void **state)
+{
+    (void)state;
+    const char *path = write_large("mended.tif", tiled);
+    forget();
+    tc_image *image = open_large(path);
+    image->close(image);
+    for (int way = 0; way < 5; way++) {
+        int count;
+        char **files = cached_files(&count);
+        struct stat about;
+        assert_int_equal(count, 4);
+        assert_int_equal(stat(files[way % 4], &about), 0);
+        switch (way) {
+        case 0: unlink(files[way % 4]); break;
+        case 1: cut_file(files[way % 4], 0); break;
+        case 2: cut_file(files[way % 4], -1); break;
+        case 3: cut_file(files[way % 4], (long)about.st_size / 2); break;
+        default: make_bytes(files[way % 4], "nonsense", 8); break;
+        }
+        CSLDestroy(files);
+        image = open_large(path);
+        if (way == 4)
+            has_levels(image);
+        image->close(image);
+        assert_int_equal(cached(), 4);
+    }
+    /* What is damaged inside is found when it is read, and made anew by the next program. */
+    int count;
+    char **files = cached_files(&count);
+    for (int k = 0; k < count; k++) {
+        static char nonsense[4000];
+        struct stat about;
+        assert_int_equal(stat(files[k], &about), 0);
+        memset(nonsense, 0x5a, sizeof nonsense);
+        spoil(files[k], (long)about.st_size / 2, nonsense, sizeof nonsense);
+    }
+    CSLDestroy(files);
+    image = open_large(path);
+    const tc_image_size s = image->level[1];
+    rgba *pixels = malloc(sizeof *pixels * (size_t)(s.width * s.height));
+    tc_error error = {0};
+    assert_int_equal(image->read(image, 1, (tc_rect){0, 0, s.width, s.height}, pixels, s.width, &error), TC_ERR_FORMAT);
+    assert_non_null(strstr(error.text, "the next program makes them anew"));
+    free(pixels);
+    image->close(image);
+    assert_int_equal(cached(), 0);
+    image = open_large(path);
+    has_levels(image);
+    image->close(image);
+}
+
+/* Through OpenImageIO. */
+static void tga_is_cached(void **state)
+{
+    (void)state;
+    rgba *pixels = malloc(sizeof *pixels * WIDE * HIGH);
+    computed p = picture(WIDE, HIGH, waves);
+    give_rows(&p.base, 0, HIGH, pixels, NULL);
+    make_tga(made_path("a.tga"), WIDE, HIGH, 4, *pixels);
+    free(pixels);
+    check_large(made_path("a.tga"), 5);
+}
+
 int main(void)
 {
     GDALAllRegister();
     setenv("XDG_CACHE_HOME", cache_folder(), 1);
     const struct CMUnitTest tests[] = {cmocka_unit_test(levels_are_halves_in_linear_light),
                                        cmocka_unit_test(striped_ones_are_cached),
-                                       cmocka_unit_test(tiled_ones_get_overviews)};
+                                       cmocka_unit_test(tiled_ones_get_overviews),
+                                       cmocka_unit_test(nothing_is_read_twice),
+                                       cmocka_unit_test(own_overviews_are_used),
+                                       cmocka_unit_test(overviews_have_the_mask),
+                                       cmocka_unit_test(vrts_are_what_their_files_are),
+                                       cmocka_unit_test(the_cache_mends_itself),
+                                       cmocka_unit_test(tga_is_cached)};
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    large_in_memory()->close(large_in_memory());
     forget();
     made_folder_remove();
     return failed;
