@@ -55,7 +55,7 @@ static bool fills_the_gpu(const tc_viewer *v)
     int64_t free = tc_gl_free_memory(v->gl);
     tc_memory_stats windows;
     tc_renderer_memory(v->renderer, &windows);
-    return free > 0 && (int64_t)(windows.heights + windows.normals) > free / 4 * 3;
+    return free > 0 && (int64_t)(windows.heights + windows.normals + windows.imagery) > free / 4 * 3;
 }
 
 tc_status tc_viewer_make_surface(tc_viewer *v, tc_error *error)
