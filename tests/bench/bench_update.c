@@ -3,7 +3,8 @@
  * A level of 255 x 255 samples of the default terrain, at random places; medians of processor time, and for scale the
  * copying of as many bytes as the step writes, in turns with it. Steps stand in our code as they stand in a frame: z_c
  * and normals are made while a window is filled, so they are the difference between two fillings that differ in nothing
- * else; decompression reads a packed terrain, and U is part of it. Synthesis is not in this version. */
+ * else; decompression reads a packed terrain, and U is part of it; so it is of synthesis, which makes a level anew from
+ * the data, through all levels between. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,6 +37,7 @@ typedef struct bench {
     int runs;
     test_random random;
     const tc_field *memory;
+    const tc_field *finer[2]; /* with one level finer than that, and with eight */
     const char *path;
     unsigned char *from, *to; /* to copy */
 } bench;
@@ -156,35 +158,71 @@ static void decompression(bench *b, step *cold, step *held)
     }
 }
 
-/* Heights and normals of a level into their textures; and a whole update: a level of a packed terrain, whose coarser
- * level is held, from the file to the texture. */
-static void uploads(bench *b, const tc_context *context, step *upload, step *whole)
+/* Levels finer than the data, made of it. */
+static void synthesis(bench *b, step *first, step *eighth)
 {
-    const tc_gl *gl = tc_context_gl(context);
+    static float z[LEVEL_SAMPLES];
+    for (int i = 0; i < b->runs; i++)
+        for (int k = 0; k < 2; k++) {
+            const tc_field *p = b->finer[k];
+            int finest = tc_field_info(p)->levels;
+            tc_rect r = place(b, tc_field_level(p, finest), i);
+            double start = now_us();
+            terrain_must(tc_field_read(p, finest, r, z, NULL, SIDE), &(tc_error){.text = "synthesis failed"});
+            note(b, k ? eighth : first, now_us() - start);
+        }
+}
+
+/* A whole update of a level, the finest or so many coarser, whose coarser level is held: from the field to the
+ * textures, and of that the upload alone. */
+static void update(bench *b, const tc_gl *gl, const tc_field *p, int coarser, int run, step *upload, step *whole)
+{
+    tc_clipmap *c = clipmap_of(p, true);
+    tc_level_textures textures = {0};
+    tc_error error;
+    int m = tc_clipmap_levels(c), l = m - coarser, all[TC_MAX_CHARTS] = {m};
+    terrain_must(tc_level_textures_hold(gl, &textures, &c, 1, all, &error), &error);
+    tc_rect r = place(b, tc_field_level(p, tc_field_info(p)->levels - coarser), run);
+    tc_rect around = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x1 / 2 + 3, r.y1 / 2 + 3};
+    tc_clipmap_fill(c, l - 1, around);
+    tc_level_textures_upload(gl, &textures, &c, 1, -1);
+    gl->Finish();
+    double start = now_us();
+    tc_clipmap_fill(c, l, r);
+    double filled = now_us();
+    tc_level_textures_upload(gl, &textures, &c, 1, -1);
+    gl->Finish();
+    double end = now_us();
+    if (upload)
+        note(b, upload, end - filled);
+    note(b, whole, end - start);
+    tc_level_textures_destroy(gl, &textures);
+    tc_clipmap_destroy(c);
+}
+
+static void updates(bench *b, const tc_gl *gl, step *upload, step *packed, step *finest, step *inner)
+{
     for (int i = 0; i < b->runs; i++) {
         tc_field *p = terrain_open(b->path);
-        tc_clipmap *c = clipmap_of(p, true);
-        tc_level_textures textures = {0};
-        tc_error error;
-        int m = tc_clipmap_levels(c), all[TC_MAX_CHARTS] = {m};
-        terrain_must(tc_level_textures_hold(gl, &textures, &c, 1, all, &error), &error);
-        tc_rect r = place(b, tc_field_level(p, tc_field_info(p)->levels), i);
-        tc_rect coarser = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x1 / 2 + 3, r.y1 / 2 + 3};
-        tc_clipmap_fill(c, m - 1, coarser);
-        tc_level_textures_upload(gl, &textures, &c, 1, -1);
-        gl->Finish();
-        double start = now_us();
-        tc_clipmap_fill(c, m, r);
-        double filled = now_us();
-        tc_level_textures_upload(gl, &textures, &c, 1, -1);
-        gl->Finish();
-        double end = now_us();
-        note(b, upload, end - filled);
-        note(b, whole, end - start);
-        tc_level_textures_destroy(gl, &textures);
-        tc_clipmap_destroy(c);
+        update(b, gl, p, 0, i, upload, packed);
         tc_field_destroy(p);
+        update(b, gl, b->finer[0], 0, i, NULL, finest);
+        update(b, gl, b->finer[1], 1, i, NULL, inner);
     }
+}
+
+/* A field of a copy of the grid. */
+static tc_field *field_of(const tc_grid *grid)
+{
+    tc_grid copy = *grid;
+    tc_field *field;
+    tc_error error;
+    copy.z = malloc((size_t)(grid->width * grid->height) * sizeof *copy.z);
+    if (!copy.z)
+        exit(99);
+    memcpy(copy.z, grid->z, (size_t)(grid->width * grid->height) * sizeof *copy.z);
+    terrain_must(tc_field_build(&copy, 0, &field, &error), &error);
+    return field;
 }
 
 /* ---- Table ------------------------------------------------------------------------------------------------------ */
@@ -204,16 +242,21 @@ static void print(const measure_options *o, step *s)
 
 int main(int argc, char **argv)
 {
-    enum { Z_C, UP, HELD, COLD, INNER, FINEST, UPLOAD, WHOLE, STEPS };
+    enum { Z_C, UP, HELD, COLD, FIRST, EIGHTH, INNER, FINEST, UPLOAD, WHOLE, WHOLE_FIRST, WHOLE_INNER, STEPS };
     const size_t heights = LEVEL_SAMPLES * sizeof(float), normals = NORMAL_SIDE * NORMAL_SIDE * 4;
-    static step steps[STEPS] = {[Z_C] = {.name = "z_c", .paper_ms = 2},
-                                [UP] = {.name = "U", .paper_ms = 3},
-                                [HELD] = {.name = "decompression and U; coarser level at hand", .paper_ms = 8},
-                                [COLD] = {.name = "decompression and U; all levels from the file", .paper_ms = NAN},
-                                [INNER] = {.name = "normal map; from the next finer level", .paper_ms = 11},
-                                [FINEST] = {.name = "normal map; of the finest level", .paper_ms = NAN},
-                                [UPLOAD] = {.name = "upload of heights and normals", .paper_ms = 2},
-                                [WHOLE] = {.name = "whole update; from the file to the textures", .paper_ms = 26}};
+    static step steps[STEPS] = {
+        [Z_C] = {.name = "z_c", .paper_ms = 2},
+        [UP] = {.name = "U", .paper_ms = 3},
+        [HELD] = {.name = "decompression and U; coarser level at hand", .paper_ms = 8},
+        [COLD] = {.name = "decompression and U; all levels from the file", .paper_ms = NAN},
+        [FIRST] = {.name = "synthesis and U; first level finer than the data", .paper_ms = 3},
+        [EIGHTH] = {.name = "synthesis and U; eighth level; all between made anew", .paper_ms = NAN},
+        [INNER] = {.name = "normal map; from the next finer level", .paper_ms = 11},
+        [FINEST] = {.name = "normal map; of the finest level", .paper_ms = NAN},
+        [UPLOAD] = {.name = "upload of heights and normals", .paper_ms = 2},
+        [WHOLE] = {.name = "whole update; from the file to the textures", .paper_ms = 26},
+        [WHOLE_FIRST] = {.name = "whole update; synthesised; finest level", .paper_ms = 21},
+        [WHOLE_INNER] = {.name = "whole update; synthesised; normals from a finer level", .paper_ms = NAN}};
     for (int i = 0; i < STEPS; i++)
         steps[i].bytes = i == INNER || i == FINEST ? normals : i >= UPLOAD ? 2 * heights + normals : heights;
     measure_options o = measure_begin(argc, argv, "step,us,us_low,us_high,copy_ratio,paper_ms");
@@ -225,20 +268,23 @@ int main(int argc, char **argv)
     tc_grid grid = terrain_grid(TERRAIN_DEFAULT, o.quick ? 1025 : SIZE, o.quick ? 1025 : SIZE, 30, 4);
     const terrain_file about = {{"default", 0, 0}, TC_SAMPLE_FLOAT32, 0};
     terrain_pack(&grid, &about, &(tc_pack_options){.mode = TC_PACK_RMS, .error = 1.8}, b.path);
-    tc_field *memory;
-    tc_error error;
-    terrain_must(tc_field_build(&grid, 0, &memory, &error), &error);
-    b.memory = memory;
+    tc_field *field[3];
+    for (int k = 0; k < 3; k++)
+        field[k] = terrain_synthesised(field_of(&grid), k == 0 ? 0 : k == 1 ? 1 : 8);
+    tc_grid_free(&grid);
+    b.memory = field[0], b.finer[0] = field[1], b.finer[1] = field[2];
     fillings(&b, &steps[Z_C], &steps[FINEST], &steps[INNER]);
     upsampling(&b, &steps[UP]);
     decompression(&b, &steps[COLD], &steps[HELD]);
+    synthesis(&b, &steps[FIRST], &steps[EIGHTH]);
     if (context)
-        uploads(&b, context, &steps[UPLOAD], &steps[WHOLE]);
+        updates(&b, tc_context_gl(context), &steps[UPLOAD], &steps[WHOLE], &steps[WHOLE_FIRST], &steps[WHOLE_INNER]);
     printf("%-52s %9s %9s %9s %10s %8s\n", "a level of 255 x 255: microseconds of a processor", "median", "10 %",
            "90 %", "x copying", "LH04 ms");
     for (int i = 0; i < STEPS; i++)
         print(&o, &steps[i]);
-    tc_field_destroy(memory);
+    for (int k = 0; k < 3; k++)
+        tc_field_destroy(field[k]);
     tc_context_destroy(context);
     free(b.from), free(b.to);
     made_folder_remove();

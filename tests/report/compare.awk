@@ -48,8 +48,13 @@ function update_row(step, ms, where) {
         note("normal map", ms, where)
         note("normal map on the GPU", ms, where)
     }
+    if (step ~ /^synthesis.*first/) {
+        note("synthesis", ms, where)
+        note("synthesis on the GPU", ms, where)
+    }
     if (step ~ /^upload/) note("upload", ms, where)
-    if (step ~ /^whole/) note("in all with decompression", ms, where)
+    if (step ~ /^whole.*file/) note("in all with decompression", ms, where)
+    if (step ~ /^whole.*synthesised/) note("in all with synthesis", ms, where)
     if (step == "U") note("U on the GPU", ms, where)
 }
 
@@ -110,8 +115,6 @@ function paper_row(name, of_table, row, value, unit, where,    key, remark, part
         note(key, part[1], part[2])
     }
     remark = row in ours ? from[row] : "not measured here"
-    if (row ~ /synthesis/)
-        remark = "synthesis is not in this version"
     if (row ~ /et al\.|and Pascucci/)
         remark = "another scheme's, as the paper quotes it"
     if (table == "figure 12")

@@ -193,7 +193,7 @@ as copying the bytes that it writes.</p>'
         copy_ratio=times copying:3;paper_ms=LH04, ms:given'
     papers LH04 'table 1'
     echo '<p>The papers’ times are those of processors and graphics cards of 2004 and 2005. Our decompression includes
-U, and decodes whole tiles; synthesis is not in this version.</p>'
+U, and decodes whole tiles; our synthesis includes U, too.</p>'
 }
 
 part_levels() {
