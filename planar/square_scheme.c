@@ -19,7 +19,8 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
 {
     const tc_ground_options options = {.n = size(request),
                                        .max_levels = request->levels,
-                                       .normals = request->needs->light,
+                                       .normals = request->needs->normals,
+                                       .fine_normals = request->needs->fine_normals,
                                        .holes = request->needs->holes};
     return tc_square_create(tc_map_field(map, 0), &options, surface_ret, error);
 }

@@ -8,12 +8,13 @@ layout(std140, binding = 0) uniform Frame {
     vec4 ray[3];           // from the eye to the frame's middle is [2], from there to its sides [0] right and [1] up
     vec4 sun;              // xyz: direction to the sun; w: strength
     vec4 heights;          // ramp: x: sea level, y: 1 / depth of the sea, z: 1 / height of the land, w: height of the shore;
-                           // of given colours z: 1 / relief, w: lowest height above the sea
+                           // of given colours z: 1 / relief, w: lowest height above the sea, or 1 / degrees, 0
     vec4 haze;             // rgb; w: near plane / distance of half haze
     vec4 zenith;           // rgb of the sky overhead
     vec4 lens;             // x, y: tangents a pixel; z, w: from the target's first to straight ahead
     vec4 pixel[3];         // view axes: right and up by lens.zw, forward
     vec4 beyond;           // x: depth where nothing is, in clip space
+    vec4 contours;         // x: 1 / metres between lines, y: number of the one at the eye, modulo 5, z: those metres
     ivec4 whole[SURFACE_INTEGERS]; // the surface's own, integers
     ivec4 image_stack[CHARTS]; // of imagery: x: layer of shift 0; y, z: finest and coarsest shift
     vec4 image_scale[CHARTS];  // x, y: finest texels per unit of a place

@@ -2,17 +2,22 @@
 //
 //     Ground surface_ground()    at this fragment
 //     float  surface_haze()      squared optical depth of the air before it; HAZE
+//     float  surface_datum()     what a ground's rise is measured from, metres above the eye; CONTOURS
 //
 // Of what a scene does not need there is nothing.
 struct Ground {
     float height; // metres above z_base
     vec4 colour;  // what covers the colours of heights, in squares of what is shown; a: how much of them it covers
-#ifdef LIT
+#ifdef CONTOURS
+    float rise; // the height once more, metres above surface_datum(): with more digits
+#endif
+#ifdef NORMALS
     vec3 normal, up; // unit, in the eye's axes
-#ifdef CLIMATE
+    vec2 fall;       // metres a metre to the east and to the north: where the ground falls to
+#endif
+#if defined(LIT) && defined(CLIMATE)
     float day;       // share of daylight: the sun sets
     float snow_line; // height from which snow stays, metres above the sea
-#endif
 #endif
 #ifdef LEVEL_COLOURS
     float level; // that is seen, from 0 on

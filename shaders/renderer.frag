@@ -12,7 +12,12 @@ void main()
         discard;
 #endif
 #ifdef GIVEN_COLOURS
-    float h = ground.height - heights.x, last = float(textureSize(ramp_map, 0) - 1);
+#if defined(SHADE_SLOPE) || defined(SHADE_ASPECT)
+    float h = shade_degrees(ground);
+#else
+    float h = ground.height - heights.x;
+#endif
+    float last = float(textureSize(ramp_map, 0) - 1);
     float at = (clamp((h - heights.w) * heights.z, 0.0, 1.0) * last + 0.5) / (last + 1.0);
 #else
     // The shore lies a little above the sea, so that filtered heights around sea level do not flicker.
@@ -23,6 +28,9 @@ void main()
 #endif
 #endif
     vec3 c = textureLod(ramp_map, at, 0.0).rgb;
+#ifdef SHADE_ASPECT
+    c = shade_flat(c, ground);
+#endif
     c = mix(c, ground.colour.rgb, ground.colour.a);
 #ifdef LIT
     vec3 up = ground.up, n = ground.normal;
@@ -51,10 +59,16 @@ void main()
     c *= daylight(dot(n, sun.xyz), dot(n, up), 1.0);
 #endif
 #endif
+#ifdef HILLSHADE
+    c *= hillshade(ground);
+#endif
 #ifdef LEVEL_COLOURS
     const vec3 hues[6] = vec3[](vec3(1.0, 0.25, 0.2), vec3(1.0, 0.75, 0.2), vec3(0.35, 0.9, 0.3), vec3(0.2, 0.85, 0.9),
                                 vec3(0.3, 0.45, 1.0), vec3(0.85, 0.35, 0.9));
     c = mix(c, dot(c, vec3(0.4, 0.5, 0.1)) * 2.2 * hues[int(ground.level) % 6], 0.7);
+#endif
+#ifdef CONTOURS
+    c = contoured(c, ground);
 #endif
 #ifdef HAZE
     // A share d^2 / (1 + d^2) of optical depth d, which has no end where a sample's depth is extrapolated to 0.

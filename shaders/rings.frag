@@ -4,10 +4,14 @@
 // fragment: nothing is interpolated across a pole or the meridian behind it.
 INTERPOLATED in vec3 v_direction; // rings.vert
 INTERPOLATED in vec2 v_terrain;
-layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 const float EDGE_ON = 0.12; // radians of the globe in a pixel
-#ifdef LIT
+#ifdef NORMALS
 layout(binding = 2) uniform sampler2DArray normals_map;
+#ifdef FINE_NORMALS
+const float UPRIGHT = 1e-4; // of a normal's length, squared, that is told from none
+#else
+const float UPRIGHT = 0.01;
+#endif
 #endif
 #ifdef HOLES
 layout(binding = 3) uniform sampler2DArray voids_map;
@@ -42,17 +46,30 @@ float fragment_shift()
     return surface[10].w > 0.0 ? floor(shift) : shift;
 }
 
+#ifdef CONTOURS
+// Lines are of the level whose samples are twice as far apart as a pixel is wide, whichever way: those of finer ones would
+// fall to dashes. across: radians of the globe in a pixel.
+float contour_shift(Stack stack, float across)
+{
+    vec4 coarsest = layer[3 * (stack.base - stack.coarsest)];
+    return max(fragment_shift(), log2(across * coarsest.w) + float(stack.coarsest) + 1.0);
+}
+#endif
+
 // What a chart has there.
 struct Charted {
     float height; // metres above z_base
     bool known;   // false beside a part of a globe
+#ifdef CONTOURS
+    float rise; // above the chart's height below the viewer
+#endif
 #ifdef HOLES
     bool hole;
 #endif
 #ifdef IMAGERY
     vec2 place;
 #endif
-#ifdef LIT
+#ifdef NORMALS
     vec2 slope; // along the chart's axes per unit of its own lengths
 #endif
 };
@@ -86,7 +103,7 @@ vec2 chart_step(int chart, vec3 p, vec3 d)
 }
 #endif
 
-Charted look(int chart, vec3 s)
+Charted look(int chart, vec3 s, float across)
 {
     float share;
     vec2 place = map_chart(chart, s, 0.0, share), t;
@@ -96,15 +113,24 @@ Charted look(int chart, vec3 s)
 #ifdef IMAGERY
     c.place = place;
 #endif
+#ifdef CONTOURS
+    c.rise = c.height - surface[1].z - surface[4 + chart].z;
+#endif
 #ifdef HOLES
     c.hole = false;
 #endif
-#ifdef LIT
+#ifdef NORMALS
     c.slope = vec2(0.0);
 #endif
     Spot spot;
     if (!c.known || !find_spot(stack_of(chart), place, fragment_shift(), spot))
         return c;
+#ifdef CONTOURS
+    Spot even;
+    if (!find_spot(stack_of(chart), place, contour_shift(stack_of(chart), across), even))
+        even = spot;
+    c.rise = spot_rise(chart, even, place);
+#endif
     ivec2 corner = ivec2(cell_of(spot, t));
     vec2 south = mix(texelFetch(heights_map, texel_of(spot.layer, corner), 0).rg,
                      texelFetch(heights_map, texel_of(spot.layer, corner + ivec2(1, 0)), 0).rg, t.x);
@@ -115,7 +141,7 @@ Charted look(int chart, vec3 s)
 #ifdef HOLES
     c.hole = texelFetch(voids_map, texel_of(spot.layer, ivec2(floor(spot.at + 0.5))), 0).r > 0.0;
 #endif
-#ifdef LIT
+#ifdef NORMALS
     // In steps of a texel's 512th the sum is exact, whichever number of its column the viewer has.
     vec2 from = layer[3 * spot.layer + 1].xy + round(spot.at * 1024.0) / 1024.0;
     vec4 n = textureLod(normals_map, vec3((2.0 * from + 0.5) * (0.5 / float(WINDOW_MASK + 1)), float(spot.layer)), 0.0);
@@ -123,12 +149,12 @@ Charted look(int chart, vec3 s)
     // Slopes were kept steeper where samples are further apart than that (tc_ground_options.relief).
     vec2 samples = layer[3 * spot.layer].zw;
     float spacing = (surface[1].x - surface[1].z) * inversesqrt(samples.x * samples.y);
-    c.slope = -xy * inversesqrt(max(1.0 - dot(xy, xy), 0.01)) * min(1.0, sqrt(RELIEF / spacing));
+    c.slope = -xy * inversesqrt(max(1.0 - dot(xy, xy), UPRIGHT)) * min(1.0, sqrt(RELIEF / spacing));
 #endif
     return c;
 }
 
-#ifdef LIT
+#ifdef NORMALS
 // A chart's slope at direction p, in p's frame: that of the viewer's meridian.
 vec3 slope_at(vec3 p, int chart, vec2 g)
 {
@@ -144,9 +170,16 @@ vec3 slope_at(vec3 p, int chart, vec2 g)
     return vec3(g - p.xy * along / up, -side * along);
 }
 
+// East and north of a fall against a slope. At the pole any direction is south or north: this is none.
+vec2 fall_of(vec3 p, vec3 slope)
+{
+    float rho = length(p.xy);
+    return rho > 0.0 ? vec2(p.y * slope.x - p.x * slope.y, p.z * dot(p.xy, slope.xy) - rho * rho * slope.z) / rho
+                     : vec2(0.0);
+}
 #endif
 
-#if defined(LIT) || defined(IMAGERY)
+#if defined(NORMALS) || defined(IMAGERY)
 // From the frame of the viewer's meridian to the eye's axes: east, north, up.
 vec3 eye_axes(vec3 p)
 {
@@ -169,12 +202,20 @@ Ground surface_ground()
 #ifdef IMAGERY
     vec2 places[3];
 #endif
+    float across = max(length(dFdx(s)), length(dFdy(s)));
     Ground g;
     g.height = 0.0;
+#ifdef CONTOURS
+    vec2 change = cap_changes(s);
+    g.rise = dot(vec3(-change.x - change.y, change), vec3(surface[4].z, surface[5].z, surface[6].z)); // rings.vert
+#endif
     for (int chart = rest > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && rest < 1.0 ? cap : 3) {
-        Charted there = look(chart, s);
+        Charted there = look(chart, s, across);
         float share = chart == 0 ? rest : 1.0 - rest;
         g.height += share * there.height;
+#ifdef CONTOURS
+        g.rise += share * there.rise;
+#endif
         known = there.known;
 #ifdef IMAGERY
         places[chart] = there.place;
@@ -183,22 +224,25 @@ Ground surface_ground()
         if (chart == 0 ? rest >= 0.5 : rest < 0.5)
             g.hole = there.hole;
 #endif
-#ifdef LIT
+#ifdef NORMALS
         slope += share * slope_at(p, chart, there.slope);
 #endif
     }
     g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the sphere
-#ifdef LIT
+#ifdef NORMALS
     g.up = eye_axes(p);
     g.normal = normalize(eye_axes(p - slope));
-#ifdef CLIMATE
+    // Slopes are along the sphere, places along the ground.
+    float radius = surface[1].x - surface[1].z;
+    g.fall = fall_of(p, slope) * (radius / (radius + g.height));
+#endif
+#if defined(LIT) && defined(CLIMATE)
     g.day = smoothstep(-0.22, 0.3, dot(g.up, sun.xyz));
     // About that of the Earth's mountains at the equator, the sea near the poles.
     g.snow_line = 5600.0 * (1.0 - pow(abs(p.z) / 0.965, 3.0));
 #endif
-#endif
 #ifdef IMAGERY
-#ifdef LIT
+#ifdef NORMALS
     Footprint f = footprint_of(from_eye(s), g.normal);
 #else
     Footprint f = footprint_of(from_eye(s), eye_axes(p));
@@ -216,6 +260,14 @@ Ground surface_ground()
 #endif
     return g;
 }
+
+#ifdef CONTOURS
+// The ground below the viewer.
+float surface_datum()
+{
+    return -surface[1].y;
+}
+#endif
 
 #ifdef HAZE
 // The way through air that thins out with height: to the terrain, or from where the air begins.

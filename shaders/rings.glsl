@@ -17,6 +17,7 @@
 // whole[0][k]     chart k: layer of shift 0; whole[2][k]: finest shift + 64 coarsest
 // whole[1][k]     chart k: layer of the cell that the viewer is in; -1: none
 // layer[...]      stack.glsl's
+layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 
 // atan2 with a relative error of some 2e-7: the driver's may be off by 1e-5 (after Cephes' atanf).
 float exact_atan(float y, float x)
@@ -110,4 +111,36 @@ float shift_of(float w)
 {
     float shift = max(0.0, surface[1].w - w);
     return surface[10].w > 0.0 ? floor(shift) : shift;
+}
+
+// Height at a spot of a chart above the chart's height below the viewer. Next to the viewer it keeps the digits that
+// the height itself has not.
+float spot_rise(int chart, Spot spot, vec2 place)
+{
+    vec4 l = layer[3 * spot.layer], reference = surface[4 + chart], slope = surface[7 + chart];
+    vec2 t, cell = cell_of(spot, t);
+    bool near = spot.layer == whole[1][chart];
+    vec4 z;
+    for (int k = 0; k < 4; k++) {
+        ivec2 corner = ivec2(k & 1, k >> 1);
+        precise vec2 q = texelFetch(heights_map, texel_of(spot.layer, ivec2(cell) + corner), 0).rg;
+        q = (q - reference.x) - reference.y;
+        vec2 d = cell + vec2(corner) - l.xy;
+        // Bilinear interpolation gives the bilinear surface of the viewer's cell back: it is taken off the corners
+        // and added at the place, exactly nothing being left at the corners of that cell.
+        float surface_there = near ? d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z : 0.0;
+        float left = mix(q.x, q.y, spot.alpha) - surface_there;
+        vec2 from_own = cell + vec2(corner) - floor(l.xy);
+        bool own = near && spot.alpha == 0.0 && all(lessThanEqual(abs(from_own - 0.5), vec2(0.75)));
+        z[k] = own ? 0.0 : left;
+    }
+    // Not 1 - t: beside the sample nearest to the viewer both shares keep all their digits, so that the edge between two
+    // cells is where it is.
+    precise vec2 u = max((cell + 1.0) - spot.at, max((cell + 1.0) - layer[3 * spot.layer + 1].zw, 0.0));
+    float rise = (z.x * u.x + z.y * t.x) * u.y + (z.z * u.x + z.w * t.x) * t.y;
+    if (near) {
+        vec2 d = place * l.zw;
+        rise += d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z;
+    }
+    return rise;
 }

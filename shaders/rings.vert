@@ -3,7 +3,6 @@
 // Heights are differences to the ground below the viewer from the first subtraction on, and around the viewer to the
 // surface of the cell that it is in, so that centimetres next to the eye are exact on a planet.
 layout(location = 0) in vec4 in_vertex; // s_x, s_y, h, w
-layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 INTERPOLATED out vec3 v_direction; // (s_x, s_y, h)
 INTERPOLATED out vec2 v_terrain;   // metres above z_base, ring coordinate
 
@@ -11,37 +10,13 @@ INTERPOLATED out vec2 v_terrain;   // metres above z_base, ring coordinate
 bool chart_height(int chart, vec3 s, float w, float shift, out float height)
 {
     float share;
-    vec2 place = map_chart(chart, s, w, share), t;
+    vec2 place = map_chart(chart, s, w, share);
     Spot spot;
     if (share <= 0.0 || !find_spot(stack_of(chart), place, shift, spot))
         return false;
-    vec4 l = layer[3 * spot.layer], reference = surface[4 + chart], slope = surface[7 + chart];
-    vec2 cell = cell_of(spot, t);
-    bool near = spot.layer == whole[1][chart];
-    vec4 z;
-    for (int k = 0; k < 4; k++) {
-        ivec2 corner = ivec2(k & 1, k >> 1);
-        precise vec2 q = texelFetch(heights_map, texel_of(spot.layer, ivec2(cell) + corner), 0).rg;
-        q = (q - reference.x) - reference.y;
-        vec2 d = cell + vec2(corner) - l.xy;
-        // Bilinear interpolation gives the bilinear surface of the viewer's cell back: it is taken off the corners
-        // and added at the vertex, exactly nothing being left at the corners of that cell.
-        float surface_there = near ? d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z : 0.0;
-        float left = mix(q.x, q.y, spot.alpha) - surface_there;
-        vec2 from_own = cell + vec2(corner) - floor(l.xy);
-        bool own = near && spot.alpha == 0.0 && all(lessThanEqual(abs(from_own - 0.5), vec2(0.75)));
-        z[k] = own ? 0.0 : left;
-    }
-    // Not 1 - t: beside the sample nearest to the viewer both shares keep all their digits, so that the edge between two
-    // cells is where it is.
-    precise vec2 u = max((cell + 1.0) - spot.at, max((cell + 1.0) - layer[3 * spot.layer + 1].zw, 0.0));
-    height = (z.x * u.x + z.y * t.x) * u.y + (z.z * u.x + z.w * t.x) * t.y;
-    if (near) {
-        vec2 d = place * l.zw;
-        height += d.x * slope.x + d.y * slope.y + d.x * d.y * slope.z;
-    }
+    height = spot_rise(chart, spot, place);
     if (share < 1.0) {
-        float outside = surface[2].w - reference.z;
+        float outside = surface[2].w - surface[4 + chart].z;
         height = outside + share * (height - outside);
     }
     return true;

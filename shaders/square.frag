@@ -1,23 +1,23 @@
 // square.frag - the ground at a fragment, for planar/square.c (ground.glsl).
-#if defined(LIT) || defined(LEVEL_COLOURS)
+#if defined(NORMALS) || defined(LEVEL_COLOURS)
 INTERPOLATED in vec4 v_terrain; // square.glsl
 #else
 INTERPOLATED in float v_height;
 #endif
-#if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
+#if defined(MULTISAMPLED) && (defined(NORMALS) || defined(LEVEL_COLOURS))
 flat in int v_level;
 #endif
 #ifdef IMAGERY
 INTERPOLATED in vec2 v_plane;
 #endif
-#ifdef LIT
+#ifdef NORMALS
 layout(binding = 2) uniform sampler2DArray normals_map;
 #endif
 #ifdef HOLES
 in float v_void;
 #endif
 
-#if defined(LIT) || defined(LEVEL_COLOURS)
+#if defined(NORMALS) || defined(LEVEL_COLOURS)
 // The layer that the vertices read.
 float level()
 {
@@ -29,7 +29,7 @@ float level()
 }
 #endif
 
-#ifdef LIT
+#ifdef NORMALS
 // The layer's normal and the coarser one's, by the same alpha as the heights.
 vec3 normal(float level)
 {
@@ -48,21 +48,38 @@ vec3 normal(float level)
 }
 #endif
 
+#ifdef CONTOURS
+// At the pixel's middle, also where samples are shaded: lines are that of a triangle's plane, which goes on beside it.
+float rise()
+{
+#if defined(NORMALS) || defined(LEVEL_COLOURS)
+    return interpolateAtOffset(v_terrain, vec2(0.0)).x;
+#else
+    return interpolateAtOffset(v_height, vec2(0.0));
+#endif
+}
+#endif
+
 Ground surface_ground()
 {
     Ground g;
-#if defined(LIT) || defined(LEVEL_COLOURS)
+#if defined(NORMALS) || defined(LEVEL_COLOURS)
     g.height = v_terrain.x;
 #else
     g.height = v_height;
 #endif
+#ifdef CONTOURS
+    g.rise = rise();
+    g.height = (g.rise + eye.y) + eye.x;
+#endif
     g.colour = vec4(0.0);
-#ifdef LIT
+#ifdef NORMALS
     g.normal = normal(level());
     g.up = vec3(0.0, 0.0, 1.0);
+    g.fall = g.normal.xy / max(g.normal.z, 1e-3);
 #endif
 #ifdef IMAGERY
-#ifdef LIT
+#ifdef NORMALS
     Footprint f = footprint_of(vec3(v_plane, g.height - eye.x - eye.y), g.normal);
 #else
     Footprint f = footprint_of(vec3(v_plane, g.height - eye.x - eye.y), vec3(0.0, 0.0, 1.0));
@@ -77,6 +94,13 @@ Ground surface_ground()
 #endif
     return g;
 }
+
+#ifdef CONTOURS
+float surface_datum()
+{
+    return 0.0;
+}
+#endif
 
 #ifdef HAZE
 // Distance d from the depth that is there anyway: (d / L)^2. Of a triangle without area, which is not shaded where its

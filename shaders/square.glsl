@@ -12,16 +12,17 @@ layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres abov
 layout(binding = 3) uniform sampler2DArray voids_map;
 out float v_void;
 #endif
-#if defined(LIT) || defined(LEVEL_COLOURS)
-INTERPOLATED out vec4 v_terrain; // x: metres above z_base; y, z: place in the normal map
+// A height: metres above z_base; where there are CONTOURS, above the eye, which keeps more digits.
+#if defined(NORMALS) || defined(LEVEL_COLOURS)
+INTERPOLATED out vec4 v_terrain; // x: a height; y, z: place in the normal map
                                 // (multisampled: in samples from the window's first); w: 2 level + 0.5 + alpha
 #else
-INTERPOLATED out float v_height; // metres above z_base
+INTERPOLATED out float v_height;
 #endif
 #ifdef IMAGERY
 INTERPOLATED out vec2 v_plane; // metres east and north of the eye
 #endif
-#if defined(MULTISAMPLED) && (defined(LIT) || defined(LEVEL_COLOURS))
+#if defined(MULTISAMPLED) && (defined(NORMALS) || defined(LEVEL_COLOURS))
 flat out int v_level;
 #endif
 #if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
@@ -79,10 +80,15 @@ vec3 surface_vertex()
     vec2 z = texelFetch(heights_map, at, 0).rg;
     precise float height = (1.0 - alpha) * z.x + alpha * z.y;
     precise float above = (height - eye.x) - eye.y;
+#ifdef CONTOURS
+    float told = ((1.0 - alpha) * (z.x - eye.x) + alpha * (z.y - eye.x)) - eye.y;
+#else
+    float told = height;
+#endif
 #ifdef HOLES
     v_void = texelFetch(voids_map, at, 0).r;
 #endif
-#if defined(LIT) || defined(LEVEL_COLOURS)
+#if defined(NORMALS) || defined(LEVEL_COLOURS)
     const float size = float(WINDOW_MASK + 1);
 #ifdef MULTISAMPLED
     vec2 place = mod(cell - window[block_layer()].xy, 2.0 * size);
@@ -92,9 +98,9 @@ vec3 surface_vertex()
 #ifdef MULTISAMPLED
     v_level = block_layer();
 #endif
-    v_terrain = vec4(height, place, 2.0 * float(block_layer()) + 0.5 + alpha);
+    v_terrain = vec4(told, place, 2.0 * float(block_layer()) + 0.5 + alpha);
 #else
-    v_height = height;
+    v_height = told;
 #endif
 #if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
     vec4 corner = view_projection * vec4(plane, above, 1.0);

@@ -424,6 +424,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
     s->windows = (tc_ground_options){.n = s->head.n,
                                      .max_levels = options->max_levels,
                                      .normals = options->normals,
+                                     .fine_normals = options->fine_normals,
                                      .holes = options->holes,
                                      .relief = RELIEF};
     set_heights(s);

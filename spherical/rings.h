@@ -25,8 +25,8 @@ typedef struct tc_rings_options {
     int n_phi; /* steps around, a multiple of 32 from 64 to 4096; 0: 512 */
     int m;     /* steps outwards in a level, even, 4 to 128; 0: as long as those around, tc_rings_steps(n_phi) */
     int n;     /* samples a side of the windows, 2^k - 1, at least; what is more than geometry needs, shading uses */
-    int max_levels; /* of each chart; 0: all */
-    bool normals, holes;
+    int max_levels;                    /* of each chart; 0: all */
+    bool normals, fine_normals, holes; /* as in tc_ground_options */
 } tc_rings_options;
 
 /* Steps outwards that at a level's outer edge are about as long as those around, n_phi / (4 pi): 40 for 512; 58 for

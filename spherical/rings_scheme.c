@@ -31,7 +31,8 @@ static tc_status create(tc_rings_scheme scheme, const tc_map *map, const tc_surf
                                       .m = request->steps,
                                       .n = window_size(request),
                                       .max_levels = request->levels,
-                                      .normals = request->needs->light,
+                                      .normals = request->needs->normals,
+                                      .fine_normals = request->needs->fine_normals,
                                       .holes = request->needs->holes};
     return tc_rings_create(map, &options, surface_ret, error);
 }

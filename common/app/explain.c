@@ -91,6 +91,14 @@ static void print_textures(const tc_level_textures *t, FILE *file)
     }
 }
 
+static void print_ramp(const tc_scene_needs *needs, FILE *file)
+{
+    const char *format = needs->given ? "RGBA16" : "RGBA8";
+    const int size = needs->given ? TC_GIVEN_SIZE : TC_RAMP_SIZE;
+    fprintf(file, "uses: texture: colours of %s: %s, %d, %d bytes\n", needs->shade->degrees > 0 ? "angles" : "heights",
+            format, size, (needs->given ? 8 : 4) * size);
+}
+
 static void print_drape(const tc_drape *d, FILE *file)
 {
     int all = 0;
@@ -151,7 +159,7 @@ void tc_explain_uses(const tc_renderer *renderer, FILE *file)
     const tc_renderer_use use = tc_renderer_used(renderer);
     tc_scene_programs_explain(use.surface, use.needs, use.programs, file);
     print_textures(use.textures, file);
-    fprintf(file, "uses: texture: colours of heights: RGBA8, %d, %d bytes\n", TC_RAMP_SIZE, 4 * TC_RAMP_SIZE);
+    print_ramp(use.needs, file);
     if (use.drape)
         print_drape(use.drape, file);
     int finer = tc_field_info(tc_clipmap_field(use.windows->clipmap[0]))->synthesised;

@@ -50,6 +50,19 @@ static bool read_background(void *scene, const char *value)
     return s->background_set = true;
 }
 
+static bool read_shade(void *shade, const char *value)
+{
+    const tc_shade *named = tc_shade_named(value);
+    if (named)
+        *(const tc_shade **)shade = named;
+    return named != NULL;
+}
+
+static bool read_contours(void *metres, const char *value)
+{
+    return tc_read_number(value, 1e-3, 1e6, metres);
+}
+
 bool tc_read_scheme(void *options, const char *value)
 {
     tc_options *o = options;
@@ -114,6 +127,12 @@ static const tc_option table[] = {
      add_imagery, 0},
     {0, "synthesis", "LEVELS", TC_EXPECTED_SYNTHESIS, TC_SYNTHESIS_HELP, tc_read_synthesis,
      offsetof(tc_options, synthesis)},
+    {0, "shade", "NAME", TC_SHADE_NAMES,
+     "what colours say: natural, or as maps do slope, aspect (of the fall), height (as a hillshade) or none (heights "
+     "without light) (natural)",
+     read_shade, offsetof(tc_options, scene.shade)},
+    {0, "contours", "METRES", "metres of 0.001..1e6", "between lines of equal height, every fifth heavier (none)",
+     read_contours, offsetof(tc_options, scene.contours)},
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
      offsetof(tc_options, scene)},
@@ -223,6 +242,11 @@ static tc_status check_together(const tc_options *o, tc_error *error)
         return tc_fail(error, TC_ERR_USAGE, "--frames: expected --path FILE with it, found none");
     if (offscreen && !o->output && !o->path)
         return tc_fail(error, TC_ERR_USAGE, "--backend: expected -o FILE or --path FILE with it, found neither");
+    if (o->scene.unlit && o->scene.shade && o->scene.shade->lit)
+        return tc_fail(
+            error, TC_ERR_USAGE,
+            "--unlit: expected no --shade %s with it, whose light it takes, found both; --shade none has no light",
+            o->scene.shade->name);
     if (o->path && o->has_view)
         return tc_fail(error, TC_ERR_USAGE, "--view: expected either it or --path, found both");
     return TC_OK;

@@ -11,7 +11,9 @@ tc_status tc_ground_create(const tc_field *field, const tc_ground_options *optio
                                   .spacing_y = options->spacing_y};
     windows.content[windows.contents++] = (tc_content){.class = &tc_heights_content};
     if (options->normals)
-        windows.content[windows.contents++] = (tc_content){.class = &tc_normals_content, .parameter = options->relief};
+        windows.content[windows.contents++] =
+            (tc_content){.class = options->fine_normals ? &tc_fine_normals_content : &tc_normals_content,
+                         .parameter = options->relief};
     if (options->holes)
         windows.content[windows.contents++] = (tc_content){.class = &tc_voids_content};
     return tc_clipmap_create(field, &windows, clipmap_ret, error);
@@ -21,5 +23,5 @@ void tc_ground_bytes(const tc_clipmap *clipmap, size_t *heights_ret, size_t *nor
 {
     *heights_ret = tc_clipmap_bytes(clipmap, NULL) + tc_clipmap_bytes(clipmap, &tc_heights_content) +
                    tc_clipmap_bytes(clipmap, &tc_voids_content);
-    *normals_ret = tc_clipmap_bytes(clipmap, &tc_normals_content);
+    *normals_ret = tc_clipmap_bytes(clipmap, &tc_normals_content) + tc_clipmap_bytes(clipmap, &tc_fine_normals_content);
 }

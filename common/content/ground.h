@@ -9,11 +9,13 @@
 extern const tc_content_class tc_heights_content; /* pairs (z, z_c), metres above z_base */
 /* (x, y) of the level's own normal and of the coarser level's on the same spot, in 1/127. Its parameter is `relief`. */
 extern const tc_content_class tc_normals_content;
-extern const tc_content_class tc_voids_content; /* 255 where there is no height, else 0 */
+extern const tc_content_class tc_fine_normals_content; /* the same in 1/32767, instead */
+extern const tc_content_class tc_voids_content;        /* 255 where there is no height, else 0 */
 
 typedef struct tc_ground_options {
     int n, max_levels; /* as in tc_clipmap_options, and so wraps and spacing_* */
-    bool normals;      /* keep normals, too, at twice the resolution */
+    bool normals;      /* keep normals, too, at twice the resolution, */
+    bool fine_normals; /* and fine ones */
     bool holes;        /* keep the void mask, too */
     bool wraps;
     double spacing_x, spacing_y;

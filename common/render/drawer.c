@@ -62,7 +62,7 @@ static tc_status make_objects(tc_drawer *d, tc_error *error)
     tc_draw_state host;
     tc_draw_state_get(&d->gl, &host);
     tc_draw_state_for_uploads(&d->gl);
-    tc_status status = tc_scene_objects_create(&d->gl, d->surface, d->scene.colours, &d->objects, error);
+    tc_status status = tc_scene_objects_create(&d->gl, d->surface, &d->scene, &d->objects, error);
     tc_draw_state_give_back(&d->gl, &host);
     return status;
 }

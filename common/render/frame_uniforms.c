@@ -58,8 +58,22 @@ static void set_air(tc_frame_uniforms *u, const tc_surface *surface, const tc_pa
     memcpy(u->zenith, palette->zenith, sizeof palette->zenith);
 }
 
+/* Numbers of lines are told modulo that of those from one heavy line to the next, so that they keep their digits. */
+static void set_contours(tc_frame_uniforms *u, double eye, double metres)
+{
+    enum { HEAVY = 5 };
+    memset(u->contours, 0, sizeof u->contours);
+    if (!(metres > 0))
+        return;
+    double at = fmod(eye / metres, HEAVY);
+    u->contours[0] = (float)(1 / metres);
+    u->contours[1] = (float)(at < 0 ? at + HEAVY : at);
+    u->contours[2] = (float)metres;
+}
+
 void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_palette *palette, const tc_sight *sight,
-                           const tc_target_place *place, const tc_frame *frame, const tc_layers *layers)
+                           const tc_target_place *place, const tc_frame *frame, const tc_layers *layers,
+                           double contours)
 {
     const tc_terrain_info *info = tc_field_info(view->surface->field);
     double eye = sight->camera.z - info->z_base;
@@ -74,4 +88,5 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     memcpy(u->heights, palette->heights, sizeof u->heights);
     set_air(u, view->surface, palette, eye - info->z_min, sight->inverse);
     u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
+    set_contours(u, sight->camera.z, contours);
 }

@@ -23,14 +23,16 @@ typedef struct tc_frame_uniforms {
     float lens[4];
     float pixel[3][4];
     float beyond[4];
+    float contours[4];
     int32_t whole[TC_SURFACE_INTEGERS][4];
     int32_t image_stack[TC_MAX_CHARTS][4];
     float image_scale[TC_MAX_CHARTS][4];
 } tc_frame_uniforms;
 
-/* Light, air and camera of a frame; nothing in it depends on anything but the view. */
+/* Light, air and camera of a frame; nothing in it depends on anything but the view. contours: metres between lines of
+ * equal height; 0: none. */
 void tc_frame_uniforms_set(tc_frame_uniforms *uniforms, const tc_view *view, const tc_palette *palette,
                            const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
-                           const tc_layers *layers);
+                           const tc_layers *layers, double contours);
 
 #endif

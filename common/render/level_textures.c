@@ -12,6 +12,7 @@ const tc_gl_format *tc_gl_format_of(tc_texel_format format)
     static const tc_gl_format formats[TC_TEXEL_FORMATS] = {
         [TC_TEXEL_RG32F] = {"RG32F", GL_RG32F, GL_RG, GL_FLOAT, GL_NEAREST},
         [TC_TEXEL_RGBA8_SNORM] = {"RGBA8_SNORM", GL_RGBA8_SNORM, GL_RGBA, GL_BYTE, GL_LINEAR},
+        [TC_TEXEL_RGBA16_SNORM] = {"RGBA16_SNORM", GL_RGBA16_SNORM, GL_RGBA, GL_SHORT, GL_LINEAR},
         [TC_TEXEL_SRGB8_ALPHA8] = {"SRGB8_ALPHA8", GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE, GL_LINEAR},
         [TC_TEXEL_R8] = {"R8", GL_R8, GL_RED, GL_UNSIGNED_BYTE, GL_NEAREST}};
     return &formats[format];

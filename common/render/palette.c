@@ -69,6 +69,25 @@ static void own_colour(const tc_palette *p, double above_sea, double rgb[3])
         rgb[c] = sqrt(p->ramp[at][c] / 255.0);
 }
 
+static void set_texel(uint16_t texel[4], const double rgb[3])
+{
+    for (int c = 0; c < 3; c++)
+        texel[c] = (uint16_t)lrint(65535 * rgb[c] * rgb[c]);
+    texel[3] = 65535;
+}
+
+void tc_palette_give_degrees(tc_palette *palette, const tc_shade *shade, uint16_t ramp[TC_GIVEN_SIZE][4])
+{
+    for (int i = 0; i < TC_GIVEN_SIZE; i++) {
+        double rgba[4];
+        tc_colour_ramp_at(&shade->colours, shade->degrees * i / (TC_GIVEN_SIZE - 1), 0, shade->degrees, rgba);
+        set_texel(ramp[i], rgba);
+    }
+    palette->water = false;
+    palette->heights[2] = (float)(1 / shade->degrees);
+    palette->heights[3] = 0;
+}
+
 void tc_palette_give(tc_palette *palette, const tc_terrain_info *info, const tc_colour_ramp *colours,
                      uint16_t ramp[TC_GIVEN_SIZE][4])
 {
@@ -79,11 +98,9 @@ void tc_palette_give(tc_palette *palette, const tc_terrain_info *info, const tc_
         double height = low + (high - low) * i / (TC_GIVEN_SIZE - 1), rgba[4], rgb[3];
         tc_colour_ramp_at(colours, height, low, high, rgba);
         own_colour(&own, height - level, rgb);
-        for (int c = 0; c < 3; c++) {
-            double v = rgb[c] + rgba[3] * (rgba[c] - rgb[c]);
-            ramp[i][c] = (uint16_t)lrint(65535 * v * v);
-        }
-        ramp[i][3] = 65535;
+        for (int c = 0; c < 3; c++)
+            rgb[c] += rgba[3] * (rgba[c] - rgb[c]);
+        set_texel(ramp[i], rgb);
     }
     palette->water = false;
     palette->heights[2] = (float)(1 / (high - low));

@@ -2,7 +2,7 @@
 #ifndef TC_PALETTE_H
 #define TC_PALETTE_H
 
-#include "colour_ramp.h"
+#include "shade.h"
 #include "common/terraclip.h"
 
 enum { TC_RAMP_SIZE = 512, TC_GIVEN_SIZE = 4096 };
@@ -10,7 +10,8 @@ enum { TC_RAMP_SIZE = 512, TC_GIVEN_SIZE = 4096 };
 typedef struct tc_palette {
     uint8_t ramp[TC_RAMP_SIZE][4]; /* squared colours: sea from deep to shallow, then land from shore to summit */
     float heights[4];              /* sea level above z_base, 1 / depth, 1 / height of the land, height of the shore;
-                                    * of given colours the latter two: 1 / relief, lowest height above sea level */
+                                    * of given colours the latter two: 1 / relief, lowest height above sea level, or
+                                    * 1 / degrees, 0 */
     bool water;                    /* some of the terrain lies below the sea */
     bool natural;                  /* a land with soil, rock and snow under air, not another body's dust under space */
     float horizon[3], zenith[3];   /* squared colours of the sky */
@@ -19,6 +20,9 @@ typedef struct tc_palette {
 /* Colours for a terrain: an Earth-like land gets water below zero, green lowlands, rock and snow by absolute height;
  * another body shades of its dust from its lowest to its highest point. */
 tc_palette tc_palette_make(const tc_terrain_info *info);
+
+/* Gives the degrees of a shade its colours. */
+void tc_palette_give_degrees(tc_palette *palette, const tc_shade *shade, uint16_t ramp[TC_GIVEN_SIZE][4]);
 
 /* Gives the heights of a terrain, from its lowest to its highest, a user's colours: squares in steps of 1/65535. */
 void tc_palette_give(tc_palette *palette, const tc_terrain_info *info, const tc_colour_ramp *colours,

@@ -68,7 +68,7 @@ static tc_status build_programs(tc_renderer *r, const tc_scene_needs *needs, tc_
 
 static tc_status make_objects(tc_renderer *r, tc_error *error)
 {
-    tc_status status = tc_scene_objects_create(r->gl, r->surface, r->options.colours, &r->objects, error);
+    tc_status status = tc_scene_objects_create(r->gl, r->surface, &r->options, &r->objects, error);
     return status == TC_OK ? build_programs(r, &r->needs, error) : status;
 }
 
@@ -165,13 +165,17 @@ static void clear(const tc_renderer *r, const tc_target_place *place)
         r->gl->ClearBufferfv(GL_COLOR, 0, colour);
 }
 
+static tc_level_texture normals_of(const tc_renderer *r)
+{
+    return tc_level_texture_of(&r->textures, r->needs.fine_normals ? &tc_fine_normals_content : &tc_normals_content);
+}
+
 /* Textures by the binding points of the shaders. One that is not kept is not asked for: binding none to a unit would
  * take away all of a host's. */
 static void bind_textures(const tc_renderer *r)
 {
     const GLuint textures[] = {tc_level_texture_of(&r->textures, &tc_heights_content).texture, r->objects->ramp,
-                               tc_level_texture_of(&r->textures, &tc_normals_content).texture,
-                               tc_level_texture_of(&r->textures, &tc_voids_content).texture,
+                               normals_of(r).texture, tc_level_texture_of(&r->textures, &tc_voids_content).texture,
                                tc_level_texture_of(&r->drape.textures, &tc_colours_content).texture};
     for (GLuint i = 0; i < sizeof textures / sizeof *textures; i++)
         if (textures[i])
@@ -334,7 +338,7 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     const tc_frame_slot *slot;
     r->surface->draws(r->view, &r->textures.layers, &r->frame);
     tc_frame_uniforms_set(&r->values, r->view, &r->objects->palette, sight, &target->place, &r->frame,
-                          &r->textures.layers);
+                          &r->textures.layers, r->options.contours);
     if (needs.imagery)
         tc_drape_uniforms(&r->drape, r->view, &r->values);
     status = tc_frame_slots_fill(gl, &r->slots, &r->values, &r->frame, &slot, error);
@@ -406,7 +410,7 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
     *stats_ret = (tc_memory_stats){.geometry = o->bytes + tc_frame_slots_bytes(&renderer->slots),
                                    .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
                                               tc_level_texture_of(t, &tc_voids_content).bytes + heights,
-                                   .normals = tc_level_texture_of(t, &tc_normals_content).bytes + normals,
+                                   .normals = normals_of(renderer).bytes + normals,
                                    .imagery = renderer->needs.imagery ? tc_drape_bytes(&renderer->drape) : 0,
                                    .field = fields};
 }

@@ -10,13 +10,21 @@
 tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info)
 {
     const tc_palette palette = tc_palette_make(info);
-    return (tc_scene_needs){.light = !options->unlit,
+    const tc_shade *shade = options->shade ? options->shade : &tc_shades[TC_SHADE_NATURAL];
+    const bool angles = shade->degrees > 0, lit = shade->lit && !options->unlit;
+    return (tc_scene_needs){.shade = shade,
+                            .normals = angles || lit,
+                            .fine_normals = angles || (lit && !shade->natural),
+                            .light = lit && shade->natural,
+                            .hillshade = lit && !shade->natural,
                             .sky = !options->background_set,
-                            .haze = !options->background_set && palette.natural, /* no air in space */
-                            .land = palette.natural,
-                            .water = palette.water && !options->colours,
-                            .given = options->colours != NULL,
-                            .imagery = options->imagery != NULL,
+                            .air = palette.natural,
+                            .haze = !options->background_set && palette.natural && shade->natural, /* none in space */
+                            .land = palette.natural && shade->natural,
+                            .water = palette.water && !options->colours && !angles,
+                            .given = options->colours || angles,
+                            .imagery = options->imagery && !angles,
+                            .contours = options->contours > 0,
                             .holes = options->holes && info->void_count > 0,
                             .level_colours = options->level_colours,
                             .detail = info->synthesised > 0,
@@ -24,12 +32,16 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
                             .multisampled = options->samples > 1};
 }
 
-/* define: that brings a need into the shaders; NULL where it is none of theirs. why: it is left out. */
+/* define: that brings a need into the shaders; NULL where it is none of theirs. why: it is left out, unless a reason
+ * below says more; NULL: it is not told of. */
 static const struct need {
     size_t offset;
     const char *define, *why;
 } table[] = {
-    {offsetof(tc_scene_needs, light), "LIT", "normal map and lighting: unlit"},
+    {offsetof(tc_scene_needs, normals), "NORMALS", "normal map: unlit"},
+    {offsetof(tc_scene_needs, fine_normals), "FINE_NORMALS", NULL},
+    {offsetof(tc_scene_needs, light), "LIT", "lighting: unlit"},
+    {offsetof(tc_scene_needs, hillshade), "HILLSHADE", NULL},
     {offsetof(tc_scene_needs, haze), "HAZE", "haze: a body without air"},
     {offsetof(tc_scene_needs, holes), "HOLES", "void mask: no holes to show"},
     {offsetof(tc_scene_needs, morph), NULL, "morph: switched off"},
@@ -38,15 +50,65 @@ static const struct need {
     {offsetof(tc_scene_needs, water), "WATER", "water: nothing lies below the sea"},
     {offsetof(tc_scene_needs, given), "GIVEN_COLOURS", NULL},
     {offsetof(tc_scene_needs, imagery), "IMAGERY", "imagery: none given"},
+    {offsetof(tc_scene_needs, contours), "CONTOURS", "contours: not asked for"},
     {offsetof(tc_scene_needs, level_colours), "LEVEL_COLOURS", "level colours: not asked for"},
     {offsetof(tc_scene_needs, multisampled), "MULTISAMPLED", "smooth edges: one sample a pixel"},
     {offsetof(tc_scene_needs, linear), "LINEAR_LIGHT", NULL},
 };
 enum { NEEDS = sizeof table / sizeof *table };
 
+static bool flat(const tc_scene_needs *needs)
+{
+    return !needs->sky;
+}
+
+static bool mapped(const tc_scene_needs *needs)
+{
+    return !needs->shade->natural;
+}
+
+static bool angles(const tc_scene_needs *needs)
+{
+    return needs->shade->degrees > 0;
+}
+
+static bool given(const tc_scene_needs *needs)
+{
+    return needs->given;
+}
+
+/* Why a need is left out in particular: the first that holds. */
+static const struct reason {
+    size_t offset;
+    bool (*holds)(const tc_scene_needs *needs);
+    const char *why;
+} reasons[] = {
+    {offsetof(tc_scene_needs, normals), mapped, "normal map: a map of heights alone"},
+    {offsetof(tc_scene_needs, light), mapped, "lighting: a map's shade"},
+    {offsetof(tc_scene_needs, haze), flat, "sky and haze: flat background"},
+    {offsetof(tc_scene_needs, haze), mapped, "haze: a map's shade"},
+    {offsetof(tc_scene_needs, land), mapped, "rock and snow: a map's shade"},
+    {offsetof(tc_scene_needs, water), angles, "water, colours of heights: angles are shown"},
+    {offsetof(tc_scene_needs, imagery), angles, "imagery: angles are shown"},
+    {offsetof(tc_scene_needs, water), given, "water, rock and snow: colours are given"},
+};
+
+static const char *why(const tc_scene_needs *needs, const struct need *n)
+{
+    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)
+        if (reasons[i].offset == n->offset && reasons[i].holds(needs))
+            return reasons[i].why;
+    return n->why;
+}
+
 static bool needed(const tc_scene_needs *needs, const struct need *n)
 {
     return *(const bool *)((const char *)needs + n->offset);
+}
+
+static size_t define(char text[TC_SCENE_DEFINES], size_t used, const char *name)
+{
+    return used + (size_t)snprintf(text + used, TC_SCENE_DEFINES - used, "#define %s\n", name);
 }
 
 void tc_scene_needs_defines(const tc_scene_needs *needs, char text[TC_SCENE_DEFINES])
@@ -55,19 +117,16 @@ void tc_scene_needs_defines(const tc_scene_needs *needs, char text[TC_SCENE_DEFI
     text[0] = '\0';
     for (int i = 0; i < NEEDS; i++)
         if (table[i].define && needed(needs, &table[i]))
-            used += (size_t)snprintf(text + used, TC_SCENE_DEFINES - used, "#define %s\n", table[i].define);
+            used = define(text, used, table[i].define);
+    if (needs->shade->define)
+        define(text, used, needs->shade->define);
 }
 
 int tc_scene_needs_left_out(const tc_scene_needs *needs, const char *lines[TC_SCENE_LEFT_OUT])
 {
     int n = 0;
-    for (int i = 0; i < NEEDS; i++) {
-        bool both = table[i].offset == offsetof(tc_scene_needs, haze) && !needs->sky;
-        bool dry = table[i].offset == offsetof(tc_scene_needs, water) && needs->given;
+    for (int i = 0; i < NEEDS; i++)
         if (table[i].why && !needed(needs, &table[i]))
-            lines[n++] = both  ? "sky and haze: flat background"
-                         : dry ? "water, rock and snow: colours are given"
-                               : table[i].why;
-    }
+            lines[n++] = why(needs, &table[i]);
     return n;
 }

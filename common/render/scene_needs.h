@@ -3,7 +3,7 @@
 #ifndef TC_SCENE_NEEDS_H
 #define TC_SCENE_NEEDS_H
 
-#include "colour_ramp.h"
+#include "shade.h"
 #include "surface.h"
 #include "common/imagery/imagery.h"
 #include "common/terraclip.h"
@@ -18,19 +18,27 @@ typedef struct tc_scene_options {
     int64_t budget;                /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
     const tc_colour_ramp *colours; /* of heights, in place of the terrain's own; outlives the renderer. NULL: those */
     const tc_imagery *imagery;     /* over the map; outlives the renderer. NULL: none */
+    const tc_shade *shade;         /* NULL: natural colours */
+    double contours;               /* metres between lines of equal height; 0: none */
     bool level_colours;            /* may be switched while running, as may the next two */
     bool wireframe;
     tc_frame_options frame;
 } tc_scene_options;
 
 typedef struct tc_scene_needs {
-    bool light;         /* normals and the sun; else colours as they are */
+    const tc_shade *shade; /* what colours say; never NULL */
+    bool normals;          /* how the ground lies */
+    bool fine_normals;     /* to a hundredth of a degree */
+    bool light;            /* the sun of natural colours; else colours as they are, or a map's hillshade */
+    bool hillshade;
     bool sky;           /* else a flat background */
+    bool air;           /* of the body: its sky */
     bool haze;          /* air before the terrain */
     bool land;          /* rock and snow, not another body's dust */
     bool water;         /* some of it lies below the sea */
-    bool given;         /* colours of heights, without rock, snow and water */
+    bool given;         /* colours from a ramp over all values: a user's heights, a shade's degrees */
     bool imagery;       /* colours of pictures over those of heights */
+    bool contours;      /* lines of equal height */
     bool holes;         /* the mask of voids */
     bool detail;        /* levels finer than the data */
     bool level_colours; /* may be switched, as may the next */
@@ -50,7 +58,7 @@ enum { TC_SCENE_DEFINES = 512 };
 void tc_scene_needs_defines(const tc_scene_needs *needs, char text[TC_SCENE_DEFINES]);
 
 /* What is not needed and why, one short line each ("void mask: no holes to show"); returns how many. */
-enum { TC_SCENE_LEFT_OUT = 12 };
+enum { TC_SCENE_LEFT_OUT = 16 };
 int tc_scene_needs_left_out(const tc_scene_needs *needs, const char *lines[TC_SCENE_LEFT_OUT]);
 
 #endif

@@ -40,19 +40,22 @@ static void fill_ramp(const tc_gl *gl, tc_scene_objects *o, uint16_t (*given)[4]
         gl->TextureSubImage1D(o->ramp, 0, 0, TC_RAMP_SIZE, GL_RGBA, GL_UNSIGNED_BYTE, o->palette.ramp);
 }
 
-tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_colour_ramp *colours,
+tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_options *options,
                                   tc_scene_objects **objects_ret, tc_error *error)
 {
     const tc_terrain_info *info = tc_field_info(surface->field);
     tc_scene_objects *o = calloc(1, sizeof *o);
-    uint16_t(*given)[4] = colours ? malloc(TC_GIVEN_SIZE * sizeof *given) : NULL;
-    if (!o || (colours && !given)) {
+    const tc_scene_needs needs = tc_scene_needs_of(options, info);
+    uint16_t(*given)[4] = needs.given ? malloc(TC_GIVEN_SIZE * sizeof *given) : NULL;
+    if (!o || (needs.given && !given)) {
         free(o), free(given);
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
     }
     *o = (tc_scene_objects){.users = 1, .surface = surface, .palette = tc_palette_make(info)};
-    if (given)
-        tc_palette_give(&o->palette, info, colours, given);
+    if (needs.shade->degrees > 0)
+        tc_palette_give_degrees(&o->palette, needs.shade, given);
+    else if (given)
+        tc_palette_give(&o->palette, info, options->colours, given);
     tc_gl_forget_errors(gl); /* what went wrong before is none of ours */
     create_geometry(gl, o);
     create_ramp(gl, o, given);

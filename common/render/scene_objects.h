@@ -16,9 +16,8 @@ typedef struct tc_scene_objects {
     tc_scene_programs programs;
 } tc_scene_objects;
 
-/* For one user, without programs so far. The surface outlives them. colours: of heights, NULL for those of the
- * terrain's kind. */
-tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_colour_ramp *colours,
+/* For one user, without programs so far. The surface outlives them. Of the options only colours and shade count. */
+tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_options *options,
                                   tc_scene_objects **objects_ret, tc_error *error);
 
 /* The same for one more user. */

@@ -17,18 +17,22 @@ static const struct stage {
   sky_fragment = {{"frame.glsl", "encode.glsl"}, NULL};
 static const char *const sky_vertex[] = {"frame.glsl", "sky.vert", NULL};
 
-static void list_parts(const char *parts[MAX_PARTS], const struct stage *stage, const char *const *surface)
+/* more: between those; NULL: nothing. */
+static void list_parts(const char *parts[MAX_PARTS], const struct stage *stage, const char *const *surface,
+                       const char *more)
 {
     int count = 0;
     for (const char *const *first = stage->first; *first; first++)
         parts[count++] = *first;
-    for (; *surface && count < MAX_PARTS - 2; surface++) {
+    for (; *surface && count < MAX_PARTS - 3; surface++) {
         bool there = false; /* a part that the stage needs as well */
         for (int i = 0; i < count && !there; i++)
             there = strcmp(parts[i], *surface) == 0;
         if (!there)
             parts[count++] = *surface;
     }
+    if (more)
+        parts[count++] = more;
     parts[count++] = stage->last;
     parts[count] = NULL;
 }
@@ -36,6 +40,12 @@ static void list_parts(const char *parts[MAX_PARTS], const struct stage *stage, 
 static const struct stage *fragment_stage(const tc_scene_needs *needs)
 {
     return needs->imagery ? &draped_fragment : &terrain_fragment;
+}
+
+/* What maps show. */
+static const char *map_part(const tc_scene_needs *needs)
+{
+    return needs->hillshade || needs->contours || needs->shade->define ? "shade.glsl" : NULL;
 }
 
 void tc_scene_frame_defines(char text[TC_FRAME_DEFINES])
@@ -89,7 +99,7 @@ static const char *sky_defines(const tc_scene_needs *needs)
     static const char *const defines[2][2] = {
         {"#define AIR 0.0\n", "#define AIR 1.0\n"},
         {"#define AIR 0.0\n#define LINEAR_LIGHT\n", "#define AIR 1.0\n#define LINEAR_LIGHT\n"}};
-    return defines[needs->linear][needs->land];
+    return defines[needs->linear][needs->air];
 }
 
 bool tc_scene_closers(const tc_surface *surface, const tc_windows *windows)
@@ -104,8 +114,8 @@ static tc_status build_terrain(const tc_gl *gl, const tc_surface *surface, const
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
     list_defines(surface, needs, closers, scene);
     add_sizes(scene, defines);
-    list_parts(vertex, &terrain_vertex, surface->vertex_parts);
-    list_parts(fragment, fragment_stage(needs), surface->fragment_parts);
+    list_parts(vertex, &terrain_vertex, surface->vertex_parts, NULL);
+    list_parts(fragment, fragment_stage(needs), surface->fragment_parts, map_part(needs));
     return tc_program_build(gl, vertex, fragment, surface->texts, defines, program_ret, error);
 }
 
@@ -121,7 +131,7 @@ tc_status tc_scene_programs_build(const tc_gl *gl, const tc_surface *surface, bo
     if (!status && !*sky && needs->sky) {
         char defines[DEFINES];
         const char *fragment[MAX_PARTS];
-        list_parts(fragment, &sky_fragment, surface->sky_parts);
+        list_parts(fragment, &sky_fragment, surface->sky_parts, NULL);
         add_sizes(sky_defines(needs), defines);
         status = tc_program_build(gl, sky_vertex, fragment, surface->texts, defines, sky, error);
     }
@@ -160,8 +170,8 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
                                const tc_scene_programs *programs, FILE *file)
 {
     const char *vertex[MAX_PARTS], *fragment[MAX_PARTS];
-    list_parts(vertex, &terrain_vertex, surface->vertex_parts);
-    list_parts(fragment, fragment_stage(needs), surface->fragment_parts);
+    list_parts(vertex, &terrain_vertex, surface->vertex_parts, NULL);
+    list_parts(fragment, fragment_stage(needs), surface->fragment_parts, map_part(needs));
     for (int closers = 0; closers < 2; closers++) {
         char defines[SCENE];
         if (!programs->terrain[tc_program_variant(needs)][closers])
@@ -176,7 +186,7 @@ void tc_scene_programs_explain(const tc_surface *surface, const tc_scene_needs *
     if (programs->sky[needs->linear]) {
         fputs("uses: shaders: sky: ", file);
         print_parts(sky_vertex, file);
-        list_parts(fragment, &sky_fragment, surface->sky_parts);
+        list_parts(fragment, &sky_fragment, surface->sky_parts, NULL);
         fputs(", ", file);
         print_parts(fragment, file);
         print_defines(sky_defines(needs), file);

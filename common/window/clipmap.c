@@ -49,8 +49,11 @@ static const double FIRST_PAUSE = 0.25, LONGEST_PAUSE = 30;
 
 size_t tc_texel_bytes(tc_texel_format format)
 {
-    static const size_t bytes[TC_TEXEL_FORMATS] = {
-        [TC_TEXEL_RG32F] = 8, [TC_TEXEL_RGBA8_SNORM] = 4, [TC_TEXEL_SRGB8_ALPHA8] = 4, [TC_TEXEL_R8] = 1};
+    static const size_t bytes[TC_TEXEL_FORMATS] = {[TC_TEXEL_RG32F] = 8,
+                                                   [TC_TEXEL_RGBA8_SNORM] = 4,
+                                                   [TC_TEXEL_RGBA16_SNORM] = 8,
+                                                   [TC_TEXEL_SRGB8_ALPHA8] = 4,
+                                                   [TC_TEXEL_R8] = 1};
     return bytes[format];
 }
 

@@ -28,6 +28,7 @@ enum { TC_MAX_LEVELS = 32, TC_CLIPMAP_MAX_N = 2047, TC_MAX_CONTENTS = 4 };
 typedef enum tc_texel_format {
     TC_TEXEL_RG32F,        /* two floats */
     TC_TEXEL_RGBA8_SNORM,  /* four signed bytes, -127 .. 127 for -1 .. 1 */
+    TC_TEXEL_RGBA16_SNORM, /* four of two, -32767 .. 32767 */
     TC_TEXEL_SRGB8_ALPHA8, /* four bytes, 0 .. 255 for 0 .. 1, the first three as shown: filtered as light */
     TC_TEXEL_R8,           /* one */
     TC_TEXEL_FORMATS

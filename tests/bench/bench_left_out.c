@@ -216,7 +216,7 @@ static void measure_parts(const tc_scene_options *own)
     unsigned needs = bench.l->needs;
     tc_scene_options o = *own;
     tc_scene_needs more = tc_scene_needs_of(own, tc_field_info(bench.as_is.scene.field));
-    if (!(needs & LEAN_LIGHT)) {
+    if (!(needs & LEAN_NORMALS)) {
         o.unlit = false;
         measure_pair("normals and light", &o, NULL, NULL, NULL, NOTHING);
         o = *own;
@@ -232,6 +232,11 @@ static void measure_parts(const tc_scene_options *own)
         measure_pair("water", own, NULL, "WATER", NULL, NOTHING);
     if (!(needs & LEAN_LAND))
         measure_pair("rock and snow", own, NULL, "NATURAL_LAND", NULL, NOTHING);
+    if (!(needs & LEAN_CONTOURS)) {
+        o.contours = 20;
+        measure_pair("contours", &o, NULL, NULL, NULL, NOTHING);
+        o = *own;
+    }
     if (own->frame.no_morph) {
         o.frame.no_morph = false;
         measure_pair("morph", &o, NULL, NULL, NULL, NOTHING);

@@ -170,6 +170,8 @@ done <<end
 --colours     ""
 --imagery     ""
 --synthesis   0 21 -1 1.5 x ""
+--shade       foo Slope slope,aspect ""
+--contours    0 -1 nan inf 1e-9 1e7 10m ""
 --path        ""
 --frames      0 -1 1000001 1e3 ""
 --backend     gl Window ""
@@ -186,6 +188,7 @@ end
 refuses 2 'height of voids: expected -1e9 to 1e9' $viewer hills.tif $picture --voids constant=1e11
 refuses 2 '--fov: expected 1..170 degrees, found nothing' $viewer hills.tif $picture --fov
 refuses 2 '--unlit: expected no value' $viewer hills.tif $picture --unlit=yes
+refuses 2 '--unlit: expected no --shade height with it' $viewer hills.tif $picture --unlit --shade height
 refuses 2 '--nonsense: no such option' $viewer hills.tif $picture --nonsense
 refuses 2 '-x: no such option' $viewer hills.tif $picture -x
 refuses 2 'TERRAIN: expected one file, found also' $viewer hills.tif hills.tif $picture

@@ -121,6 +121,29 @@ $make_file tiff nan.tif heights=nan type=f32 metres=90
 accepts '' $viewer nan.tif $near $picture
 same filled.png last.png 'NaN and nodata'
 
+# ---- As maps show it
+
+accepts '' $viewer metres.tif $near $picture
+mv last.png natural.png
+accepts '' $viewer metres.tif $near $picture --shade natural
+same natural.png last.png '--shade natural'
+for shade in slope aspect height none; do
+    accepts '' $viewer metres.tif $near $picture --shade $shade
+    different natural.png last.png "--shade $shade"
+    mv last.png shade.png
+    accepts '' $viewer metres.tif $near $picture --shade $shade --contours 100
+    different shade.png last.png "--shade $shade and --contours"
+    accepts '' $viewer voids.tif $near $picture --shade $shade --voids hole --contours 100 --level-colours --samples 1
+    [ $shade = height ] || accepts '' $viewer metres.tif $near $picture --shade $shade --unlit
+    [ $shade = height ] || same shade.png last.png "--shade $shade, unlit or not"
+done
+accepts '' $viewer metres.tif $near $picture --unlit --background 000000
+mv last.png unlit.png
+accepts '' $viewer metres.tif $near $picture --shade none --background 000000
+same unlit.png last.png '--unlit and --shade none without a sky'
+accepts '' $viewer metres.tif $near $picture --contours 100
+different natural.png last.png '--contours'
+
 # ---- What is told
 
 keys='frames frame_ms median p95 max update_ms draw_ms triangles draws levels_active samples_updated bytes_uploaded
@@ -170,6 +193,13 @@ accepts '' $viewer metres.tif --explain --unlit --background 000000 --no-morph $
 for part in 'normal map' sky 'void mask' morph synthesis imagery; do
     grep -q "^left out: $part" stdout.txt || fail "--explain does not tell of the $part"
 done
+accepts '' $viewer metres.tif --explain --shade slope --contours 50 $picture
+for line in 'shaders: terrain: .*shade\.glsl.*CONTOURS.*SHADE_SLOPE' 'texture: fine normals: RGBA16_SNORM'; do
+    grep -Eq "^uses: $line" stdout.txt || fail "--explain of a slope map does not tell of $line"
+done
+for part in lighting haze 'rock and snow' 'water, colours of heights'; do
+    grep -q "^left out: $part" stdout.txt || fail "--explain of a slope map does not tell of the $part"
+done
 accepts '' $viewer voids.tif --voids hole --explain $picture
 ! grep -q 'void mask' stdout.txt || fail '--explain: the void mask is not left out where there are holes'
 accepts 'OpenGL 4\.[5-9]' $viewer -v metres.tif $picture
@@ -184,7 +214,7 @@ for program in $viewer $terraclip; do
 done
 run $viewer --help
 # Every option that the table of bad values knows is in the help, and the keys of the window are.
-for word in --view --fov --size --colours --imagery --synthesis --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
+for word in --view --fov --size --colours --imagery --synthesis --shade --contours --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
     --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --stats --json --explain \
     --quiet --verbose 'W A S D' F11; do
     grep -q -- "$word" stdout.txt || fail "the help does not tell of $word"

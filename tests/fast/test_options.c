@@ -104,6 +104,7 @@ static void values_arrive(void **state)
 
     o = good("t --wireframe --level-colours --no-morph --spacing 30 --unit 0.5 --nodata -9999 --voids constant=-3 "
              "--threads 3 --json -v");
+    assert_ptr_equal(o.scene.shade, NULL);
     assert_true(o.scene.wireframe && o.scene.level_colours && o.scene.frame.no_morph && o.json && o.verbose);
     assert_true(o.source.spacing == 30 && o.source.unit == 0.5);
     assert_true(o.source.has_nodata && o.source.nodata == -9999);
@@ -112,6 +113,10 @@ static void values_arrive(void **state)
     assert_int_equal(o.threads, 3);
     assert_int_equal(good("--voids hole t").source.voids, TC_VOIDS_HOLE);
     assert_int_equal(good("--voids hole --voids fill t").source.voids, TC_VOIDS_FILL);
+
+    o = good("t --shade aspect --contours 2.5 --unlit");
+    assert_ptr_equal(o.scene.shade, &tc_shades[TC_SHADE_ASPECT]);
+    assert_true(o.scene.contours == 2.5 && o.scene.unlit);
 
     o = good("--path p.txt --frames 10 -o f-%05d.png t");
     assert_string_equal(o.path, "p.txt");
@@ -227,6 +232,18 @@ static void nonsense_is_refused(void **state)
         {"t --backend egl", "--backend: expected -o FILE or --path FILE"},
         {"t --backend vulkan", "--backend: expected auto, window, egl or osmesa, found 'vulkan'"},
         {"t --background fff", "--background: "},
+        {"t --shade foo", "--shade: expected natural, slope, aspect, height or none, found 'foo'"},
+        {"t --shade ''", "--shade: "},
+        {"t --shade Slope", "--shade: "},
+        {"t --unlit --shade height", "--unlit: "},
+        {"t --shade natural --unlit --shade height", "--unlit: "},
+        {"t --contours 0", "--contours: expected metres of 0.001..1e6, found '0'"},
+        {"t --contours -1", "--contours: "},
+        {"t --contours nan", "--contours: "},
+        {"t --contours inf", "--contours: "},
+        {"t --contours 1e-9", "--contours: "},
+        {"t --contours 2e6", "--contours: "},
+        {"t --contours 10m", "--contours: "},
         {"t --background 0x1234", "--background: "},
         {"t --background -12345", "--background: "},
         {"t --voids pit", "--voids: "},

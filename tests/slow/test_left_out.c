@@ -25,20 +25,25 @@ static tc_context *context;
  * data show in the windows. */
 static const struct trace {
     const char *name, *text, *sampler;
-    GLenum texture;
+    GLenum texture, or_texture;
 } traces[LEAN_PARTS] = {
-    {"light", "vec3 normal", "normals_map", GL_RGBA8_SNORM},
-    {"sky", "v_ray", NULL, 0},
-    {"haze", "surface_haze", NULL, 0},
-    {"holes", "bool hole", "voids_map", GL_R8},
-    {"land", "0.135, 0.115, 0.095", NULL, 0},
-    {"water", "bool sea", NULL, 0},
-    {"level colours", "hues", NULL, 0},
-    {"samples", "#define MULTISAMPLED", "samples_map", 0},
-    {"closers", "#define INTERPOLATED flat", NULL, 0},
-    {"sphere", "snow_line", NULL, 0},
-    {"imagery", "image_colour", "image_map", GL_SRGB8_ALPHA8},
-    {"synthesis", NULL, NULL, 0},
+    {"light", "float ambient", NULL, 0, 0},
+    {"sky", "v_ray", NULL, 0, 0},
+    {"haze", "surface_haze", NULL, 0, 0},
+    {"holes", "bool hole", "voids_map", GL_R8, 0},
+    {"land", "0.135, 0.115, 0.095", NULL, 0, 0},
+    {"water", "bool sea", NULL, 0, 0},
+    {"level colours", "hues", NULL, 0, 0},
+    {"samples", "#define MULTISAMPLED", "samples_map", 0, 0},
+    {"closers", "#define INTERPOLATED flat", NULL, 0, 0},
+    {"sphere", "#define APRON", NULL, 0, 0},
+    {"imagery", "image_colour", "image_map", GL_SRGB8_ALPHA8, 0},
+    {"synthesis", NULL, NULL, 0, 0},
+    {"normals", "vec3 normal", "normals_map", GL_RGBA8_SNORM, GL_RGBA16_SNORM},
+    {"fine normals", "#define FINE_NORMALS", NULL, GL_RGBA16_SNORM, 0},
+    {"angles", "shade_degrees", NULL, 0, 0},
+    {"hillshade", "float hillshade", NULL, 0, 0},
+    {"contours", "contoured", NULL, 0, 0},
 };
 
 static bool multisampled(const gl_record *r)
@@ -66,7 +71,9 @@ static unsigned shown(const tc_gl *gl, const gl_record *r, const scene *s, const
         bool rock = 1u << i == LEAN_LAND && !(l->needs & LEAN_LIGHT);
         bool text = t->text ? gl_record_has_text(r, rock ? "#define NATURAL_LAND" : t->text) : finer_than_data(s, l);
         bool sampler = t->sampler ? gl_record_has_uniform(gl, r, t->sampler) : text;
-        bool texture = t->texture ? gl_record_texture(r, t->texture) != NULL : text;
+        bool texture = t->texture
+                           ? gl_record_texture(r, t->texture) || (t->or_texture && gl_record_texture(r, t->or_texture))
+                           : text;
         if (1u << i == LEAN_SAMPLES)
             texture = multisampled(r);
         if (text != sampler || text != texture)
@@ -98,8 +105,9 @@ static bool told(const tc_left_out *list, const char *start)
 static void assert_told(const lean_scene *l, const tc_renderer *renderer)
 {
     static const char *const lines[LEAN_PARTS] = {
-        [0] = "normal map",    [1] = "sky",    [3] = "void mask", [4] = "rock",      [5] = "water",
-        [6] = "level colours", [7] = "smooth", [10] = "imagery",  [11] = "synthesis"};
+        [0] = "lighting",   [1] = "sky",           [3] = "void mask", [4] = "rock",
+        [5] = "water",      [6] = "level colours", [7] = "smooth",    [10] = "imagery",
+        [11] = "synthesis", [12] = "normal map",   [16] = "contours"};
     static tc_left_out list;
     tc_explain_left_out(renderer, &list);
     assert_true(list.count > 0 && list.lines[list.count] == NULL);
@@ -117,7 +125,10 @@ static void assert_told(const lean_scene *l, const tc_renderer *renderer)
     fclose(file);
     for (const char *line = text; *line; line = strchr(line, '\n') + 1)
         assert_memory_equal(line, "uses: ", 6);
-    assert_int_equal(strstr(text, "texture: normals: RGBA8_SNORM") != NULL, (l->needs & LEAN_LIGHT) != 0);
+    assert_int_equal(strstr(text, "normals: RGBA") != NULL, (l->needs & LEAN_NORMALS) != 0);
+    assert_int_equal(strstr(text, "fine normals: RGBA16_SNORM") != NULL, (l->needs & LEAN_FINE_NORMALS) != 0);
+    const unsigned mapped = LEAN_ANGLES | LEAN_HILLSHADE | LEAN_CONTOURS;
+    assert_int_equal(strstr(text, "shade.glsl") != NULL, (l->needs & mapped) != 0);
     assert_int_equal(strstr(text, ", LIT") != NULL, (l->needs & LEAN_LIGHT) != 0);
     assert_int_equal(strstr(text, "texture: voids") != NULL, (l->needs & LEAN_HOLES) != 0);
     assert_int_equal(strstr(text, "synthesis: ") != NULL, (l->needs & LEAN_DETAIL) != 0);
@@ -143,7 +154,8 @@ static void programs_hold_what_is_needed(void **state)
         all |= parts, none |= ~parts;
         /* Colours are in all of them; so the check for samplers and textures is no check of nothing. */
         assert_true(gl_record_has_uniform(&gl, &r, "heights_map") && gl_record_has_uniform(&gl, &r, "ramp_map"));
-        assert_true(gl_record_texture(&r, GL_RG32F) && gl_record_texture(&r, GL_RGBA8));
+        assert_non_null(gl_record_texture(&r, GL_RG32F));
+        assert_non_null(gl_record_texture(&r, l->needs & LEAN_ANGLES ? GL_RGBA16 : GL_RGBA8));
         assert_int_equal(gl_record_has_text(&r, "in_instance"), !lean_sphere(l->ground));
         assert_told(l, s.renderer);
         scene_destroy(&s);

@@ -34,7 +34,9 @@ static void deleted(gl_object *objects, GLsizei n, const GLuint *names)
 static int64_t texel_bytes(GLenum format)
 {
     switch (format) {
-    case GL_RG32F: return 8;
+    case GL_RG32F:
+    case GL_RGBA16:
+    case GL_RGBA16_SNORM: return 8;
     case GL_R8: return 1;
     default: return 4; /* RGBA8, RGBA8_SNORM, DEPTH_COMPONENT32F */
     }

@@ -11,7 +11,9 @@
 #include "planar/square.h"
 
 #define DEGREE (M_PI / 180)
-#define LIT_LAND (LEAN_LIGHT | LEAN_SKY | LEAN_HAZE | LEAN_LAND)
+#define LIT (LEAN_LIGHT | LEAN_NORMALS)
+#define ANGLES (LEAN_ANGLES | LEAN_NORMALS | LEAN_FINE_NORMALS)
+#define LIT_LAND (LIT | LEAN_SKY | LEAN_HAZE | LEAN_LAND)
 enum { SIZE = 1025, POND = 65, N = 127, GLOBE = 1024, FINER = 5 };
 
 const lean_scene lean_scenes[LEAN_SCENES] = {
@@ -44,7 +46,7 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
     {"planet-ground", LEAN_EARTH, {0}, 10, 5, 300, 60, -5, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
     {"planet-pole", LEAN_EARTH, {0}, 10, 89.5, 3000, 60, -8, LIT_LAND | LEAN_WATER | LEAN_SPHERE},
     {"planet-detail", LEAN_EARTH_FINER, {0}, 10, 58, 300, 60, -5, LIT_LAND | LEAN_WATER | LEAN_SPHERE | LEAN_DETAIL},
-    {"moon", LEAN_MOON, {0}, 10, 5, 20000, 60, -20, LEAN_LIGHT | LEAN_SKY | LEAN_SPHERE},
+    {"moon", LEAN_MOON, {0}, 10, 5, 20000, 60, -20, LIT | LEAN_SKY | LEAN_SPHERE},
     {"planet-everything",
      LEAN_EARTH_VOIDS,
      {.holes = true, .level_colours = true, .samples = 4, .frame.no_cull = true},
@@ -54,6 +56,33 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
      60,
      -5,
      LIT_LAND | LEAN_WATER | LEAN_SPHERE | LEAN_HOLES | LEAN_LEVEL_COLOURS | LEAN_SAMPLES | LEAN_IMAGERY},
+    {"slope-contours",
+     LEAN_COAST,
+     {.shade = &tc_shades[TC_SHADE_SLOPE], .contours = 20},
+     .4,
+     .6,
+     200,
+     120,
+     -10,
+     ANGLES | LEAN_SKY | LEAN_CONTOURS | LEAN_CLOSERS},
+    {"height-map",
+     LEAN_COAST,
+     {.shade = &tc_shades[TC_SHADE_HEIGHT], .background_set = true},
+     .4,
+     .6,
+     200,
+     120,
+     -10,
+     LEAN_NORMALS | LEAN_FINE_NORMALS | LEAN_HILLSHADE | LEAN_WATER | LEAN_CLOSERS},
+    {"planet-aspect",
+     LEAN_EARTH,
+     {.shade = &tc_shades[TC_SHADE_ASPECT], .background_set = true},
+     10,
+     5,
+     20000,
+     60,
+     -20,
+     ANGLES | LEAN_SPHERE},
 };
 
 /* ---- Grounds ---------------------------------------------------------------------------------------------------- */
@@ -244,10 +273,15 @@ scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *
     tc_surface *surface;
     tc_error error;
     if (sphere) {
-        const tc_rings_options rings = {.n_phi = 256, .m = 20, .normals = needs->light, .holes = needs->holes};
+        const tc_rings_options rings = {.n_phi = 256,
+                                        .m = 20,
+                                        .normals = needs->normals,
+                                        .fine_normals = needs->fine_normals,
+                                        .holes = needs->holes};
         must(tc_rings_create(atlas, &rings, &surface, &error), &error);
     } else {
-        const tc_ground_options clip = {.n = N, .normals = needs->light, .holes = needs->holes};
+        const tc_ground_options clip = {
+            .n = N, .normals = needs->normals, .fine_normals = needs->fine_normals, .holes = needs->holes};
         must(tc_square_create(field, &clip, &surface, &error), &error);
     }
     scene made = {.field = field, .surface = surface};

@@ -20,7 +20,12 @@ enum {
     LEAN_SPHERE = 1 << 9,
     LEAN_IMAGERY = 1 << 10,
     LEAN_DETAIL = 1 << 11,
-    LEAN_PARTS = 12
+    LEAN_NORMALS = 1 << 12,
+    LEAN_FINE_NORMALS = 1 << 13,
+    LEAN_ANGLES = 1 << 14,
+    LEAN_HILLSHADE = 1 << 15,
+    LEAN_CONTOURS = 1 << 16,
+    LEAN_PARTS = 17
 };
 
 /* Over what a scene is. */
@@ -47,7 +52,7 @@ typedef struct lean_scene {
     double heading, pitch;
     unsigned needs; /* what must be there; nothing else may */
 } lean_scene;
-enum { LEAN_SCENES = 15 };
+enum { LEAN_SCENES = 18 };
 extern const lean_scene lean_scenes[LEAN_SCENES];
 
 /* A ground, made when first asked for. free_all: of those asked for. */
