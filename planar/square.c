@@ -1,8 +1,9 @@
 /* square.c - square nested grids: which blocks of which level a frame draws.
  *
- * A level's render region is its active region without the finer level's (LH04 section 3). It is cut into blocks along
- * lines fixed in the map, which are culled against the view with the pyramid's height bounds. Along the perimeter of
- * each active region, where two fine edges meet one coarse edge, crack closers are drawn (square_geometry.c). */
+ * A level's render region is its active region (LH04 section 3), or what a throttled frame leaves of it, without the
+ * finer level's. It is cut into blocks along lines fixed in the map, which are culled against the view with the
+ * pyramid's height bounds. Along the perimeter of each region, where two fine edges meet one coarse edge, crack closers
+ * are drawn (square_geometry.c). */
 #include "square.h"
 
 #include <assert.h>
@@ -43,6 +44,7 @@ typedef struct assembly {
     int levels; /* that may be drawn */
     int level;
     const tc_clip_level *l;
+    tc_rect region, finer; /* drawn of the level, and of the finer one */
     int strip_count, list_count, blocks;
     int64_t triangles, triangles_unculled;
 } assembly;
@@ -191,13 +193,10 @@ static int64_t nearest_first(int64_t k, int64_t lo, int64_t hi, int64_t middle)
 
 static void add_level(assembly *a, bool closers)
 {
-    const tc_rect r = a->l->active;
+    const tc_rect r = a->region, f = a->finer;
     tc_rect cells = {r.x0, r.y0, r.x1 - 1, r.y1 - 1}, hole = {0, 0, 0, 0};
-    if (a->level < a->levels) {
-        tc_rect f = tc_clipmap_level(a->clipmap, a->level + 1)->active;
-        if (!tc_rect_empty(f))
-            hole = (tc_rect){f.x0 / 2, f.y0 / 2, (f.x1 - 1) / 2, (f.y1 - 1) / 2};
-    }
+    if (!tc_rect_empty(f))
+        hole = (tc_rect){f.x0 / 2, f.y0 / 2, (f.x1 - 1) / 2, (f.y1 - 1) / 2};
     /* Rows and columns of tiles nearest first, so that what is hidden is seldom shaded. */
     int64_t b = a->s->index.block;
     tc_rect tiles = {cells.x0 / b, cells.y0 / b, (cells.x1 + b - 1) / b, (cells.y1 + b - 1) / b};
@@ -313,11 +312,13 @@ static void square_draws(const tc_view *view, const tc_layers *layers, tc_frame 
     int active = 0;
     bool skipped = false;
     for (int level = a.levels + 1; level <= tc_clipmap_levels(clipmap); level++)
-        skipped |= !tc_rect_empty(tc_clipmap_level(clipmap, level)->active);
+        skipped |= !tc_rect_empty(tc_square_region(clipmap, level, &a.viewer, options));
     for (int level = a.levels; level >= 1; level--) { /* nearest first */
         a.level = level;
         a.l = tc_clipmap_level(clipmap, level);
-        if (tc_rect_empty(a.l->active))
+        a.finer = a.region;
+        a.region = tc_square_region(clipmap, level, &a.viewer, options);
+        if (tc_rect_empty(a.region))
             continue;
         active++;
         add_level(&a, !options->no_closers && !options->no_stitch);
@@ -401,6 +402,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                      .field = field,
                      .n = n,
                      .draw_capacity = s->strips + s->lists,
+                     .most_throttle = tc_square_most_throttle(n),
                      .view_bytes = sizeof(square_view),
                      .make_windows = square_windows,
                      .look = square_look,

@@ -42,6 +42,11 @@ typedef struct square_viewer {
 square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera, bool wait);
 square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
                              const tc_frame_options *options);
+/* What is drawn of a level's active region, or is a finer level's hole in it: all, or less in a throttled frame. */
+tc_rect tc_square_region(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
+                         const tc_frame_options *options);
+/* The most that frames over windows of n samples a side can be throttled. */
+double tc_square_most_throttle(int n);
 double tc_square_alpha(const square_morph *morph, double x, double y);
 
 void tc_square_wanted(const tc_clipmap *clipmap, const square_viewer *viewer, tc_rect *wanted);

@@ -6,7 +6,11 @@
  * region of width n / 10 at a window's edge the heights pass over into the coarser level's (LH04 section 6.2). alpha
  * depends on the distance to the viewer, not to the snapped window, so it does not jump when a window moves. We add a
  * passage by height, so that nothing jumps either when a level is dropped on the way up: it has become the coarser
- * level by then. */
+ * level by then.
+ *
+ * A throttled frame (LH04 section 1) is drawn as if windows were smaller, by 2^-throttle: alpha reaches 1 nearer to the
+ * viewer, levels are dropped nearer to the ground, and what lies beyond that is left out. Windows themselves stay, so
+ * that nothing has to be read again when there is more time. */
 #include <math.h>
 
 #include "common/base/mesh.h"
@@ -15,9 +19,11 @@
 
 static const double DROP_HEIGHT = 0.8;  /* of n g_l above ground: a level is dropped (LH04 section 5: 0.4) */
 static const double FADE_HEIGHT = 0.64; /* from here on it passes into the coarser one */
-static const double SATURATED = 1.5;    /* cells within the window's half size where alpha is 1: the snapping moves
-                                           the edge by up to 1, and half a cell covers rounding in float */
-static const double CLEAR = 0.25;       /* cells between a ramp's start and the finer level, for the same reason */
+static const double LEAST_SIDE = 17;    /* samples a side that throttling leaves: ramps then have all of their width */
+static const double MOST_THROTTLE = 3;
+static const double SATURATED = 1.5; /* cells within the window's half size where alpha is 1: the snapping moves
+                                        the edge by up to 1, and half a cell covers rounding in float */
+static const double CLEAR = 0.25;    /* cells between a ramp's start and the finer level, for the same reason */
 
 /* ---- The viewer -------------------------------------------------------------------------------------------------- */
 
@@ -31,20 +37,24 @@ static int64_t find_cell(double p, int shift, int64_t edge, double *t_ret)
     return i;
 }
 
-/* The cell of a level that finest position (px, py) is in; false where it is not active. */
-static bool active_cell(const tc_clip_level *l, double px, double py, int64_t cell_ret[2], double t_ret[2])
+/* The cell of a level that finest position (px, py) is in; false where it is not in the region. */
+static bool cell_of(const tc_clip_level *l, tc_rect region, double px, double py, int64_t cell_ret[2], double t_ret[2])
 {
     cell_ret[0] = find_cell(px, l->shift, l->edge_x, &t_ret[0]);
     cell_ret[1] = find_cell(py, l->shift, l->edge_y, &t_ret[1]);
-    return tc_rect_contains(l->active, cell_ret[0], cell_ret[1]) &&
-           tc_rect_contains(l->active, cell_ret[0] + 1, cell_ret[1] + 1);
+    return tc_rect_contains(region, cell_ret[0], cell_ret[1]) &&
+           tc_rect_contains(region, cell_ret[0] + 1, cell_ret[1] + 1);
 }
 
-/* Height above ground in windows of the level. */
-static double relative_height(const tc_clipmap *clipmap, int level, double height)
+/* Height above ground in windows of the level, `side` samples wide. */
+static double height_in(const tc_clipmap *clipmap, int level, double side, double height)
 {
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-    return height / (tc_clipmap_n(clipmap) * fmax(l->spacing_x, l->spacing_y));
+    return height / (side * fmax(l->spacing_x, l->spacing_y));
+}
+static double relative_height(const tc_clipmap *clipmap, int level, double height)
+{
+    return height_in(clipmap, level, tc_clipmap_n(clipmap), height);
 }
 
 /* Height above the ground that windows hold: of level after level for as long as the eye is low enough for it. A level
@@ -57,7 +67,8 @@ static double held_height(const tc_clipmap *clipmap, double px, double py, doubl
         double t[2], c[4];
         if (level > 1 && relative_height(clipmap, level, height) > DROP_HEIGHT)
             break;
-        if (!active_cell(tc_clipmap_level(clipmap, level), px, py, cell, t))
+        const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+        if (!cell_of(l, l->active, px, py, cell, t))
             continue;
         for (int k = 0; k < 4; k++)
             c[k] = tc_ground_heights(
@@ -89,12 +100,17 @@ square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camer
 
 /* ---- Windows ----------------------------------------------------------------------------------------------------- */
 
-/* First sample of a window of n samples around v (in samples), even. Far outside any terrain v is cut off: what
- * matters is that the window does not touch it. */
-static int64_t window_start(double v, int n)
+/* First and last sample of a window of n samples around v (in samples), even. Far outside any terrain v is cut off:
+ * what matters is that the window does not touch it. Of a whole and odd n the last is n - 1 from the first. */
+static int64_t window_start(double v, double n)
 {
     v = fmin(fmax(v, -4e15), 4e15);
     return 2 * (int64_t)floor((v - (n - 1) / 2 + 1) / 2);
+}
+static int64_t window_end(double v, double n)
+{
+    v = fmin(fmax(v, -4e15), 4e15);
+    return 2 * (int64_t)floor((v + (n - 1) / 2 + 1) / 2);
 }
 
 void tc_square_wanted(const tc_clipmap *clipmap, const square_viewer *viewer, tc_rect *wanted)
@@ -112,19 +128,45 @@ void tc_square_wanted(const tc_clipmap *clipmap, const square_viewer *viewer, tc
     }
 }
 
+/* Samples a side of the windows as they are drawn. */
+static double drawn_side(const tc_clipmap *clipmap, const tc_frame_options *options)
+{
+    double n = tc_clipmap_n(clipmap);
+    return fmin(n, fmax(LEAST_SIDE, n * exp2(-fmax(options->throttle, 0))));
+}
+
+double tc_square_most_throttle(int n)
+{
+    return fmax(0, fmin(MOST_THROTTLE, log2(n / LEAST_SIDE)));
+}
+
+tc_rect tc_square_region(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
+                         const tc_frame_options *options)
+{
+    const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+    if (level == 1 || options->throttle <= 0)
+        return l->active;
+    double n = drawn_side(clipmap, options), x = viewer->x / l->spacing_x, y = viewer->y / l->spacing_y;
+    if (height_in(clipmap, level, n, viewer->height) > DROP_HEIGHT)
+        return (tc_rect){0, 0, 0, 0};
+    tc_rect around = {window_start(x, n), window_start(y, n), window_end(x, n) + 1, window_end(y, n) + 1};
+    tc_rect r = tc_rect_intersect(l->active, around);
+    return r.x1 - r.x0 < 3 || r.y1 - r.y0 < 3 ? (tc_rect){0, 0, 0, 0} : r; /* no cell */
+}
+
 /* ---- Morph ------------------------------------------------------------------------------------------------------- */
 
 /* One axis of the morph: the ramps at its low and its high side. */
 typedef struct axis {
-    int64_t lo, hi;               /* first and last active sample */
+    int64_t lo, hi;               /* first and last sample drawn */
     int64_t extent_lo, extent_hi; /* of the map */
-    int64_t fine_lo, fine_hi;     /* the finer level's active region, in its samples; fine_lo > fine_hi: none */
+    int64_t fine_lo, fine_hi;     /* the finer level's region, in its samples; fine_lo > fine_hi: none */
     double snap;                  /* the snapped viewer, in samples of the level */
     double rest;                  /* the viewer beyond it, likewise */
 } axis;
 
 /* start[0], start[1] and rate[0], rate[1] of a square_morph, in cells relative to the snapped viewer. */
-static void ramps(const axis *a, int n, const tc_frame_options *options, double *start, double *rate)
+static void ramps(const axis *a, double n, const tc_frame_options *options, double *start, double *rate)
 {
     double lo = (double)a->lo - a->snap, hi = (double)a->hi - a->snap;
     bool lo_meets = a->lo > a->extent_lo, hi_meets = a->hi < a->extent_hi; /* a coarser level goes on there */
@@ -139,7 +181,7 @@ static void ramps(const axis *a, int n, const tc_frame_options *options, double 
         one_lo = fmax(one_lo, lo + 0.5);
     if (hi_meets)
         one_hi = fmin(one_hi, hi - 0.5);
-    double w_lo = n / 10.0, w_hi = n / 10.0;
+    double w_lo = n / 10, w_hi = n / 10;
     if (a->fine_lo <= a->fine_hi) { /* alpha must be 0 where the finer level begins */
         w_lo = fmin(w_lo, fmax(0.5, (double)(a->fine_lo / 2) - a->snap - one_lo - CLEAR));
         w_hi = fmin(w_hi, fmax(0.5, one_hi - ((double)(a->fine_hi / 2) - a->snap) - CLEAR));
@@ -158,17 +200,20 @@ square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_
     const tc_field *field = tc_clipmap_field(clipmap);
     tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     double cell = ldexp(1, l->shift);
-    tc_rect fine = {1, 1, 0, 0};
-    if (level < tc_clipmap_levels(clipmap) && !tc_rect_empty(tc_clipmap_level(clipmap, level + 1)->active))
-        fine = tc_clipmap_level(clipmap, level + 1)->active;
-    axis x = {l->active.x0, l->active.x1 - 1, l->extent.x0, l->extent.x1 - 1, fine.x0, fine.x1 - 1, 0, 0};
-    axis y = {l->active.y0, l->active.y1 - 1, l->extent.y0, l->extent.y1 - 1, fine.y0, fine.y1 - 1, 0, 0};
+    double n = drawn_side(clipmap, options);
+    tc_rect region = tc_square_region(clipmap, level, viewer, options), fine = {1, 1, 0, 0};
+    if (level < tc_clipmap_levels(clipmap)) {
+        tc_rect finer = tc_square_region(clipmap, level + 1, viewer, options);
+        fine = tc_rect_empty(finer) ? fine : finer;
+    }
+    axis x = {region.x0, region.x1 - 1, l->extent.x0, l->extent.x1 - 1, fine.x0, fine.x1 - 1, 0, 0};
+    axis y = {region.y0, region.y1 - 1, l->extent.y0, l->extent.y1 - 1, fine.y0, fine.y1 - 1, 0, 0};
     x.snap = (double)viewer->snap_x / cell, x.rest = viewer->rest_x / finest.spacing_x / cell;
     y.snap = (double)viewer->snap_y / cell, y.rest = viewer->rest_y / finest.spacing_y / cell;
-    ramps(&x, tc_clipmap_n(clipmap), options, &m.start[0], &m.rate[0]);
-    ramps(&y, tc_clipmap_n(clipmap), options, &m.start[2], &m.rate[2]);
+    ramps(&x, n, options, &m.start[0], &m.rate[0]);
+    ramps(&y, n, options, &m.start[2], &m.rate[2]);
     if (!options->no_morph) {
-        double h = relative_height(clipmap, level, viewer->height);
+        double h = height_in(clipmap, level, n, viewer->height);
         m.least = fmin(fmax((h - FADE_HEIGHT) / (DROP_HEIGHT - FADE_HEIGHT), 0), 1);
     }
     return m;
@@ -206,7 +251,8 @@ bool tc_square_height(const tc_clipmap *clipmap, const square_viewer *viewer, co
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
         int64_t cell[2];
         double t[2], z[4];
-        if (!active_cell(tc_clipmap_level(clipmap, level), px, py, cell, t))
+        tc_rect region = tc_square_region(clipmap, level, viewer, options);
+        if (!cell_of(tc_clipmap_level(clipmap, level), region, px, py, cell, t))
             continue;
         square_morph m = tc_square_morph(clipmap, level, viewer, options);
         for (int k = 0; k < 4; k++)

@@ -117,6 +117,7 @@ typedef struct tc_frame_options {
     bool no_stitch;               /* edges of levels where they are as well: for the tests that look for cracks */
     bool no_cull;                 /* draws what is outside the view, too */
     bool two_sided;               /* draws backs of triangles, too, even where none can be seen */
+    double throttle;              /* octaves by which all is drawn coarser, 0 to the surface's most_throttle */
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
 } tc_frame_options;
 
@@ -170,6 +171,8 @@ struct tc_surface {
     const tc_field *field; /* of chart 0 */
     int n;                 /* size of the windows */
     int draw_capacity;     /* the most draws that a frame can have */
+    double most_throttle;  /* that frames can have; 0: none. With more of it there are never more triangles, and heights
+                            * pass over evenly */
     size_t view_bytes;     /* of what look() makes */
     /* Windows for one more viewer, to be destroyed with tc_windows_destroy(). */
     tc_status (*make_windows)(const tc_surface *surface, tc_windows *windows_ret, tc_error *error);

@@ -30,8 +30,8 @@ typedef struct totals {
 /* What is left open, for the test to find. */
 typedef enum fault { SOUND, NO_CLOSERS, NO_STITCH } fault;
 
-static void run(const tc_context *context, const tc_field *p, int n, int views, bool lagging, fault f, uint64_t seed,
-                totals *t)
+static void run_throttled(const tc_context *context, const tc_field *p, int n, int views, bool lagging, bool throttled,
+                          fault f, uint64_t seed, totals *t)
 {
     tc_scene_options options = watertight_options();
     options.frame = (tc_frame_options){
@@ -40,6 +40,10 @@ static void run(const tc_context *context, const tc_field *p, int n, int views, 
     test_random r = {seed};
     for (int v = 0; v < views; v++) {
         tc_camera camera = watertight_view(&r, p, 50e3, WIDTH, HEIGHT);
+        if (throttled) {
+            options.frame.throttle = test_random_range(&r, 0, s.surface->most_throttle);
+            tc_renderer_set_options(s.renderer, &options);
+        }
         if (lagging) {
             options.budget = test_random_int(&r, n, (int64_t)n * n);
             tc_renderer_set_options(s.renderer, &options);
@@ -59,13 +63,21 @@ static void run(const tc_context *context, const tc_field *p, int n, int views, 
         int cracks = watertight_cracks(&s, rgb, &camera, &options.frame, &terrain_pixels);
         t->terrain_pixels += terrain_pixels;
         if (cracks && f == SOUND)
-            printf("view %d: %d cracks: x %.17g y %.17g z %.17g heading %.17g pitch %.17g fov %.17g lagging %d\n", v,
-                   cracks, camera.x, camera.y, camera.z, camera.heading, camera.pitch, camera.fov, lagging);
+            printf("view %d: %d cracks: x %.17g y %.17g z %.17g heading %.17g pitch %.17g fov %.17g lagging %d "
+                   "throttle %.17g\n",
+                   v, cracks, camera.x, camera.y, camera.z, camera.heading, camera.pitch, camera.fov, lagging,
+                   options.frame.throttle);
         free(rgb);
         t->views++;
         t->cracks += cracks;
     }
     scene_destroy(&s);
+}
+
+static void run(const tc_context *context, const tc_field *p, int n, int views, bool lagging, fault f, uint64_t seed,
+                totals *t)
+{
+    run_throttled(context, p, n, views, lagging, false, f, seed, t);
 }
 
 static tc_context *context;
@@ -106,6 +118,28 @@ static void no_background_shows_through(void **state)
     assert_int_equal(t.cracks, 0);
 }
 
+static void nor_where_frames_are_throttled(void **state)
+{
+    (void)state;
+    totals t = {0};
+    for (int k = 0; k < TERRAINS; k++) {
+        run_throttled(context, terrain[k], 63, sweep_of(120), (k & 1) != 0, true, SOUND, 70 + (uint64_t)k, &t);
+        run_throttled(context, terrain[k], 127, sweep_of(80), (k & 1) == 0, true, SOUND, 80 + (uint64_t)k, &t);
+        run_throttled(context, terrain[k], 255, sweep_of(20), false, true, SOUND, 90 + (uint64_t)k, &t);
+    }
+    printf(
+        "watertight: throttled: %d views (%d more from below a lagging surface not counted), %lld terrain pixels, %d "
+        "cracks\n",
+        t.views, t.below_surface, (long long)t.terrain_pixels, t.cracks);
+    assert_true(t.views >= sweep_of(800));
+    assert_int_equal(t.cracks, 0);
+    totals open = {0};
+    for (int k = 0; k < TERRAINS; k++)
+        run_throttled(context, terrain[k], 63, 40, false, true, NO_STITCH, 95 + (uint64_t)k, &open);
+    printf("watertight: throttled, no stitching: %d cracks in %d views\n", open.cracks, open.views);
+    assert_true(open.cracks > 100);
+}
+
 /* Open T-junctions are as wide as rounding makes them: now and then a pixel. Edges of levels that are not brought
  * together are open wide. */
 static void the_test_finds_cracks(void **state)
@@ -131,6 +165,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_background_shows_through),
+        cmocka_unit_test(nor_where_frames_are_throttled),
         cmocka_unit_test(the_test_finds_cracks),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
