@@ -12,10 +12,14 @@
 // surface[4 + k]  chart k: reference height in two parts, that above the ground
 // surface[7 + k]  chart k: slopes of the cell that the viewer is in
 // surface[10].w   1 where levels meet abruptly
+// surface[13]     of throttled frames: where the first and the second stage begin to leave vertices out, ring coordinates;
+//                 how far any may have passed over; step around, radians
 // surface[10 + k] cap k: coefficients of s_x, h, 1; 1 - its share at the viewer; of a part of a globe surface[11]: its
 //                 sides relative to the viewer; surface[12]: 1 where it wraps, ends at the south, at the north pole
 // whole[0][k]     chart k: layer of shift 0; whole[2][k]: finest shift + 64 coarsest
 // whole[1][k]     chart k: layer of the cell that the viewer is in; -1: none
+// whole[0].w      vertices from row to row; whole[1].w: first one of the disc; whole[2].w: rows of a ring + 2^8 rows of the
+//                 disc + 2^16 columns of a sector
 // layer[...]      stack.glsl's
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 
@@ -106,10 +110,19 @@ Stack stack_of(int chart)
     return Stack(whole[0][chart], range & 63, range >> 6, surface[3].y);
 }
 
-// Level of detail for ring coordinate w: coarser levels from the finest.
-float shift_of(float w)
+#ifdef THROTTLED
+// How far vertices that a stage leaves out have passed over to the middle of their neighbours.
+float passed(int stage, float w)
 {
-    float shift = max(0.0, surface[1].w - w);
+    float past = w - surface[13][stage];
+    return surface[10].w > 0.0 ? (past >= 1.0 ? 1.0 : 0.0) : clamp(past, 0.0, 1.0) * surface[13].z;
+}
+#endif
+
+// Level of detail for ring coordinate w: coarser levels from the finest, and so many more.
+float shift_of(float w, float coarser)
+{
+    float shift = max(0.0, surface[1].w - w + coarser);
     return surface[10].w > 0.0 ? floor(shift) : shift;
 }
 

@@ -22,10 +22,10 @@ bool chart_height(int chart, vec3 s, float w, float shift, out float height)
     return true;
 }
 
-vec3 surface_vertex()
+// Height above the ground below the viewer by a level of detail.
+float height_by(vec3 s, float w, float shift)
 {
-    vec3 s = in_vertex.xyz;
-    float w = in_vertex.w, shift = shift_of(w), height = 0.0;
+    float height = 0.0;
     vec2 caps = cap_weights(s);
     vec3 weight = vec3(1.0 - caps.x - caps.y, caps);
     // What charts give below the viewer adds up to nothing with their shares there: only changes of shares count.
@@ -40,8 +40,87 @@ vec3 surface_vertex()
         height += weight[chart] * z;
     }
     height += dot(more, vec3(surface[4].z, surface[5].z, surface[6].z));
-    v_direction = s;
-    v_terrain = vec2(surface[1].z + height, w);
+    return height;
+}
+
+// Relative to the eye.
+vec3 position_of(vec3 s, float height)
+{
     float radius = surface[1].x + height;
     return vec3(radius * s.y, -radius * s.x, (height - surface[1].y) - radius * s.z);
 }
+
+#ifdef THROTTLED
+// Of 0 .. last the stage that leaves it out (tc_rings_stage_of()); 2: none.
+int stage_of(int at, int last)
+{
+    int stage = (at & 1) != 0 ? 0 : (at & 2) != 0 ? 1 : 2;
+    return at + (1 << stage) <= last ? stage : 2;
+}
+
+// Height above the ground below the viewer. What vertices that are farther apart read is coarser: whole levels are mixed,
+// since what a level has of the coarser one is not quite what that has. A loop, as in rings.frag.
+float height_at(vec3 s, float w)
+{
+    float coarser = passed(0, w) + passed(1, w), least = floor(coarser), share = coarser - least, height = 0.0;
+    float most = share > 0.0 && shift_of(w, least + 1.0) > 0.0 ? 1.5 : 0.5;
+    for (float more = 0.0; more < most; more += 1.0)
+        height += (most < 1.0 ? 1.0 : more > 0.0 ? share : 1.0 - share) * height_by(s, w, shift_of(w, least + more));
+    return height;
+}
+
+// A direction as far inwards and around as these angles say, both small. Sines and cosines are those of their series:
+// drivers' may be off by more than what steps next to the viewer are.
+vec3 turned(vec3 s, float inwards, float around)
+{
+    float a = inwards * inwards, b = around * around;
+    float sa = inwards * (1.0 - a / 6.0 * (1.0 - a / 20.0 * (1.0 - a / 42.0)));
+    float ca = 0.5 * a * (1.0 - a / 12.0 * (1.0 - a / 30.0 * (1.0 - a / 56.0))); // 1 - cosine
+    float sb = around * (1.0 - b / 6.0 * (1.0 - b / 20.0 * (1.0 - b / 42.0)));
+    float cb = 1.0 - 0.5 * b * (1.0 - b / 12.0 * (1.0 - b / 30.0));
+    float away = length(s.xy);
+    vec2 xy = s.xy * ((1.0 - ca) - (1.0 - s.z) / away * sa);
+    return vec3(xy.x * cb - xy.y * sb, xy.y * cb + xy.x * sb, s.z * (1.0 - ca) + ca - away * sa);
+}
+
+// A vertex on its way to the middle between two neighbours, of the rows or columns beside its own or of both, on which
+// it lies once its stage leaves it out.
+vec3 surface_vertex()
+{
+    bool disc = gl_VertexID >= whole[1].w;
+    int number = disc ? gl_VertexID - whole[1].w : gl_VertexID, row = number / whole[0].w;
+    int columns = whole[2].w >> 16, last = disc ? whole[2].w >> 8 & 255 : whole[2].w & 255;
+    int column = (number - row * whole[0].w) % columns;
+    row = disc ? row : row % last;
+    float w = in_vertex.w, ring = disc ? w : floor(w);
+    int row_stage = stage_of(row, last), column_stage = stage_of(column, columns), stage = min(row_stage, column_stage);
+    float share = stage < 2 ? passed(stage, w) : 0.0, apart = float(1 << stage);
+    float rows = row_stage == stage ? apart : 0.0, around = column_stage == stage ? apart : 0.0;
+    float inwards = ldexp(3.14159265, -int(ring)) / float(last) * (disc ? 1.0 : 0.5);
+    vec3 direction = vec3(0.0), position = vec3(0.0);
+    vec2 terrain = vec2(0.0);
+    // A loop, as in rings.frag: it ends early where all of it, or nothing, is left of the vertex itself.
+    for (int k = share < 1.0 ? 0 : 1; k < (share > 0.0 ? 3 : 1); k++) {
+        float way = k == 0 ? 0.0 : k == 1 ? 1.0 : -1.0, part = k == 0 ? 1.0 - share : 0.5 * share;
+        vec3 s = in_vertex.xyz;
+        if (k > 0)
+            s = turned(s, way * rows * inwards, -way * around * surface[13].w);
+        float its_w = disc ? w : w + way * rows / float(last), height = height_at(s, its_w);
+        direction += part * s;
+        terrain += part * vec2(surface[1].z + height, its_w);
+        position += part * position_of(s, height);
+    }
+    v_direction = direction;
+    v_terrain = terrain;
+    return position;
+}
+#else
+vec3 surface_vertex()
+{
+    vec3 s = in_vertex.xyz;
+    float height = height_by(s, in_vertex.w, shift_of(in_vertex.w, 0.0));
+    v_direction = s;
+    v_terrain = vec2(surface[1].z + height, in_vertex.w);
+    return position_of(s, height);
+}
+#endif

@@ -140,26 +140,34 @@ static bool visible(const assembly *a, const band *b, const rings_sector *sector
     return tc_frustum_sees(&a->frustum, box_lo, box_hi);
 }
 
+/* How a level, or the disc inside it, is drawn: where the next one outwards has all vertices of the stage before, with
+ * those along their edge. */
+static const rings_strips *strips_of(const rings_view *v, int i, bool disc)
+{
+    const rings_geometry *g = &tc_rings_of(v)->geometry;
+    int stage = tc_rings_stage(v, disc ? i + 1 : i), outwards = tc_rings_stage(v, disc ? i : i - 1);
+    return &(disc ? g->fill_strips : g->ring_strips)[stage][outwards < stage];
+}
+
 /* The visible sectors of a level, or of the disc inside it. */
 static void add_level(assembly *a, int i, bool disc)
 {
     const rings_surface *s = a->s;
     const rings_geometry *g = &s->geometry;
     double outer = ldexp(M_PI, disc ? -i - 1 : -i), inner = disc ? 0 : outer / 2, lo, hi;
-    int columns = g->n_phi / g->sectors;
-    int64_t triangles = disc ? (2 * (int64_t)g->fill - 1) * columns : 2 * (int64_t)g->m * columns;
+    const rings_strips *list = strips_of(a->view, i, disc);
     tc_rings_bounds(a->view, disc ? i + 1 : i, &lo, &hi);
     const band b = band_of(a->view, inner, outer, lo, hi);
     for (int k = 0; k < g->sectors; k++) {
-        a->triangles_unculled += triangles;
+        a->triangles_unculled += list->triangles;
         a->sectors++;
         if (!visible(a, &b, &s->sector[k]))
             continue;
-        a->triangles += triangles;
+        a->triangles += list->triangles;
         a->frame->draws[a->count] =
-            (tc_draw){.count = disc ? g->fill_count : g->ring_count,
+            (tc_draw){.count = list->count,
                       .instance_count = 1,
-                      .first_index = disc ? g->fill_first[k] : g->ring_first[k],
+                      .first_index = list->first + (uint32_t)k * list->count,
                       .base_vertex = disc ? tc_rings_fill_base(g, i) : tc_rings_level_base(g, i)};
         a->count++;
     }
@@ -233,6 +241,12 @@ static void set_uniforms(tc_frame *f, const rings_view *v, const tc_layers *laye
     for (int chart = 0; chart < v->head.windows->charts; chart++)
         set_chart(f, v, layers, chart);
     u[10][3] = v->head.options.no_morph;
+    const rings_geometry *g = &s->geometry;
+    set4(u[13], v->front[0], v->front[1], v->ease, 2 * M_PI / g->n_phi);
+    int32_t(*whole)[4] = f->integers;
+    whole[0][3] = g->stride;
+    whole[1][3] = tc_rings_fill_base(g, v->finest);
+    whole[2][3] = g->m | g->fill << 8 | g->n_phi / g->sectors << 16;
     if (!caps) {
         const tc_chart *c = &s->map->chart[0];
         rings_extent r = v->sides;
@@ -264,7 +278,7 @@ static void rings_draws(const tc_view *head, const tc_layers *layers, tc_frame *
         if (i >= first)
             add_level(&a, i, false);
         else {
-            a.triangles_unculled += 2 * (int64_t)s->geometry.m * s->geometry.n_phi;
+            a.triangles_unculled += (int64_t)strips_of(&view, i, false)->triangles * s->geometry.sectors;
             a.sectors += s->geometry.sectors;
         }
     }
@@ -285,7 +299,6 @@ static void rings_destroy(tc_surface *surface)
     rings_surface *s = (rings_surface *)surface;
     free(s->head.geometry.vertices);
     free(s->head.geometry.indices);
-    free(s->geometry.ring_first);
     free(s);
 }
 
@@ -396,7 +409,8 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
     s->map = map;
     s->scheme = options->scheme;
     s->outside = -tc_field_info(map->chart[0].field)->z_base;
-    s->geometry = (rings_geometry){.levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2};
+    s->geometry = (rings_geometry){
+        .levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2, .throttled = options->throttle};
     /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 4: steps around are up to pi / 2 samples
      * long, and as long outwards with as many as tc_rings_steps() says. CH06 section 4.2 has n_phi / 8. No more than
      * windows can hold. */
@@ -413,6 +427,8 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                            .extent = 2 * map->body.radius,
                            .field = map->chart[0].field,
                            .n = window_size(s, options->n),
+                           .most_throttle = options->throttle ? RINGS_STAGES : 0,
+                           .throttled_stage = options->throttle,
                            .view_bytes = sizeof(rings_view),
                            .make_windows = rings_windows,
                            .look = tc_rings_look,

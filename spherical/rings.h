@@ -27,6 +27,7 @@ typedef struct tc_rings_options {
     int n;     /* samples a side of the windows, 2^k - 1, at least; what is more than geometry needs, shading uses */
     int max_levels;                    /* of each chart; 0: all */
     bool normals, fine_normals, holes; /* as in tc_ground_options */
+    bool throttle;                     /* frames may be throttled */
 } tc_rings_options;
 
 /* Steps outwards that at a level's outer edge are about as long as those around, n_phi / (4 pi): 40 for 512; 58 for

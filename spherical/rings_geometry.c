@@ -1,7 +1,12 @@
 /* rings_geometry.c - static support geometry of concentric rings (CH06 section 3.4).
  *
  * Rows of vertices lie n_phi + 64 apart: then the two rows that a strip uses, and the next one, do not fall on each
- * other in a direct-mapped vertex cache of 256 entries. Column n_phi repeats column 0 bit for bit. */
+ * other in a direct-mapped vertex cache of 256 entries. Column n_phi repeats column 0 bit for bit.
+ *
+ * Throttled frames draw of some rings only every second or every fourth vertex along rows and columns: lists of their
+ * own over the same vertices. What is left out lies in the middle of an edge between two vertices that are not, where
+ * the vertex stage has brought it by then: on the diagonal, which all cells have from the inner to the outer row, or on
+ * a row or a column. So the rings with all of their vertices are the same surface. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -61,52 +66,142 @@ static void vertices(const rings_geometry *g, float (*v)[4])
     }
 }
 
-/* Strips of one sector, from the outside inwards; clockwise from above. disc: the last row is the middle. */
-static uint32_t strips(const rings_geometry *g, tc_geometry *out, uint32_t at, int sector, int rows, bool disc)
+/* ---- Strips ------------------------------------------------------------------------------------------------------ */
+
+int tc_rings_stage_of(int at, int last)
 {
-    int columns = g->n_phi / g->sectors, k0 = sector * columns;
-    for (int j = 0; j < rows; j++) {
-        if (j > 0)
-            tc_set_index(out, at++, tc_restart(out));
-        for (int k = k0; k <= k0 + columns; k++) {
-            tc_set_index(out, at++, (uint32_t)(j * g->stride + k));
-            tc_set_index(out, at++, (uint32_t)(disc && j == rows - 1 ? rows * g->stride : (j + 1) * g->stride + k));
-        }
-    }
+    for (int stage = 0; stage < RINGS_STAGES; stage++)
+        if (at & 1 << stage)
+            return at + (1 << stage) <= last ? stage : RINGS_STAGES;
+    return RINGS_STAGES;
+}
+
+/* The next of 0 .. last that a stage draws. */
+static int next_drawn(int at, int last, int stage)
+{
+    do
+        at++;
+    while (at < last && tc_rings_stage_of(at, last) < stage);
     return at;
 }
 
-static uint32_t strip_count(const rings_geometry *g, int rows)
+/* A sector's part of a ring or of the disc inside one, as it is put together. Without `out` it is only counted. */
+typedef struct strips {
+    const rings_geometry *g;
+    tc_geometry *out;
+    uint32_t first, count;
+    int column; /* first */
+    int rows;
+    bool disc; /* whose last row is the middle */
+    int triangles;
+} strips;
+
+static void put(strips *s, int row, int column)
 {
-    return (uint32_t)(rows * (2 * (g->n_phi / g->sectors) + 3) - 1);
+    int index = row * s->g->stride + (s->disc && row == s->rows ? 0 : s->column + column);
+    if (s->out)
+        tc_set_index(s->out, s->first + s->count, (uint32_t)index);
+    s->count++;
+}
+
+static void begin_strip(strips *s)
+{
+    if (s->count == 0)
+        return;
+    if (s->out)
+        tc_set_index(s->out, s->first + s->count, tc_restart(s->out));
+    s->count++;
+}
+
+/* Between two rows of a stage: one strip, clockwise from above. */
+static void add_row(strips *s, int outer, int inner, int stage)
+{
+    const int columns = s->g->n_phi / s->g->sectors;
+    begin_strip(s);
+    for (int k = 0;; k = next_drawn(k, columns, stage)) {
+        put(s, outer, k);
+        put(s, inner, k);
+        if (k == columns)
+            break;
+        s->triangles += s->disc && inner == s->rows ? 1 : 2;
+    }
+}
+
+/* The same where the outer one is of the stage before, so that a cell has three triangles: a strip for each. */
+static void add_finer_row(strips *s, int outer, int inner, int stage)
+{
+    const int columns = s->g->n_phi / s->g->sectors;
+    for (int k = 0; k < columns; k = next_drawn(k, columns, stage)) {
+        int end = next_drawn(k, columns, stage), middle = next_drawn(k, columns, stage - 1);
+        s->triangles += (s->disc && inner == s->rows ? 1 : 2) + (middle < end);
+        begin_strip(s);
+        if (middle < end) {
+            put(s, inner, end);
+            put(s, outer, end);
+            put(s, inner, k);
+            put(s, outer, middle);
+            put(s, outer, k);
+        } else {
+            put(s, outer, k);
+            put(s, inner, k);
+            put(s, outer, end);
+            put(s, inner, end);
+        }
+    }
+}
+
+/* From the outside inwards. */
+static void add_sector(strips *s, int stage, bool finer_edge)
+{
+    for (int row = 0; row < s->rows;) {
+        int inner = next_drawn(row, s->rows, stage);
+        (row == 0 && finer_edge ? add_finer_row : add_row)(s, row, inner, stage);
+        row = inner;
+    }
+}
+
+/* All sectors, at index `first` on. */
+static rings_strips add_strips(const rings_geometry *g, tc_geometry *out, uint32_t first, int stage, bool finer_edge,
+                               bool disc)
+{
+    rings_strips list = {.first = first};
+    for (int sector = 0; sector < g->sectors; sector++) {
+        strips s = {g, out, first, 0, sector * (g->n_phi / g->sectors), disc ? g->fill : g->m, disc, 0};
+        add_sector(&s, stage, finer_edge);
+        list.count = s.count, list.triangles = s.triangles; /* alike in all of them */
+        first += s.count;
+    }
+    return list;
+}
+
+/* All lists, into out where it has room; returns how many indices they are. */
+static uint32_t index_lists(rings_geometry *g, tc_geometry *out)
+{
+    uint32_t at = 0;
+    for (int disc = 0; disc < 2; disc++)
+        for (int stage = 0; stage < (g->throttled ? RINGS_STAGES + 1 : 1); stage++)
+            for (int finer = 0; finer < (stage ? 2 : 1); finer++) {
+                rings_strips *list = &(disc ? g->fill_strips : g->ring_strips)[stage][finer];
+                *list = add_strips(g, out, at, stage, finer, disc);
+                at += list->count * (uint32_t)g->sectors;
+            }
+    return at;
 }
 
 tc_status tc_rings_geometry(rings_geometry *g, tc_geometry *geometry, tc_error *error)
 {
     g->stride = g->n_phi + PAD;
     g->sectors = RINGS_SECTORS;
-    g->ring_count = strip_count(g, g->m);
-    g->fill_count = strip_count(g, g->fill);
     geometry->format = TC_VERTEX_FLOAT_4;
     geometry->vertex_count = tc_rings_fill_base(g, g->levels);
-    geometry->index_count = (int)(g->ring_count + g->fill_count) * g->sectors;
+    geometry->index_count = (int)index_lists(g, NULL);
     float(*v)[4] = calloc((size_t)geometry->vertex_count, sizeof *v);
     geometry->vertices = v;
     geometry->index_bytes = tc_index_bytes((int64_t)(g->m + 1) * g->stride); /* from a ring's first vertex on */
     geometry->indices = malloc((size_t)geometry->index_count * (size_t)geometry->index_bytes);
-    g->ring_first = malloc(2 * (size_t)g->sectors * sizeof *g->ring_first);
-    g->fill_first = g->ring_first + g->sectors;
-    if (!v || !geometry->indices || !g->ring_first)
+    if (!v || !geometry->indices)
         return tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
     vertices(g, v);
-    uint32_t at = 0;
-    for (int s = 0; s < g->sectors; s++) {
-        g->ring_first[s] = at;
-        at = strips(g, geometry, at, s, g->m, false);
-    }
-    for (int s = 0; s < g->sectors; s++) {
-        g->fill_first[s] = at;
-        at = strips(g, geometry, at, s, g->fill, true);
-    }
+    index_lists(g, geometry);
     return TC_OK;
 }

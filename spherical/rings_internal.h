@@ -8,15 +8,29 @@
 
 #include "rings.h"
 
+/* Of all columns and rows of a sector, 0 .. last, a stage leaves out those of the stages before, and what has no
+ * neighbour on both sides is never left out: stage 0 all odd ones (stage 1 draws what is left), stage 1 every second of
+ * the rest. */
+enum { RINGS_STAGES = 2 };
+/* The stage that leaves it out; RINGS_STAGES: none. */
+int tc_rings_stage_of(int at, int last);
+
+/* Indices of all sectors, one after the other. */
+typedef struct rings_strips {
+    uint32_t first, count; /* of a sector */
+    int triangles;         /* likewise */
+} rings_strips;
+
 /* Static geometry: for each level m + 1 rows of vertices, the last one shared with the next level, and for each level a
  * disc that fills its inside where it is the finest. A vertex is (s_x, s_y, h, w): w the level, counted on within it
  * from its outer edge inwards, so i at the outer edge of level i and i + 1 at its inner one. */
 typedef struct rings_geometry {
-    int levels, n_phi, m, fill;        /* fill: rows of the disc */
-    int stride;                        /* vertices from row to row */
-    int sectors;                       /* parts of a level that are drawn alone */
-    uint32_t *ring_first, *fill_first; /* [sector]: first index */
-    uint32_t ring_count, fill_count;   /* indices of a sector */
+    int levels, n_phi, m, fill; /* fill: rows of the disc */
+    bool throttled;             /* there are lists of later stages, too */
+    int stride;                 /* vertices from row to row */
+    int sectors;                /* parts of a level that are drawn alone */
+    /* [stage][1: with an outer row of the stage before] */
+    rings_strips ring_strips[RINGS_STAGES + 1][2], fill_strips[RINGS_STAGES + 1][2];
 } rings_geometry;
 
 /* Where terrain ends, as a share of the distance from the viewer: heights come down to the sphere within it. */
@@ -76,6 +90,10 @@ typedef struct rings_view {
     double horizon;    /* angle from the foot point beyond which nothing can be seen */
     int first, finest; /* levels of the rings to be drawn */
     rings_near near[TC_MAX_CHARTS];
+    /* Of a throttled frame, as floats have it: ring coordinates from which inwards a stage leaves its vertices out, and
+     * one less, where they begin to pass over to the middle of their neighbours; and how far any may have. */
+    bool throttled;
+    float front[RINGS_STAGES], ease;
     double z;                                    /* height drawn at the foot point */
     rings_range range[RINGS_MAX][TC_MAX_CHARTS]; /* of the charts' heights within pi 2^-i of the foot point */
 } rings_view;
@@ -129,15 +147,22 @@ typedef struct rings_sample {
 void tc_rings_map(const rings_view *view, int chart, double s_x, double s_y, double h, double *du_ret, double *dv_ret);
 /* Shares of the charts there. */
 void tc_rings_weights(const rings_view *view, double s_x, double h, double weight_ret[TC_MAX_CHARTS]);
-/* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one. */
-double tc_rings_shift(const rings_view *view, double w);
+/* Level of detail that vertices of ring coordinate w read: coarser levels from the finest one, and so many more. */
+double tc_rings_shift(const rings_view *view, double w, int coarser);
+/* How many that are in a throttled frame, and the share of what is read with one more yet: whole levels are mixed,
+ * since what a level has of the coarser one is not quite what that has. */
+int tc_rings_coarser(const rings_view *view, double w, double *share_ret);
 /* What is held of a level, samples: up to the terrain's end where it reaches it. There the last samples of the level's
  * lattice (x1 and y1 of the second) may lie up to one before, and heights go on as they are. */
 rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);
 rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level);
 rings_sample tc_rings_find(const rings_view *view, int chart, double du, double dv, double shift);
 double tc_rings_sample_height(const rings_view *view, int chart, const rings_sample *sample);
-/* Height of a vertex, metres above z_base. */
+/* How far vertices of a stage have passed over to the middle of their neighbours, at ring coordinate w. */
+double tc_rings_passed(const rings_view *view, int stage, double w);
+/* The stage that ring i, or the disc inside ring i - 1, is drawn with. */
+int tc_rings_stage(const rings_view *view, int i);
+/* Height of a vertex that has not, metres above z_base. */
 double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w);
 /* The same at longitude and latitude. */
 bool tc_rings_drawn_height(const tc_view *view, double x, double y, double *z_ret);

@@ -51,10 +51,38 @@ void tc_rings_weights(const rings_view *view, double s_x, double h, double weigh
     tc_map_shares(tc_rings_of(view)->map, view->cos_theta + rise(view, s_x, h), weight_ret);
 }
 
-double tc_rings_shift(const rings_view *view, double w)
+double tc_rings_passed(const rings_view *view, int stage, double w)
 {
-    double shift = fmax(0, tc_rings_of(view)->shift_base + 1 - w);
+    if (!view->throttled)
+        return 0;
+    /* In float, as the shaders do: what has passed is left out. */
+    float past = (float)w - view->front[stage];
+    if (view->head.options.no_morph)
+        return past >= 1;
+    return fminf(fmaxf(past, 0), 1) * view->ease;
+}
+
+int tc_rings_stage(const rings_view *view, int i)
+{
+    int stage = 0;
+    while (stage < RINGS_STAGES && tc_rings_passed(view, stage, i) >= 1)
+        stage++;
+    return stage;
+}
+
+double tc_rings_shift(const rings_view *view, double w, int coarser)
+{
+    double shift = fmax(0, tc_rings_of(view)->shift_base + 1 - w + coarser);
     return view->head.options.no_morph ? floor(shift) : shift;
+}
+
+int tc_rings_coarser(const rings_view *view, double w, double *share_ret)
+{
+    double coarser = 0;
+    for (int stage = 0; stage < RINGS_STAGES; stage++)
+        coarser += tc_rings_passed(view, stage, w);
+    *share_ret = coarser - floor(coarser);
+    return (int)floor(coarser);
 }
 
 rings_sample tc_rings_find(const rings_view *view, int chart, double du, double dv, double shift)
@@ -130,9 +158,10 @@ double tc_rings_sample_height(const rings_view *view, int chart, const rings_sam
     return south + t[1] * (north - south);
 }
 
-double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w)
+/* Height of a vertex by the level of detail `shift`. */
+static double height_by(const rings_view *view, double s_x, double s_y, double h, double shift)
 {
-    double weight[TC_MAX_CHARTS], z = 0, outside = tc_rings_of(view)->outside, shift = tc_rings_shift(view, w);
+    double weight[TC_MAX_CHARTS], z = 0, outside = tc_rings_of(view)->outside;
     tc_rings_weights(view, s_x, h, weight);
     for (int chart = 0; chart < view->head.windows->charts; chart++) {
         if (weight[chart] <= 0)
@@ -147,13 +176,51 @@ double tc_rings_height(const rings_view *view, double s_x, double s_y, double h,
     return z;
 }
 
-/* Vertex of the drawn mesh at row r (fractions of a level inwards: w) and column k, from the planet's middle. */
-static void mesh_vertex(const rings_view *view, double theta, double w, int k, double p[3])
+double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w)
 {
-    double phi = 2 * M_PI * k / tc_rings_of(view)->geometry.n_phi, half = sin(theta / 2), h = 2 * half * half;
-    double sx = sin(theta) * cos(phi), sy = sin(theta) * sin(phi);
-    double r = view->radius + tc_rings_height(view, sx, sy, h, w);
+    double share;
+    int coarser = tc_rings_coarser(view, w, &share);
+    double z = height_by(view, s_x, s_y, h, tc_rings_shift(view, w, coarser));
+    return share > 0 ? (1 - share) * z + share * height_by(view, s_x, s_y, h, tc_rings_shift(view, w, coarser + 1)) : z;
+}
+
+/* A ring, or the disc inside the finest one. */
+typedef struct mesh_part {
+    int i;              /* the ring; of the disc one more than the finest */
+    double edge, depth; /* angle from the foot point of row 0; share of it that the rows go inwards */
+    double w, w_depth;  /* ring coordinate, likewise */
+    int last;           /* row */
+} mesh_part;
+
+static mesh_part part_of(const rings_view *view, int i)
+{
+    const rings_geometry *g = &tc_rings_of(view)->geometry;
+    if (i > view->finest)
+        return (mesh_part){view->finest + 1, ldexp(M_PI, -view->finest - 1), 1, view->finest + 1, 0, g->fill};
+    return (mesh_part){i, ldexp(M_PI, -i), 0.5, i, 1, g->m};
+}
+
+/* Vertex of the drawn mesh, from the planet's middle, with what the stages from `stage` on make of it. */
+static void mesh_vertex(const rings_view *view, const mesh_part *part, int row, int column, int stage, double p[3])
+{
+    const rings_geometry *g = &tc_rings_of(view)->geometry;
+    int columns = g->n_phi / g->sectors;
+    double theta = part->edge * (1 - part->depth * row / part->last), phi = 2 * M_PI * column / g->n_phi;
+    double half = sin(theta / 2), h = 2 * half * half, sx = sin(theta) * cos(phi), sy = sin(theta) * sin(phi);
+    double w = part->w + part->w_depth * row / part->last, r = view->radius + tc_rings_height(view, sx, sy, h, w);
     p[0] = r * sx, p[1] = r * sy, p[2] = r * (1 - h);
+    for (; view->throttled && stage < RINGS_STAGES; stage++) {
+        int rows = tc_rings_stage_of(row, part->last) == stage ? 1 << stage : 0;
+        int across = tc_rings_stage_of(column % columns, columns) == stage ? 1 << stage : 0;
+        double passed = tc_rings_passed(view, stage, w), a[3], b[3];
+        if ((!rows && !across) || passed <= 0)
+            continue;
+        mesh_vertex(view, part, row + rows, column - across, stage + 1, a);
+        mesh_vertex(view, part, row - rows, column + across, stage + 1, b);
+        for (int i = 0; i < 3; i++)
+            p[i] = (1 - passed) * p[i] + passed * 0.5 * (a[i] + b[i]);
+        return;
+    }
 }
 
 /* Where the ray from the middle along d meets the triangle's plane; *inside_ret: at least this far within, in shares of
@@ -173,6 +240,28 @@ static double meet(const double d[3], const double a[3], const double b[3], cons
     return 1 / sum;
 }
 
+/* Radius at which the ray from the middle along d meets a cell's triangles, or would if they were larger; how far
+ * inside of them. A row above 0 or beyond the part's last is another part's. */
+static double meet_cell(const rings_view *view, const double d[3], mesh_part part, int row, int column,
+                        double *inside_ret)
+{
+    double p[4][3], in[2];
+    *inside_ret = -INFINITY;
+    if (row < 0 || row >= part.last) {
+        if (row < 0 ? part.i == 0 : part.i > view->finest)
+            return NAN;
+        part = part_of(view, part.i + (row < 0 ? -1 : 1));
+        row = row < 0 ? part.last - 1 : 0;
+    }
+    for (int k = 0; k < 4; k++)
+        mesh_vertex(view, &part, row + (k & 1), column + (k >> 1), 0, p[k]);
+    bool middle = part.i > view->finest && row + 1 == part.last;
+    double r0 = meet(d, p[0], p[1], p[2], &in[0]);
+    double r1 = middle ? (in[1] = -INFINITY, 0) : meet(d, p[1], p[3], p[2], &in[1]);
+    *inside_ret = fmax(in[0], in[1]);
+    return in[0] >= in[1] ? r0 : r1;
+}
+
 bool tc_rings_drawn_height(const tc_view *head, double x, double y, double *z_ret)
 {
     const rings_view *view = (const rings_view *)head;
@@ -189,24 +278,17 @@ bool tc_rings_drawn_height(const tc_view *head, double x, double y, double *z_re
         phi += 2 * M_PI;
     int column = (int)fmin(floor(phi / (2 * M_PI) * g->n_phi), g->n_phi - 1);
     int i = theta > 0 ? (int)fmax(0, fmin(floor(log2(M_PI / theta)), 1000)) : 1000;
-    double outer, inner, w0, w1;
-    if (i > view->finest) { /* within the disc */
-        double edge = ldexp(M_PI, -view->finest - 1);
-        double q = fmin(floor((1 - theta / edge) * g->fill), g->fill - 1);
-        outer = edge * (1 - q / g->fill), inner = edge * (1 - (q + 1) / g->fill);
-        w0 = w1 = view->finest + 1;
-    } else {
-        double edge = ldexp(M_PI, -i), j = fmin(fmax(floor((1 - theta / edge) * 2 * g->m), 0), g->m - 1);
-        outer = edge * (1 - 0.5 * j / g->m), inner = edge * (1 - 0.5 * (j + 1) / g->m);
-        w0 = i + j / g->m, w1 = i + (j + 1) / g->m;
+    mesh_part part = part_of(view, i);
+    int row = (int)fmin(fmax(floor((1 - theta / part.edge) * part.last / part.depth), 0), part.last - 1);
+    double inside, r = meet_cell(view, d, part, row, column, &inside);
+    /* What has passed over is not where it was: at most a row and, inside the disc, some columns beside. */
+    enum { BESIDE = 1 << RINGS_STAGES };
+    for (int k = 1; k < 3 * (2 * BESIDE + 1) && view->throttled && inside < 0; k++) {
+        int rows = k % 3 == 0 ? 0 : k % 3 == 1 ? -1 : 1, across = (k / 3 + 1) / 2 * (k / 3 & 1 ? 1 : -1);
+        double its, there = meet_cell(view, d, part, row + rows, (column + across + g->n_phi) % g->n_phi, &its);
+        if (its > inside)
+            inside = its, r = there;
     }
-    double p[4][3], in[2];
-    mesh_vertex(view, outer, w0, column, p[0]);
-    mesh_vertex(view, inner, w1, column, p[1]);
-    mesh_vertex(view, outer, w0, column + 1, p[2]);
-    mesh_vertex(view, inner, w1, column + 1, p[3]);
-    double r0 = meet(d, p[0], p[1], p[2], &in[0]);
-    double r1 = inner > 0 ? meet(d, p[1], p[3], p[2], &in[1]) : (in[1] = -INFINITY, 0);
-    *z_ret = (in[0] >= in[1] ? r0 : r1) - view->radius + tc_field_info(s->map->chart[0].field)->z_base;
+    *z_ret = r - view->radius + tc_field_info(s->map->chart[0].field)->z_base;
     return isfinite(*z_ret);
 }

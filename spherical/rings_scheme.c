@@ -33,7 +33,8 @@ static tc_status create(tc_rings_scheme scheme, const tc_map *map, const tc_surf
                                       .max_levels = request->levels,
                                       .normals = request->needs->normals,
                                       .fine_normals = request->needs->fine_normals,
-                                      .holes = request->needs->holes};
+                                      .holes = request->needs->holes,
+                                      .throttle = request->needs->throttle};
     return tc_rings_create(map, &options, surface_ret, error);
 }
 

@@ -192,7 +192,9 @@ static rings_near finest_near(const rings_view *v, int chart)
 
 void tc_rings_ground(rings_view *v)
 {
-    double shift = tc_rings_shift(v, v->finest + 1);
+    double share;
+    int coarser = tc_rings_coarser(v, v->finest + 1, &share);
+    double shift = tc_rings_shift(v, v->finest + 1, coarser), next = tc_rings_shift(v, v->finest + 1, coarser + 1);
     v->z = 0;
     for (int chart = 0; chart < v->head.windows->charts; chart++) {
         const tc_clipmap *clipmap = tc_rings_clipmap(v, chart);
@@ -203,8 +205,14 @@ void tc_rings_ground(rings_view *v)
             rings_extent r = tc_rings_lattice(clipmap, at.level);
             v->near[chart] = held_near(v, chart, &at);
             v->near[chart].z = tc_rings_sample_height(v, chart, &at);
-            if (at.alpha > 0 || (int64_t)floor(at.u) + 1 > (int64_t)r.x1 || (int64_t)floor(at.v) + 1 > (int64_t)r.y1)
-                v->near[chart].shift = -1; /* a mixture of two levels, which no slopes describe */
+            bool mixed = at.alpha > 0; /* of two levels, which no slopes describe */
+            if (share > 0 && next > shift) {
+                rings_sample other = tc_rings_find(v, chart, 0, 0, next);
+                v->near[chart].z = (1 - share) * v->near[chart].z + share * tc_rings_sample_height(v, chart, &other);
+                mixed |= other.level != at.level || other.alpha > 0;
+            }
+            if (mixed || (int64_t)floor(at.u) + 1 > (int64_t)r.x1 || (int64_t)floor(at.v) + 1 > (int64_t)r.y1)
+                v->near[chart].shift = -1;
         }
         v->z += v->place[chart].weight * v->near[chart].z;
     }
@@ -344,7 +352,7 @@ static void bounds(const rings_view *v, int i, rings_range keep[TC_MAX_CHARTS], 
         }
         if (e.x1 < e.x0)
             continue;
-        if (cells <= NEAR) {
+        if (cells <= NEAR && tc_rings_shift(v, i, v->throttled ? RINGS_STAGES : 0) <= near->shift) {
             widen(&lo, &hi, near->z - 2 * cells * near->steepest, near->z + 2 * cells * near->steepest);
         } else {
             if (!keep[chart].known)
@@ -369,7 +377,11 @@ void tc_rings_bounds(const rings_view *v, int i, double *lo_ret, double *hi_ret)
 static double edge_on(const rings_view *v, double ground, double place)
 {
     const rings_geometry *g = &tc_rings_of(v)->geometry;
-    double sag = cos(fmax(M_PI / g->n_phi, M_PI / (8 * g->m)));
+    double step = fmax(M_PI / g->n_phi, M_PI / (8 * g->m));
+    if (tc_rings_of(v)->head.most_throttle > 0) /* or that of the last stage as far away as the horizon can be */
+        step *=
+            fmax(1, ldexp(acos(fmin(1, (v->radius + tc_rings_of(v)->z_lo) / (v->radius + v->z_eye))), RINGS_STAGES));
+    double sag = cos(fmin(step, M_PI / 2));
     double low = fmax((v->radius + ground) * sag, 0), high = v->radius + place;
     return acos(fmin(1, low / fmax(high, low)));
 }
@@ -443,12 +455,54 @@ static void set_levels(rings_view *v, bool wait)
         bounds(v, i, v->range[i], &lo, &hi);
 }
 
+/* ---- Throttling ------------------------------------------------------------------------------------------------- */
+
+/* Height above the ground, which must be the same for the same view whatever is throttled: the pyramids' ground, or of
+ * what is held. */
+static double height_above_ground(const rings_view *v, bool wait)
+{
+    const rings_surface *s = tc_rings_of(v);
+    const tc_camera *camera = &v->head.camera;
+    double z = 0;
+    if (wait && tc_map_height(s->map, camera->x, camera->y, &z) == TC_OK)
+        return camera->z - z;
+    for (int chart = 0; chart < v->head.windows->charts; chart++) {
+        rings_sample at = v->place[chart].weight > 0 ? tc_rings_find(v, chart, 0, 0, 0) : (rings_sample){0};
+        z += v->place[chart].weight * (at.level ? tc_rings_sample_height(v, chart, &at) : s->outside);
+    }
+    return v->z_eye - z;
+}
+
+/* A throttle of 1 lets the first stage go from the inside, where the steps are about a pixel, outwards to the horizon;
+ * as it goes on, so does the next stage behind it. Both ends follow evenly from where the eye is, so that nothing leaps
+ * as it moves: what is drawn (first, finest) goes by bounds that do. */
+static void set_fronts(rings_view *v, double throttle, bool wait)
+{
+    const double EASED = 1.0 / 16; /* where ground is so steep that rings are drawn farther inwards than that */
+    const double APART = 2.5;      /* rings between two stages: a ring has one of them at most */
+    const double LEAST = 0.01;     /* metres */
+    const rings_geometry *g = &tc_rings_of(v)->geometry;
+    throttle = fmin(throttle, tc_rings_of(v)->head.most_throttle);
+    v->throttled = throttle > 0;
+    if (!v->throttled)
+        return;
+    double height = fmax(height_above_ground(v, wait), LEAST), radius = v->radius + v->z_eye - height;
+    double step = fmax(0.5 / g->m, 2 * M_PI / g->n_phi) * tc_camera_pixel_scale(&v->head.camera);
+    double inner = log2(M_PI * radius * step / height) + 2; /* beyond the disc of the finest ring: equation 8 */
+    double outer = log2(M_PI / acos(radius / (radius + height))) - 2;
+    double way = fmax(inner - outer, APART);
+    for (int stage = 0; stage < RINGS_STAGES; stage++)
+        v->front[stage] = (float)(inner - way * (throttle - stage));
+    v->ease = (float)fmin(throttle / EASED, 1);
+}
+
 void tc_rings_look(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
                    const tc_frame_options *options, bool wait, tc_view *view_ret)
 {
     rings_view *v = (rings_view *)view_ret;
     *v = (rings_view){.head = tc_view_of(surface, windows, camera, options)};
     place(v);
+    set_fronts(v, options->throttle, wait);
     set_levels(v, wait);
 }
 

@@ -287,7 +287,19 @@ static tc_scene_needs frame_needs(const tc_renderer *r, const tc_target_place *p
     needs.multisampled = place->samples > 1;
     needs.linear = place->encoding != TC_ENCODING_SHOWN;
     needs.by_w = !sight->inverse;
+    needs.throttled = r->surface->throttled_stage && r->options.frame.throttle > 0;
     return needs;
+}
+
+/* The frame's programs. Where frames may be throttled, those of both kinds at once, or one would be late some day. */
+static tc_status build_frame_programs(tc_renderer *r, const tc_scene_needs *needs, tc_error *error)
+{
+    tc_status status = build_programs(r, needs, error);
+    tc_scene_needs other = *needs;
+    other.throttled = !needs->throttled;
+    if (status == TC_OK && needs->throttle && r->surface->throttled_stage)
+        status = build_programs(r, &other, error);
+    return status;
 }
 
 /* The target is as it says and of the size that it is seen by. */
@@ -325,7 +337,7 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     if (status)
         return status;
     const tc_scene_needs needs = frame_needs(r, &target->place, sight);
-    status = build_programs(r, &needs, error);
+    status = build_frame_programs(r, &needs, error);
     if (status == TC_OK)
         status = update(r, sight, finish, stats, error);
     if (status == TC_OK && finish && stats->failed)

@@ -16,6 +16,7 @@ typedef struct tc_scene_options {
     bool holes;                    /* voids, where there are any, are left out of the mesh */
     int samples;                   /* a pixel; 0: 1. The most that the driver has where it has fewer */
     int64_t budget;                /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
+    bool throttle;                 /* frames may be throttled: what these need is made beforehand */
     const tc_colour_ramp *colours; /* of heights, in place of the terrain's own; outlives the renderer. NULL: those */
     const tc_imagery *imagery;     /* over the map; outlives the renderer. NULL: none */
     const tc_shade *shade;         /* NULL: natural colours */
@@ -41,11 +42,13 @@ typedef struct tc_scene_needs {
     bool contours;      /* lines of equal height */
     bool holes;         /* the mask of voids */
     bool detail;        /* levels finer than the data */
+    bool throttle;      /* frames may be throttled */
     bool level_colours; /* may be switched, as may the next */
     bool morph;         /* else levels meet abruptly */
     bool multisampled;  /* of the target, as are the next two */
     bool linear;        /* light is written, not what is shown */
     bool by_w;          /* the distance cannot be told by depth */
+    bool throttled;     /* of the frame: and vertices have to do with it */
     int image_n;        /* size of the windows of imagery; and how many times as long as wide a pixel's area on it is */
     int image_taps;     /* taken to be, by so many of the shader's own readings, */
     int image_filter;   /* or by the textures' filter, where that is above 1 */

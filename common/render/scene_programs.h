@@ -8,8 +8,8 @@
 #include "common/gl/gl.h"
 #include "scene_needs.h"
 
-/* By what may differ from frame to frame: level colours, and the target's samples, encoding and depth. */
-enum { TC_PROGRAM_VARIANTS = 16 };
+/* By what may differ from frame to frame: level colours, the target's samples, encoding and depth, and throttling. */
+enum { TC_PROGRAM_VARIANTS = 32 };
 
 /* 0: not built, since not needed so far. */
 typedef struct tc_scene_programs {
@@ -20,7 +20,7 @@ typedef struct tc_scene_programs {
 static inline int tc_program_variant(const tc_scene_needs *needs)
 {
     return (needs->level_colours ? 1 : 0) | (needs->multisampled ? 2 : 0) | (needs->linear ? 4 : 0) |
-           (needs->by_w ? 8 : 0);
+           (needs->by_w ? 8 : 0) | (needs->throttled ? 16 : 0);
 }
 
 /* Builds what the needs as they are call for and is not there yet. closers: also of triangles between levels. */

@@ -83,7 +83,7 @@ typedef struct tc_instance {
 enum {
     TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS,
     TC_LAYER_VECTORS = 3,
-    TC_SURFACE_VECTORS = 13,
+    TC_SURFACE_VECTORS = 14,
     TC_SURFACE_INTEGERS = 3 /* vectors of integers */
 };
 
@@ -173,6 +173,7 @@ struct tc_surface {
     int draw_capacity;     /* the most draws that a frame can have */
     double most_throttle;  /* that frames can have; 0: none. With more of it there are never more triangles, and heights
                             * pass over evenly */
+    bool throttled_stage;  /* its vertex stage has more to do in throttled frames: THROTTLED is defined */
     size_t view_bytes;     /* of what look() makes */
     /* Windows for one more viewer, to be destroyed with tc_windows_destroy(). */
     tc_status (*make_windows)(const tc_surface *surface, tc_windows *windows_ret, tc_error *error);

@@ -74,7 +74,7 @@ static void look_for_holes(globe_scene *globe, const tc_camera *camera, sight *s
     c.width = 160, c.height = 120;
     scene drawn = {.surface = globe->surface, .renderer = globe->renderer};
     globe_scene_frame(globe, &c, true);
-    globe_holes h = globe_holes_of(&drawn, &c, 200);
+    globe_holes h = globe_holes_of(&drawn, &c, NULL, 200);
     s->terrain += h.terrain, s->sure += h.sure, s->holes += h.holes;
     s->suspects += h.suspects, s->cracks += h.cracks;
     float *depth = planet_depth(&drawn, &c);

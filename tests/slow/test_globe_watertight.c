@@ -77,7 +77,8 @@ static void break_surface(rings_surface *s, fault f)
         s->head.draws = all_draws_but_one;
     }
     for (int k = 0; f == TRIANGLE_MISSING && k < g->sectors; k++)
-        tc_set_index(&s->head.geometry, g->ring_first[k] + 4, tc_restart(&s->head.geometry));
+        tc_set_index(&s->head.geometry, g->ring_strips[0][0].first + (uint32_t)k * g->ring_strips[0][0].count + 4,
+                     tc_restart(&s->head.geometry));
     for (int r = 0; f == MERIDIAN_OPEN && r <= g->levels * g->m; r++)
         v[r * g->stride + g->n_phi][1] -= 0.02f * v[r * g->stride + g->n_phi][0];
     for (int i = 0; f == DISC_SMALL && i < g->levels; i++)
@@ -86,25 +87,29 @@ static void break_surface(rings_surface *s, fault f)
                 v[tc_rings_fill_base(g, i) + k][a] *= 0.9f;
 }
 
-static void look(scene *s, const tc_camera *c, bool lagging, fault f, int view, totals *t)
+static void look(scene *s, const tc_camera *c, const tc_frame_options *options, bool lagging, fault f, int view,
+                 totals *t)
 {
     double z;
-    if (scene_height(s, c, NULL, c->x, c->y, &z) && z >= c->z) {
-        t->below_surface++; /* a level that lags may stand higher than the eye */
-        t->too_low += !lagging;
+    if (scene_height(s, c, options, c->x, c->y, &z) && z >= c->z) {
+        t->below_surface++; /* a level that lags, or a coarser one, may stand higher than the eye */
+        t->too_low += !lagging && options->throttle <= 0;
         return;
     }
-    globe_holes h = globe_holes_of(s, c, f == SOUND ? INT64_MAX : 300);
+    globe_holes h = globe_holes_of(s, c, options, f == SOUND ? INT64_MAX : 300);
     t->terrain_pixels += h.terrain, t->sure_pixels += h.sure, t->suspects += (int)h.suspects;
     if ((h.holes || h.cracks) && f == SOUND)
-        printf("view %d: %d holes, %d cracks: lon %.17g lat %.17g z %.17g heading %.17g pitch %.17g fov %.17g\n", view,
-               (int)h.holes, (int)h.cracks, c->x, c->y, c->z, c->heading, c->pitch, c->fov);
+        printf("view %d: %d holes, %d cracks: lon %.17g lat %.17g z %.17g heading %.17g pitch %.17g fov %.17g throttle "
+               "%.17g\n",
+               view, (int)h.holes, (int)h.cracks, c->x, c->y, c->z, c->heading, c->pitch, c->fov, options->throttle);
     t->views++, t->holes += (int)h.holes, t->cracks += (int)h.cracks, t->views_open += h.holes + h.cracks > 0;
 }
 
-static void run(int k, const tc_rings_options *rings, int views, bool lagging, fault f, uint64_t seed, totals *t)
+static void run_throttled(int k, const tc_rings_options *rings, int views, bool lagging, bool throttled, fault f,
+                          uint64_t seed, totals *t)
 {
-    tc_scene_options options = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
+    tc_scene_options options = {
+        .unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1, .throttle = throttled};
     tc_surface *surface = planet_rings(planet[k], rings, &options);
     break_surface((rings_surface *)surface, f);
     scene s = planet_scene_of(context, planet[k], surface, &options);
@@ -112,6 +117,11 @@ static void run(int k, const tc_rings_options *rings, int views, bool lagging, f
     test_random r = {seed};
     for (int v = 0; v < views; v++) {
         tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
+        if (throttled) {
+            options.frame.throttle = test_random_range(&r, 0, s.surface->most_throttle);
+            options.frame.no_morph = v % 8 == 7;
+            tc_renderer_set_options(s.renderer, &options);
+        }
         if (lagging) {
             options.budget = test_random_int(&r, n, n * n);
             tc_renderer_set_options(s.renderer, &options);
@@ -119,9 +129,14 @@ static void run(int k, const tc_rings_options *rings, int views, bool lagging, f
                 scene_draw(&s, &c, false);
         }
         scene_draw(&s, &c, !lagging);
-        look(&s, &c, lagging, f, v, t);
+        look(&s, &c, &options.frame, lagging, f, v, t);
     }
     scene_destroy(&s);
+}
+
+static void run(int k, const tc_rings_options *rings, int views, bool lagging, fault f, uint64_t seed, totals *t)
+{
+    run_throttled(k, rings, views, lagging, false, f, seed, t);
 }
 
 static const tc_rings_options sizes[3] = {{.n_phi = 128, .m = 8}, {.n_phi = 64, .m = 4}, {.n_phi = 512, .m = 20}};
@@ -147,6 +162,27 @@ static void no_background_shows_through(void **state)
     assert_true((double)t.sure_pixels > 0.85 * (double)t.terrain_pixels);
 }
 
+static void nor_where_frames_are_throttled(void **state)
+{
+    (void)state;
+    static const tc_rings_options odd = {.n_phi = 96, .m = 6}; /* six columns a sector, discs of three rows */
+    totals t = {0};
+    for (int k = 0; k < PLANETS; k++) {
+        run_throttled(k, &sizes[0], sweep_of(150), (k & 1) != 0, true, SOUND, 70 + (uint64_t)k, &t);
+        run_throttled(k, &odd, sweep_of(100), (k & 1) == 0, true, SOUND, 80 + (uint64_t)k, &t);
+        run_throttled(k, &sizes[2], sweep_of(50), false, true, SOUND, 90 + (uint64_t)k, &t);
+    }
+    printf(
+        "globe watertight: throttled: %d views (%d more from below the surface not counted), %lld terrain pixels, %.2f "
+        "of them surely so, %d suspects, %d holes, %d cracks\n",
+        t.views, t.below_surface, (long long)t.terrain_pixels, (double)t.sure_pixels / (double)t.terrain_pixels,
+        t.suspects, t.holes, t.cracks);
+    assert_true(t.views >= sweep_of(800));
+    assert_int_equal(t.too_low, 0);
+    assert_int_equal(t.holes + t.cracks, 0);
+    assert_true((double)t.sure_pixels > 0.6 * (double)t.terrain_pixels);
+}
+
 static void the_test_finds_holes(void **state)
 {
     (void)state;
@@ -166,6 +202,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_background_shows_through),
+        cmocka_unit_test(nor_where_frames_are_throttled),
         cmocka_unit_test(the_test_finds_holes),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

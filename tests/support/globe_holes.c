@@ -20,8 +20,8 @@ static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)
     return p[0] == 255 && p[1] == 0 && p[2] == 255;
 }
 
-/* Whether the ray surely goes through the mesh. */
-static bool ray_enters(const rings_surface *s, const tc_camera *c, const double d[3])
+/* Whether the ray surely goes through the mesh, whose vertices are so many of its steps apart at most. */
+static bool ray_enters(const rings_surface *s, const tc_camera *c, double apart, const double d[3])
 {
     double eye = s->map->body.radius + c->z, low = s->map->body.radius + s->z_lo;
     if (d[2] >= 0)
@@ -30,8 +30,8 @@ static bool ray_enters(const rings_surface *s, const tc_camera *c, const double 
     double theta = acos(fmin(-d[2], 1)), nearest = eye * sqrt(fmax(1 - d[2] * d[2], 0));
     theta = M_PI / 2 - theta;
     /* Corners of a triangle there are at most this far from its middle. */
-    double step = 0.5 * hypot(2 * theta / s->geometry.m, 2 * M_PI / s->geometry.n_phi * fmin(theta * 1.1, 1));
-    return nearest < low * cos(step) * (1 - 1e-6);
+    double step = 0.5 * apart * hypot(2 * theta / s->geometry.m, 2 * M_PI / s->geometry.n_phi * fmin(theta * 1.1, 1));
+    return nearest < low * cos(fmin(step, M_PI / 2)) * (1 - 1e-6);
 }
 
 static bool solid(const uint8_t *rgb, const tc_camera *c, int x, int y)
@@ -79,9 +79,10 @@ static bool ray_within(const rings_surface *s, const tc_camera *c, const double 
 
 /* Whether the ray passes from above to below the drawn surface by more than a quarter of a pixel. From far away a
  * fraction of the way is many of a small planet's radii: a thousandth of what the ray has in front of it at most. */
-static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *c, const double d[3])
+static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *c, const tc_frame_options *options,
+                        const double d[3])
 {
-    const tc_view *view = scene_look(scene_, c, NULL);
+    const tc_view *view = scene_look(scene_, c, options);
     double radius = s->map->body.radius, margin = 0.25 / tc_camera_pixel_scale(c), from, to;
     if (!ray_within(s, c, d, &from, &to))
         return false;
@@ -97,8 +98,9 @@ static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *
     return above && below;
 }
 
-globe_holes globe_holes_of(scene *s, const tc_camera *c, int64_t most_suspects)
+globe_holes globe_holes_of(scene *s, const tc_camera *c, const tc_frame_options *options, int64_t most_suspects)
 {
+    double apart = options ? exp2(ceil(fmin(options->throttle, s->surface->most_throttle))) : 1;
     const rings_surface *rings = (const rings_surface *)s->surface;
     globe_holes h = {0};
     uint8_t *rgb = scene_pixels(s, c);
@@ -106,12 +108,12 @@ globe_holes globe_holes_of(scene *s, const tc_camera *c, int64_t most_suspects)
         for (int x = 0; x < c->width; x++) {
             double d[3];
             tc_view_ray(c, x + 0.5, y + 0.5, d);
-            bool sure = ray_enters(rings, c, d), open = magenta(rgb, c, x, y);
+            bool sure = ray_enters(rings, c, apart, d), open = magenta(rgb, c, x, y);
             h.terrain += !open, h.sure += sure;
             h.holes += sure && open;
             if (open && !sure && terrain_above(rgb, c, x, y)) {
                 h.suspects++;
-                h.cracks += h.suspects <= most_suspects && ray_crosses(s, rings, c, d);
+                h.cracks += h.suspects <= most_suspects && ray_crosses(s, rings, c, options, d);
             }
         }
     free(rgb);

@@ -11,7 +11,7 @@ typedef struct globe_holes {
     int64_t suspects, cracks; /* background below terrain; of these, where the surface drawn is crossed */
 } globe_holes;
 
-/* Of the frame that has just been drawn; at most so many suspects are looked into. */
-globe_holes globe_holes_of(scene *s, const tc_camera *camera, int64_t most_suspects);
+/* Of the frame that has just been drawn with these options (NULL: zero); at most so many suspects are looked into. */
+globe_holes globe_holes_of(scene *s, const tc_camera *camera, const tc_frame_options *options, int64_t most_suspects);
 
 #endif

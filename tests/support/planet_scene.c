@@ -139,6 +139,7 @@ tc_surface *planet_rings(const tc_map *atlas, const tc_rings_options *rings, con
     tc_rings_options o = *rings;
     const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(atlas->chart[0].field));
     o.normals = needs.normals, o.fine_normals = needs.fine_normals, o.holes = needs.holes;
+    o.throttle = needs.throttle;
     tc_surface *surface;
     tc_error error;
     must(tc_rings_create(atlas, &o, &surface, &error), &error);

@@ -35,7 +35,7 @@ typedef struct planet_truth {
 tc_status planet_truth_height(void *truth, double longitude, double latitude, double *z_ret);
 tc_status planet_atlas_height(void *atlas, double longitude, double latitude, double *z_ret);
 
-/* A scene to be used as scene.h says. rings->normals and holes are set by what options need. */
+/* A scene to be used as scene.h says. rings->normals, holes and throttle are set by what options need. */
 scene planet_scene(const tc_context *context, const tc_map *atlas, const tc_rings_options *rings,
                    const tc_scene_options *options);
 /* The same with a surface of one's own, which it takes over. */

@@ -24,7 +24,7 @@ static const char captured_main[] =
     "        float share;\n"
     "        vec2 place = map_chart(chart, in_vertex.xyz, in_vertex.w, share);\n"
     "        Spot spot;\n"
-    "        bool there = find_spot(stack_of(chart), place, shift_of(in_vertex.w), spot);\n"
+    "        bool there = find_spot(stack_of(chart), place, shift_of(in_vertex.w, 0.0), spot);\n"
     "        c_map[chart] = there ? vec4(spot.at, float(spot.layer), spot.alpha) : vec4(0.0, 0.0, -1.0, 0.0);\n"
     "    }\n"
     "}\n";
