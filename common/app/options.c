@@ -63,6 +63,15 @@ static bool read_contours(void *metres, const char *value)
     return tc_read_number(value, 1e-3, 1e6, metres);
 }
 
+static bool read_target(void *target_ms, const char *value)
+{
+    double ms;
+    if (!tc_read_number(value, 0, 1e6, &ms) || ms <= 0)
+        return false;
+    *(double *)target_ms = ms;
+    return true;
+}
+
 bool tc_read_scheme(void *options, const char *value)
 {
     tc_options *o = options;
@@ -141,6 +150,9 @@ static const tc_option table[] = {
     TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),
     {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
      offsetof(tc_options, scene.samples)},
+    {0, "target-ms", "MS", "more than 0 ms",
+     "milliseconds a frame may take; less detail is drawn while it would take longer (as long as it takes)",
+     read_target, offsetof(tc_options, target_ms)},
     {.help = "Where it goes"},
     {'o', "output", "FILE.png", "a file name", "write one frame and open no window", tc_read_text,
      offsetof(tc_options, output)},
@@ -247,6 +259,10 @@ static tc_status check_together(const tc_options *o, tc_error *error)
             error, TC_ERR_USAGE,
             "--unlit: expected no --shade %s with it, whose light it takes, found both; --shade none has no light",
             o->scene.shade->name);
+    if (o->target_ms > 0 && o->output && !o->path)
+        return tc_fail(
+            error, TC_ERR_USAGE,
+            "--target-ms: expected a window or --path FILE with it, found one picture, which takes its time");
     if (o->path && o->has_view)
         return tc_fail(error, TC_ERR_USAGE, "--view: expected either it or --path, found both");
     return TC_OK;
@@ -264,6 +280,7 @@ tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **ar
         o = (tc_options){.action = action};
     else if (status == TC_OK)
         status = check_together(&o, error);
+    o.scene.throttle = o.target_ms > 0;
     if (status == TC_OK)
         *options_ret = o;
     return status;

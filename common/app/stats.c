@@ -12,12 +12,12 @@
 #include <sys/stat.h>
 
 /* What is kept of every frame. */
-enum { FRAME_MS, UPDATE_MS, DRAW_MS, TRIANGLES, DRAWS, LEVELS, SERIES };
+enum { FRAME_MS, UPDATE_MS, DRAW_MS, TRIANGLES, DRAWS, LEVELS, THROTTLE, SERIES };
 
 struct tc_stats {
     int capacity;
     int64_t frames, samples_updated, bytes_uploaded;
-    double max_ms;
+    double max_ms, max_throttle;
     double *series[SERIES]; /* rings of capacity values; frame f lies at f mod capacity */
     double *sorted;         /* room for one of them */
     double values[];        /* all of the above */
@@ -50,13 +50,15 @@ void tc_stats_load(tc_stats *stats, const tc_frame_stats *frame)
 
 void tc_stats_frame(tc_stats *stats, double frame_ms, const tc_frame_stats *frame)
 {
-    const double values[SERIES] = {[FRAME_MS] = frame_ms,      [UPDATE_MS] = frame->update_ms,
-                                   [DRAW_MS] = frame->draw_ms, [TRIANGLES] = (double)frame->triangles,
-                                   [DRAWS] = frame->draws,     [LEVELS] = frame->levels_active};
+    const double values[SERIES] = {[FRAME_MS] = frame_ms,       [UPDATE_MS] = frame->update_ms,
+                                   [DRAW_MS] = frame->draw_ms,  [TRIANGLES] = (double)frame->triangles,
+                                   [DRAWS] = frame->draws,      [LEVELS] = frame->levels_active,
+                                   [THROTTLE] = frame->throttle};
     for (int i = 0; i < SERIES; i++)
         stats->series[i][stats->frames % stats->capacity] = values[i];
     stats->frames++;
     stats->max_ms = fmax(stats->max_ms, frame_ms);
+    stats->max_throttle = fmax(stats->max_throttle, frame->throttle);
     tc_stats_load(stats, frame);
 }
 
@@ -92,6 +94,8 @@ void tc_stats_summarise(tc_stats *stats, tc_stats_summary *summary_ret)
         .levels_active = (int64_t)quantile(stats, LEVELS, 0.5),
         .samples_updated = stats->samples_updated,
         .bytes_uploaded = stats->bytes_uploaded,
+        .throttle_median = quantile(stats, THROTTLE, 0.5),
+        .throttle_max = stats->max_throttle,
     };
 }
 
@@ -121,7 +125,8 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
         fprintf(file, i ? ",\n    " : "\n    ");
         tc_json_string(context->left_out[i], file);
     }
-    fprintf(file, context->left_out && context->left_out[0] ? "\n  ]\n}\n" : "]\n}\n");
+    fprintf(file, context->left_out && context->left_out[0] ? "\n  ],\n" : "],\n");
+    fprintf(file, "  \"throttle\": {\"median\": %.3f, \"max\": %.3f}\n}\n", s->throttle_median, s->throttle_max);
 }
 
 static tc_status print_to(const char *name, const char *path, const tc_stats_summary *summary,

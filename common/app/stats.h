@@ -26,6 +26,7 @@ typedef struct tc_stats_summary {
     double update_ms, draw_ms;                 /* medians */
     int64_t triangles, draws, levels_active;   /* medians */
     int64_t samples_updated, bytes_uploaded;   /* totals, with those of loading */
+    double throttle_median, throttle_max;      /* octaves; the maximum is of all */
 } tc_stats_summary;
 
 void tc_stats_summarise(tc_stats *stats, tc_stats_summary *summary_ret);

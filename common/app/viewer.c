@@ -229,6 +229,7 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
 static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
+    v->throttle = tc_throttle_of(v->options.target_ms);
     v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
     v->scene.colours = v->colours.count > 0 ? &v->colours : NULL;
     v->scene.imagery = v->imagery;
@@ -246,12 +247,19 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------- */
 
+/* Counts a frame that was waited for. */
+static void finished(tc_viewer *v, double frame_ms, const tc_frame_stats *frame)
+{
+    tc_stats_frame(v->stats, frame_ms, frame);
+    tc_viewer_throttle(v, frame_ms);
+}
+
 tc_status tc_viewer_measured_frame(tc_viewer *v, tc_frame_stats *frame_ret, tc_error *error)
 {
     double start = tc_clock_ms();
     tc_status status = tc_viewer_frame(v, true, frame_ret, error);
     if (status == TC_OK)
-        tc_stats_frame(v->stats, tc_clock_ms() - start, frame_ret);
+        finished(v, tc_clock_ms() - start, frame_ret);
     return status;
 }
 
@@ -269,7 +277,7 @@ tc_status tc_viewer_resident_frame(tc_viewer *v, tc_error *error)
             continue;
         }
         if (frame.resident) {
-            tc_stats_frame(v->stats, tc_clock_ms() - start, &frame);
+            finished(v, tc_clock_ms() - start, &frame);
             return TC_OK;
         }
         tc_stats_load(v->stats, &frame);
@@ -293,6 +301,9 @@ tc_status tc_viewer_write_frame(tc_viewer *v, const char *path, uint8_t *rgb, tc
 static void explain(const tc_viewer *v, const tc_left_out *left_out)
 {
     tc_explain_uses(v->renderer, stdout);
+    if (v->options.target_ms > 0)
+        printf("uses: throttling: for frames of %g ms the last one was drawn %.2f of at most %.2f octaves coarser\n",
+               v->options.target_ms, tc_renderer_used(v->renderer).frame->throttle, v->surface->most_throttle);
     for (int i = 0; i < left_out->count; i++)
         printf("left out: %s\n", left_out->lines[i]);
 }

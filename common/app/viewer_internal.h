@@ -9,6 +9,7 @@
 #include "common/gl/context.h"
 #include "common/view/flight.h"
 #include "common/view/flight_path.h"
+#include "common/view/throttle.h"
 #include "load.h"
 #include "options.h"
 #include "common/render/renderer.h"
@@ -37,7 +38,8 @@ typedef struct tc_viewer {
     const tc_gl *gl; /* of either */
     tc_renderer *renderer;
 
-    tc_scene_options scene; /* as it is now: keys change it */
+    tc_scene_options scene; /* as it is now: keys and what frames took change it */
+    tc_throttle throttle;   /* of --target-ms */
     tc_colour_ramp colours; /* of the options; count 0: none */
     tc_imagery *imagery;    /* likewise; NULL: none */
     tc_camera camera;
@@ -59,6 +61,9 @@ tc_status tc_viewer_make_surface(tc_viewer *viewer, tc_error *error);
 /* Draws a frame of viewer->camera. Where the frame has become so much larger or smaller that another size of the mesh
  * is called for, or the driver has no memory for it, the surface is made anew. finish: as in tc_renderer_frame(). */
 tc_status tc_viewer_frame(tc_viewer *viewer, bool finish, tc_frame_stats *frame_ret, tc_error *error);
+
+/* With --target-ms: hears what a frame took, and how coarse the next one is to be drawn. */
+void tc_viewer_throttle(tc_viewer *viewer, double frame_ms);
 
 /* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
 tc_status tc_viewer_measured_frame(tc_viewer *viewer, tc_frame_stats *frame_ret, tc_error *error);

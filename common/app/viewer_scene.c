@@ -66,6 +66,14 @@ tc_status tc_viewer_make_surface(tc_viewer *v, tc_error *error)
     return status;
 }
 
+void tc_viewer_throttle(tc_viewer *v, double frame_ms)
+{
+    if (v->options.target_ms <= 0)
+        return;
+    v->scene.frame.throttle = tc_throttle_step(&v->throttle, frame_ms, v->surface->most_throttle);
+    tc_renderer_set_options(v->renderer, &v->scene);
+}
+
 tc_status tc_viewer_frame(tc_viewer *v, bool finish, tc_frame_stats *frame_ret, tc_error *error)
 {
     const tc_surface_request request = request_of(v);

@@ -3,6 +3,7 @@
  * What a key does is one line of the table; the help text comes from it. */
 #include "viewer_internal.h"
 #include "common/base/status.h"
+#include "common/gl/frame_timer.h"
 #include "interrupt.h"
 
 #include <inttypes.h>
@@ -210,10 +211,13 @@ static void tell(session *s, const tc_frame_stats *frame)
     if (s->tell && now - s->tell_since >= 1000) {
         fprintf(stderr,
                 "%.2f ms a frame (update %.2f, draw %.2f); %" PRId64 " of %" PRId64
-                " triangles, %d draws, %d levels; %" PRId64 " samples updated, %" PRId64 " bytes uploaded%s\n",
+                " triangles, %d draws, %d levels; %" PRId64 " samples updated, %" PRId64 " bytes uploaded%s",
                 (now - s->tell_since) / s->tell_frames, frame->update_ms, frame->draw_ms, frame->triangles,
                 frame->triangles_unculled, frame->draws, frame->levels_active, frame->samples_updated,
                 frame->bytes_uploaded, frame->resident ? "" : "; loading");
+        if (v->options.target_ms > 0)
+            fprintf(stderr, "; %.2f octaves coarser", frame->throttle);
+        fputc('\n', stderr);
         s->tell_since = now;
         s->tell_frames = 0;
     }
@@ -251,7 +255,9 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         fprintf(stderr, "%s: H prints the keys\n", v->program->name);
 
     tc_status status = TC_OK;
-    double last = now;
+    double last = now, took;
+    bool throttled = v->options.target_ms > 0;
+    tc_frame_timer timer = throttled ? tc_frame_timer_create(v->gl) : (tc_frame_timer){0};
     for (int frames = 0; status == TC_OK && !s.quit && !tc_interrupted();) {
         tc_window_input input;
         v->window_plugin->poll(v->window, 0, &input);
@@ -273,12 +279,18 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         tc_viewer_place(v, &s.flight.view);
 
         tc_frame_stats frame;
+        if (throttled)
+            tc_frame_timer_begin(v->gl, &timer);
         status = tc_viewer_frame(v, false, &frame, error);
+        if (throttled)
+            tc_frame_timer_end(v->gl, &timer);
         if (status != TC_OK)
             break;
         tc_renderer_present(v->renderer, input.width, input.height);
         v->window_plugin->swap(v->window);
         tc_stats_frame(v->stats, tc_clock_ms() - now, &frame);
+        while (throttled && tc_frame_timer_read(v->gl, &timer, &took))
+            tc_viewer_throttle(v, took);
         tell(&s, &frame);
         tell_failure(&s, &frame);
         if (s.picture_wanted) {
@@ -287,5 +299,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         }
         frames++;
     }
+    if (throttled)
+        tc_frame_timer_destroy(v->gl, &timer);
     return status;
 }

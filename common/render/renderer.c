@@ -365,6 +365,7 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
         gl->Finish();
     stats->draw_ms = tc_clock_ms() - updated;
     count(&r->frame, stats);
+    stats->throttle = fmin(fmax(r->view->options.throttle, 0), r->surface->most_throttle);
     return status;
 }
 

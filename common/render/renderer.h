@@ -23,6 +23,7 @@ typedef struct tc_frame_stats {
     bool failed;            /* a part of that could not be read, and will be tried again */
     int64_t texels_updated; /* of imagery */
     bool imagery_failed;
+    double throttle; /* octaves by which it is drawn coarser */
 } tc_frame_stats;
 
 /* Bytes by item, on both sides of the driver. */

@@ -83,8 +83,3 @@ double tc_throttle_step(tc_throttle *t, double frame_ms, double most)
     }
     return t->value = fmin(fmax(t->value, 0), most);
 }
-
-double tc_frame_work(double processor_ms, double drawing_ms, bool software)
-{
-    return software ? processor_ms + drawing_ms : fmax(processor_ms, drawing_ms);
-}

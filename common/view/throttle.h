@@ -36,8 +36,4 @@ tc_throttle tc_throttle_of(double target_ms);
  * `most`, is then what the next frame is drawn with. Returned as well. */
 double tc_throttle_step(tc_throttle *throttle, double frame_ms, double most);
 
-/* What a frame took, milliseconds: a processor's time and that of who draws, who work at the same time, or where that
- * is a processor, too (software), one after the other. */
-double tc_frame_work(double processor_ms, double drawing_ms, bool software);
-
 #endif

@@ -166,6 +166,7 @@ done <<end
 --size        0x1 1x0 16385x1 1x16385 64 64x 64x48x3 -64x48 x ""
 --background  12345 1234567 gggggg #123456 ""
 --samples     0 17 -1 1.5 ""
+--target-ms   0 -0 -16 nan inf 1e7 16ms ""
 --output      ""
 --colours     ""
 --imagery     ""
@@ -196,6 +197,9 @@ refuses 2 'TERRAIN: expected a file, found none' $viewer
 refuses 2 '--path: expected --frames N' $viewer hills.tif --path views.txt
 refuses 2 '--frames: expected --path FILE' $viewer hills.tif $picture --frames 5
 refuses 2 '--output: expected one number such as %05d' $viewer hills.tif $picture --path views.txt --frames 5
+refuses 2 '--target-ms: expected more than 0 ms, found .0' $viewer hills.tif --target-ms 0
+refuses 2 '--target-ms: expected a window or --path FILE with it, found one picture' $viewer hills.tif $picture --target-ms 16
+refuses 2 '--target-ms: expected a window or --path FILE with it' $globe hills.tif $picture --target-ms 16
 refuses 2 '--backend: expected -o FILE or --path' $viewer hills.tif --backend osmesa
 echo 0,0,5000,0,-45 >views.txt
 refuses 2 '--view: expected either it or --path' $viewer hills.tif --view 0,0,1,0,0 --path views.txt --frames 5

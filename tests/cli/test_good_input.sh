@@ -147,7 +147,7 @@ different natural.png last.png '--contours'
 # ---- What is told
 
 keys='frames frame_ms median p95 max update_ms draw_ms triangles draws levels_active samples_updated bytes_uploaded
-bytes_decoded synthesised_levels imagery_levels memory geometry heights normals imagery pyramid renderer backend left_out'
+bytes_decoded synthesised_levels imagery_levels memory geometry heights normals imagery pyramid renderer backend left_out throttle median max'
 json_keys() { # FILE
     grep -o '"[A-Za-z0-9_]*":' "$1" | tr -d '":' | tr '\n' ' '
 }
@@ -190,7 +190,7 @@ grep -q '"void mask: no holes to show"' stdout.txt && grep -Eq '"[0-9]+ of [0-9]
     fail "--json: left_out is $(grep -A9 left_out stdout.txt)"
 accepts '' $viewer metres.tif --explain --unlit --background 000000 --no-morph $picture
 ! grep -Eq '^uses: (texture: normals|shaders: sky|shaders: .*(LIT|HAZE))' stdout.txt || fail '--explain: used without need'
-for part in 'normal map' sky 'void mask' morph synthesis imagery; do
+for part in 'normal map' sky 'void mask' morph throttling synthesis imagery; do
     grep -q "^left out: $part" stdout.txt || fail "--explain does not tell of the $part"
 done
 accepts '' $viewer metres.tif --explain --shade slope --contours 50 $picture
@@ -214,7 +214,7 @@ for program in $viewer $terraclip; do
 done
 run $viewer --help
 # Every option that the table of bad values knows is in the help, and the keys of the window are.
-for word in --view --fov --size --colours --imagery --synthesis --shade --contours --unlit --background --wireframe --level-colours --no-morph --samples --output --path \
+for word in --view --fov --size --colours --imagery --synthesis --shade --contours --unlit --background --wireframe --level-colours --no-morph --samples --target-ms --output --path \
     --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --stats --json --explain \
     --quiet --verbose 'W A S D' F11; do
     grep -q -- "$word" stdout.txt || fail "the help does not tell of $word"

@@ -183,6 +183,11 @@ fi
 run $viewer hills.tif --size 320x240 --frames 20 --json
 { [ $rc = 0 ] && grep -q '"frames": 20,' stdout.txt && grep -q '"backend": "window"' stdout.txt; } ||
     report 'a window with --frames' --frames 20
+# Throttled: no frame is as short as that. The picture is drawn coarser, and it is told.
+$terraclip synth --size 513 -o land.tif -q
+run $viewer land.tif --size 320x240 --frames 60 --json --target-ms 0.01 --view 5000,5000,3000,45,-15
+{ [ $rc = 0 ] && [ ! -s stderr.txt ] && grep -Eq '"throttle": {"median": [0-9.]+, "max": (0\.[5-9]|[1-9])' stdout.txt; } ||
+    report 'a throttled window' --target-ms
 echo 2000,1500,2500,30,-15 >views.txt && echo 9000,8000,4000,90,-25 >>views.txt
 run $viewer hills.tif --size 320x240 --backend window --path views.txt --frames 20 --json
 { [ $rc = 0 ] && grep -q '"frames": 20,' stdout.txt; } || report 'a flight in a window' --path

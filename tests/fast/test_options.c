@@ -72,6 +72,7 @@ static void defaults(void **state)
     assert_false(o.has_view);
     assert_int_equal(o.backend, TC_BACKEND_AUTO);
     assert_int_equal(o.n, 0);
+    assert_true(o.target_ms == 0 && !o.scene.throttle);
     assert_true(o.scene.budget == 0);
     assert_false(o.scene.unlit || o.scene.background_set || o.scene.wireframe || o.scene.frame.no_morph);
 }
@@ -117,6 +118,10 @@ static void values_arrive(void **state)
     o = good("t --shade aspect --contours 2.5 --unlit");
     assert_ptr_equal(o.scene.shade, &tc_shades[TC_SHADE_ASPECT]);
     assert_true(o.scene.contours == 2.5 && o.scene.unlit);
+
+    o = good("t --target-ms 16.7");
+    assert_true(o.target_ms == 16.7 && o.scene.throttle && o.scene.frame.throttle == 0);
+    assert_true(good("t --target-ms 1e-3 --path p --frames 3 -o f-%d.png").target_ms == 1e-3);
 
     o = good("--path p.txt --frames 10 -o f-%05d.png t");
     assert_string_equal(o.path, "p.txt");
@@ -229,6 +234,11 @@ static void nonsense_is_refused(void **state)
         {"t --path p --frames 3 -o %s.png", "--output: "},
         {"t --path p --frames 3 -o %05d%d.png", "--output: "},
         {"t --path p --frames 3 --view 1,2,3,4,5", "--view: "},
+        {"t --target-ms 0", "--target-ms: expected more than 0 ms, found '0'"},
+        {"t --target-ms -16", "--target-ms: expected more than 0 ms, found '-16'"},
+        {"t --target-ms 16ms", "--target-ms: "},
+        {"t --target-ms inf", "--target-ms: "},
+        {"t --target-ms 16 -o x.png", "--target-ms: expected a window or --path FILE with it, found one picture"},
         {"t --backend egl", "--backend: expected -o FILE or --path FILE"},
         {"t --backend vulkan", "--backend: expected auto, window, egl or osmesa, found 'vulkan'"},
         {"t --background fff", "--background: "},

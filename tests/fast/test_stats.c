@@ -27,12 +27,14 @@ static void quantiles_of_all_frames(void **state)
                                          .draw_ms = 2,
                                          .triangles = 1000 + 37 * i % 101,
                                          .draws = 10,
+                                         .throttle = 0.01 * i,
                                          .levels_active = 5,
                                          .samples_updated = 1,
                                          .bytes_uploaded = 8});
     tc_stats_summarise(stats, &s);
     assert_true(s.frames == 100 && s.frame_median == 50 && s.frame_p95 == 95 && s.frame_max == 100);
     assert_true(s.update_ms == 1 && s.draw_ms == 2 && s.triangles == 1050 && s.draws == 10 && s.levels_active == 5);
+    assert_true(s.throttle_median == 0.5 && s.throttle_max == 1);
     assert_true(s.samples_updated == 1100 && s.bytes_uploaded == 8800);
     /* Older times are forgotten, counts and the maximum are not. */
     for (int i = 0; i < 100; i++)
@@ -45,7 +47,8 @@ static void quantiles_of_all_frames(void **state)
 }
 
 static const char *const left_out[] = {"normal map: \"unlit\"", "back\\slash\tand tab", NULL};
-static const tc_stats_summary summary = {.frames = 2, .frame_median = 1.5, .triangles = 1234567890123};
+static const tc_stats_summary summary = {
+    .frames = 2, .frame_median = 1.5, .triangles = 1234567890123, .throttle_median = 0.25, .throttle_max = 1.5};
 static const tc_stats_context context = {
     .renderer = "llvmpipe",
     .backend = "osmesa",
@@ -76,7 +79,8 @@ static void json_has_the_keys(void **state)
                                         "\"renderer\": \"llvmpipe\"",
                                         "\"backend\": \"osmesa\"",
                                         "\"left_out\": [\n    \"normal map: \\\"unlit\\\"\",\n    "
-                                        "\"back\\\\slash\\u0009and tab\"\n  ]\n}\n"};
+                                        "\"back\\\\slash\\u0009and tab\"\n  ],\n",
+                                        "  \"throttle\": {\"median\": 0.250, \"max\": 1.500}\n}\n"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (!strstr(text, parts[i]))
             fail_msg("no %s in %s", parts[i], text);

@@ -181,13 +181,6 @@ static void times_that_are_none_are_not_heard(void **state)
     assert_true(f.throttle.value == 0);
 }
 
-static void work_is_that_of_both_or_of_the_slower(void **state)
-{
-    (void)state;
-    assert_true(tc_frame_work(3, 10, false) == 10 && tc_frame_work(12, 10, false) == 12);
-    assert_true(tc_frame_work(3, 10, true) == 13);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -197,7 +190,6 @@ int main(void)
         cmocka_unit_test(a_leap_is_not_crossed_for_ever),
         cmocka_unit_test(what_cannot_be_reached_is_drawn_as_coarse_as_can_be),
         cmocka_unit_test(times_that_are_none_are_not_heard),
-        cmocka_unit_test(work_is_that_of_both_or_of_the_slower),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
