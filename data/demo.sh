@@ -32,6 +32,10 @@ picture coast 112000,103000,1556,200,-7 --fov 45
 picture levels 80000,80000,4207,125,-10 --fov 60 --n 127 --level-colours
 picture wireframe 80000,80000,4207,125,-14 --fov 60 --n 63 --wireframe --background 0c1420
 
+# All of the terrain from so far away that it is a map, and that map as colours of the terrain.
+picture map 61440,61440,7042045,0,-90 --fov 1 --size 2048x2048 --shade none --contours 200
+picture draped 62000,20000,24000,20,-33 --fov 60 --imagery "$out/map.png"
+
 globe=$out/planet.tif
 planet=$out/planet.tclip
 if [ ! -f "$globe" ]; then
