@@ -1,9 +1,10 @@
 # Terraclip. `make demo` and `make test` do all their own set-up; see README.md.
 #
-#   make            the programs, under build/ (config=debug|release|sanitize; others than release under build/<config>/)
+#   make            the programs, under build/ (config=debug|release|sanitize|thread; others than release under build/<config>/)
 #   make demo       default terrain and pictures, into build/demo/
 #   make check      fast tests (seconds)          make test    all tests (minutes)
 #   make test-extreme  extreme cases, a row each  make report  error against run time, into build/report/ (report-full)
+#   make soak       a flight of FRAMES=100000     make soak-threads  a shorter one under ThreadSanitizer
 #   make bench      measurements                  make format  clang-format over the sources
 #   make fuzz       TIME=seconds, all fuzzers together
 #   make install    PREFIX=/usr/local DESTDIR=    make clean
@@ -27,8 +28,9 @@ COMMON := -g -fPIC -fvisibility=hidden -pthread -ffp-contract=off -fno-math-errn
 opt.release := -O3 -DNDEBUG
 opt.debug := -O0
 opt.sanitize := -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer
+opt.thread := -O1 -fsanitize=thread -fno-omit-frame-pointer
 ifeq ($(opt.$(config)),)
-$(error config=$(config): expected debug, release or sanitize)
+$(error config=$(config): expected debug, release, sanitize or thread)
 endif
 CFLAGS_ALL = -std=c11 -D_GNU_SOURCE $(COMMON) $(opt.$(config)) $(WARN) $(CFLAGS)
 CXXFLAGS_ALL = -std=c++17 $(COMMON) $(opt.$(config)) $(WARNXX) $(CXXFLAGS)
@@ -191,6 +193,7 @@ $(eval $(call test_rule,fast))
 $(eval $(call test_rule,slow))
 $(eval $(call test_rule,extreme))
 $(eval $(call test_rule,bench))
+$(eval $(call test_rule,soak))
 .SECONDARY:
 
 # Counts what our own objects allocate, not what the driver does (tests/wrapped).
@@ -246,6 +249,15 @@ SWEEPS := $(patsubst %,$(O)/tests/%,$(basename $(notdir $(shell grep -l sweep_ $
 test-extreme: all $(EXTREME) $(SWEEPS)
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_SWEEP=whole TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SWEEPS) $(EXTREME)
+
+# A long flight: memory stays flat, windows true; and a short one under ThreadSanitizer, in build/thread.
+FRAMES ?= 100000
+THREAD_FRAMES ?= 3000
+.PHONY: soak soak-threads
+soak: $(O)/tests/soak
+	@TERRACLIP_SOAK_FRAMES=$(FRAMES) sh tests/run.sh $(O) $(O)/tests/soak
+soak-threads:
+	@$(MAKE) --no-print-directory soak config=thread FRAMES=$(THREAD_FRAMES)
 
 bench: all $(BENCH)
 	@for b in $(BENCH); do $$b || exit 1; done

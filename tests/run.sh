@@ -26,6 +26,9 @@ case "$build" in
         export UBSAN_OPTIONS="print_stacktrace=1${UBSAN_OPTIONS:+:$UBSAN_OPTIONS}"
         suppressions=$(cd "$build" && pwd)/lsan.supp
         export LSAN_OPTIONS="suppressions=$suppressions:print_suppressions=0${LSAN_OPTIONS:+:$LSAN_OPTIONS}" ;;
+    *thread)
+        suppressions=$(cd "${0%/*}" && pwd)/support/tsan.supp
+        export TSAN_OPTIONS="suppressions=$suppressions:print_suppressions=0${TSAN_OPTIONS:+:$TSAN_OPTIONS}" ;;
 esac
 TERRACLIP_RESULTS=$(mktemp -d "${TMPDIR:-/tmp}/terraclip-results-XXXXXX") || exit 99
 export TERRACLIP_RESULTS

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 
 #include "common/base/rect.h"
+#include "common/content/colours.h"
+#include "common/field/field.h"
 
 static bool eroded_contains(tc_rect coarse, tc_rect extent, int64_t distance, tc_rect fine)
 {
@@ -177,6 +179,29 @@ const char *heights_broken(const tc_clipmap *clipmap)
             for (int64_t i = v->clip.x0; i < x1; i++)
                 if (z[i & mask][0] != row[i - v->clip.x0])
                     return say("height", l, i, j, z[i & mask][0], row[i - v->clip.x0]);
+        }
+    }
+    return NULL;
+}
+
+const char *colours_broken(const tc_clipmap *clipmap, int level)
+{
+    const tc_field *p = tc_clipmap_field(clipmap);
+    const tc_clip_level *v = tc_clipmap_level(clipmap, level);
+    int pl = tc_clipmap_field_level(clipmap, level);
+    tc_level size = tc_field_level(p, pl);
+    int64_t mask = tc_clipmap_n(clipmap), y1 = tc_min64(v->clip.y1, size.height),
+            x1 = goes_round(v) ? v->clip.x1 : tc_min64(v->clip.x1, size.width);
+    const uint8_t(*texels)[4] = tc_clipmap_texels(clipmap, &tc_colours_content, level);
+    for (int64_t j = v->clip.y0; j < y1; j++) {
+        uint8_t row[2048][4];
+        if (v->clip.x0 < x1 && tc_field_read_samples(p, pl, (tc_rect){v->clip.x0, j, x1, j + 1}, row, NULL, 2048))
+            return "the colours cannot be read";
+        for (int64_t i = v->clip.x0; i < x1; i++) {
+            const uint8_t *got = texels[(j & mask) * (mask + 1) + (i & mask)], *want = row[i - v->clip.x0];
+            for (int k = 0; k < 4; k++)
+                if (got[k] != want[k])
+                    return say("colour", level, i, j, got[k], want[k]);
         }
     }
     return NULL;

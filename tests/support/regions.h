@@ -12,6 +12,9 @@ const char *regions_broken(const tc_clipmap *clipmap);
 /* Every height of every level held against the pyramid; NULL, or what differs. */
 const char *heights_broken(const tc_clipmap *clipmap);
 
+/* The same of windows over a field of colours, of one level. */
+const char *colours_broken(const tc_clipmap *clipmap, int level);
+
 /* All that a level holds against the pyramid: heights (also on the terrain's edge), morph targets, voids, and normals
  * computed anew in double. NULL, or what differs. Every `step`th row only. */
 const char *content_broken(const tc_clipmap *clipmap, int level, int64_t first_row, int64_t step);
