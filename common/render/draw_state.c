@@ -57,6 +57,7 @@ static const struct unit {
 } units[TC_DRAW_UNITS] = {{GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
                           {GL_TEXTURE_1D, GL_TEXTURE_BINDING_1D},
                           {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
+                          {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY},
                           {GL_TEXTURE_2D_ARRAY, GL_TEXTURE_BINDING_2D_ARRAY}};
 
 static void turn(const tc_gl *gl, const struct state_switch *s, bool on)

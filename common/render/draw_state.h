@@ -4,7 +4,7 @@
 
 #include "target.h"
 
-enum { TC_DRAW_SWITCHES = 32, TC_DRAW_UNPACKS = 8, TC_DRAW_UNITS = 4, TC_DRAW_BUFFERS = 8 };
+enum { TC_DRAW_SWITCHES = 32, TC_DRAW_UNPACKS = 8, TC_DRAW_UNITS = 5, TC_DRAW_BUFFERS = 8 };
 
 /* All that a frame touches, as it was. */
 typedef struct tc_draw_state {
