@@ -26,10 +26,18 @@ Footprint footprint_of(vec3 from_eye, vec3 normal)
     return Footprint(cross(aside, normal) * (wide / facing), aside * wide);
 }
 
+// What a layer holds, samples from the viewer's nearest: first x, y, last x, y.
+vec4 held_by(int l)
+{
+    vec4 held = layer[3 * l + 2];
+    return held + MAP_END * vec4(lessThan(held.xy, vec2(-0.5 * MAP_END)), -vec2(greaterThan(held.zw, vec2(0.5 * MAP_END))));
+}
+
 // Colours of a layer around `at`, samples from the viewer's nearest; the pixel's sides, the longer and the shorter one.
 vec4 image_layer(int l, vec2 at, vec2 longer, vec2 shorter)
 {
-    vec4 first = layer[3 * l + 1], held = layer[3 * l + 2];
+    vec4 first = layer[3 * l + 1], held = held_by(l);
+    at = clamp(at, held.xy, held.zw);
     const float side = float(IMAGE_MASK + 1);
     float slice = float(l - LAYERS);
 #ifdef IMAGE_TAPS
@@ -52,8 +60,8 @@ vec4 image_layer(int l, vec2 at, vec2 longer, vec2 shorter)
 // The place of a spot, in samples of the next coarser layer.
 vec2 coarser_place(int l, vec2 place)
 {
-    vec4 c = layer[3 * (l - 1)], held = layer[3 * (l - 1) + 2];
-    return clamp(c.xy + place * c.zw, held.xy, held.zw);
+    vec4 c = layer[3 * (l - 1)];
+    return c.xy + place * c.zw;
 }
 
 // Light times alpha, and alpha, at a place of a chart. longer, shorter: the pixel's sides there.

@@ -49,23 +49,39 @@ static double pixels_a_sample(const tc_map *map, tc_layer *layer, int chart, dou
     return isfinite(fewer) ? fmin(sqrt(area), 1.5 * fewer) : 0;
 }
 
-/* The most of them anywhere: at places of the picture that are on the chart, since it may be small, and at places of
- * the chart that are in the picture. */
+/* The most of them on a lattice over a rectangle of the chart. */
+static double finest_within(const tc_map *map, tc_layer *layer, int chart, const double lo[2], const double hi[2])
+{
+    double most = 0;
+    for (int k = 0; k < PROBES * PROBES; k++) {
+        double u = (double)(k % PROBES) / (PROBES - 1), v = (double)(k / PROBES) / (PROBES - 1); /* sides included */
+        most = fmax(most, pixels_a_sample(map, layer, chart, lo[0] + u * (hi[0] - lo[0]), lo[1] + v * (hi[1] - lo[1])));
+    }
+    return most;
+}
+
+/* The most of them anywhere: over the chart, at places of the picture, which may be small, and over what the rectangles
+ * around both have in common, which may be smaller than either. */
 static double finest_of(const tc_map *map, tc_layer *layer, int chart)
 {
     const tc_chart *c = &map->chart[chart];
     const tc_image_size *size = &layer->image->level[0];
-    double lo[2], hi[2], most = 0;
+    double lo[2], hi[2], least[2] = {INFINITY, INFINITY}, last[2] = {-INFINITY, -INFINITY};
     corners_of(c, lo, hi);
+    double most = finest_within(map, layer, chart, lo, hi);
     for (int k = 0; k < PROBES * PROBES; k++) {
-        double u = (k % PROBES + 0.5) / PROBES, v = (k / PROBES + 0.5) / PROBES;
-        double x = u * (double)size->width, y = v * (double)size->height;
+        double x = (double)(k % PROBES) / (PROBES - 1) * (double)size->width,
+               y = (double)(k / PROBES) / (PROBES - 1) * (double)size->height;
         tc_layer_locate(map, layer, chart, 1, &x, &y);
         if (on_chart(c, x, y))
             most = fmax(most, pixels_a_sample(map, layer, chart, x, y));
-        most = fmax(most, pixels_a_sample(map, layer, chart, lo[0] + u * (hi[0] - lo[0]), lo[1] + v * (hi[1] - lo[1])));
+        if (isfinite(x) && isfinite(y))
+            least[0] = fmin(least[0], x), last[0] = fmax(last[0], x), least[1] = fmin(least[1], y),
+            last[1] = fmax(last[1], y);
     }
-    return most;
+    for (int i = 0; i < 2; i++)
+        lo[i] = fmax(lo[i], least[i]), hi[i] = fmin(hi[i], last[i]);
+    return lo[0] < hi[0] && lo[1] < hi[1] ? fmax(most, finest_within(map, layer, chart, lo, hi)) : most;
 }
 
 /* Powers of two by which a chart's colours are finer than its heights, so that hardly a pixel is left out. */

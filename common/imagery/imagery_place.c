@@ -101,5 +101,6 @@ void tc_layer_locate(const tc_map *map, tc_layer *layer, int chart, int count, d
 bool tc_layer_holds(const tc_layer *layer, double px, double py)
 {
     const tc_image_size *size = &layer->image->level[0];
-    return py >= 0 && py <= (double)size->height && (layer->joined || (px >= 0 && px <= (double)size->width));
+    return isfinite(px) && py >= 0 && py <= (double)size->height &&
+           (layer->joined || (px >= 0 && px <= (double)size->width));
 }

@@ -141,13 +141,24 @@ static bool step_of(const tc_layer *layer, const found *at, int from, int to, do
     return isfinite(step[0]) && isfinite(step[1]);
 }
 
-/* Steps at texel k of a block, by its neighbours on that side on which the block has one: what makes a circle of the
- * ways to both an ellipse, by its axes. */
+/* The shorter of the steps before and behind a texel: one of them may lead across where a projection is cut. */
+static bool shorter_step(const tc_layer *layer, const found *at, int k, int apart, bool first, bool last,
+                         double step[2])
+{
+    double before[2] = {0, 0}, behind[2] = {0, 0};
+    bool has_before = !first && step_of(layer, at, k - apart, k, before);
+    bool has_behind = !last && step_of(layer, at, k, k + apart, behind);
+    bool take_before = has_before && (!has_behind || hypot(before[0], before[1]) < hypot(behind[0], behind[1]));
+    memcpy(step, take_before ? before : behind, sizeof before);
+    return has_before || has_behind;
+}
+
+/* Steps at texel k of a block, by its neighbours: what makes a circle of the ways to both an ellipse, by its axes. */
 static bool steps_at(const tc_layer *layer, const found *at, int k, steps *s)
 {
-    int right = k % BLOCK + 1 < BLOCK ? k : k - 1, below = k / BLOCK + 1 < BLOCK ? k : k - BLOCK;
-    double a[2], b[2];
-    if (!step_of(layer, at, right, right + 1, a) || !step_of(layer, at, below, below + BLOCK, b))
+    double a[2] = {0, 0}, b[2] = {0, 0};
+    if (!shorter_step(layer, at, k, 1, k % BLOCK == 0, k % BLOCK == BLOCK - 1, a) ||
+        !shorter_step(layer, at, k, BLOCK, k / BLOCK == 0, k / BLOCK == BLOCK - 1, b))
         return false;
     double both = 2 * (a[0] * b[0] + a[1] * b[1]), more = a[0] * a[0] + a[1] * a[1] - b[0] * b[0] - b[1] * b[1];
     double angle = both == 0 && more == 0 ? 0 : 0.5 * atan2(both, more), c = cos(angle), d = sin(angle);
@@ -170,24 +181,38 @@ static int texel_of(int ci, int cj, int n)
     return (cj * CELL + n / CELL) * BLOCK + ci * CELL + n % CELL;
 }
 
+/* Pixels of the cell's level from lo to hi, pixels of level 0. */
+static tc_rect pixels_between(const tc_layer *layer, int level, const double lo[2], const double hi[2])
+{
+    const tc_image_size *size = &layer->image->level[level];
+    const double scale = ldexp(1, -level);
+    tc_rect r = {(int64_t)floor(lo[0] * scale - 0.5), (int64_t)floor(lo[1] * scale - 0.5),
+                 (int64_t)floor(hi[0] * scale - 0.5) + 2, (int64_t)floor(hi[1] * scale - 0.5) + 2};
+    if (layer->joined && r.x1 - r.x0 >= size->width) /* all around */
+        r.x0 = 0, r.x1 = size->width;
+    if (!layer->joined)
+        r.x0 = tc_clamp64(r.x0, 0, size->width - 1), r.x1 = tc_clamp64(r.x1, r.x0 + 1, size->width);
+    r.y0 = tc_clamp64(r.y0, 0, size->height - 1);
+    r.y1 = tc_clamp64(r.y1, r.y0 + 1, size->height);
+    return r;
+}
+
 static void survey_cell(const block *b, const tc_layer *layer, const found *at, int ci, int cj, cell *c)
 {
     double first = NAN, lo[2] = {INFINITY, INFINITY}, hi[2] = {-INFINITY, -INFINITY};
     bool any = false, known = false;
+    for (int n = 0; n < CELL * CELL && !known; n++)
+        known = steps_at(layer, at, texel_of(ci, cj, n), &c->steps);
     c->level = layer->image->levels;
-    for (int n = 0; n < CELL * CELL; n++) {
+    for (int n = 0; n < CELL * CELL && known; n++) {
         const int k = texel_of(ci, cj, n);
         steps own;
         if (k % BLOCK >= b->w || k / BLOCK >= b->h || !isfinite(at->x[k]) || !isfinite(at->y[k]))
             continue;
-        if (!steps_at(layer, at, k, &own)) { /* at the edge of what there is */
-            if (!known)
-                continue;
+        if (!steps_at(layer, at, k, &own)) /* at the edge of what there is */
             own = c->steps;
-        }
-        if (!known || n == CELL * CELL / 2 + CELL / 2)
+        if (n == CELL * CELL / 2 + CELL / 2)
             c->steps = own;
-        known = true;
         first = isnan(first) ? at->x[k] : first;
         double x = first + way(layer, first, at->x[k]), y = at->y[k];
         double reach_x = 0.5 * (fabs(own.longer[0]) + fabs(own.shorter[0])),
@@ -202,17 +227,9 @@ static void survey_cell(const block *b, const tc_layer *layer, const found *at, 
         c->level = -1;
         return;
     }
-    const tc_image_size *size = &layer->image->level[c->level];
-    const double scale = ldexp(1, -c->level);
-    c->needs = (tc_rect){(int64_t)floor(lo[0] * scale - 0.5), (int64_t)floor(lo[1] * scale - 0.5),
-                         (int64_t)floor(hi[0] * scale - 0.5) + 2, (int64_t)floor(hi[1] * scale - 0.5) + 2};
-    if (layer->joined && c->needs.x1 - c->needs.x0 >= size->width) /* all around */
-        c->needs.x0 = 0, c->needs.x1 = size->width;
-    if (!layer->joined)
-        c->needs.x0 = tc_clamp64(c->needs.x0, 0, size->width - 1),
-        c->needs.x1 = tc_clamp64(c->needs.x1, c->needs.x0 + 1, size->width);
-    c->needs.y0 = tc_clamp64(c->needs.y0, 0, size->height - 1);
-    c->needs.y1 = tc_clamp64(c->needs.y1, c->needs.y0 + 1, size->height);
+    c->needs = pixels_between(layer, c->level, lo, hi);
+    while (tc_rect_area(c->needs) > LARGEST_PIECE && c->level + 1 < layer->image->levels) /* across a cut */
+        c->needs = pixels_between(layer, ++c->level, lo, hi);
 }
 
 /* Pixels rect of a level, whose columns may go round. */
@@ -363,11 +380,11 @@ static tc_status make_block(const block *b, workshop *w, uint8_t (*texels)[4], p
     memset(w->light, 0, sizeof w->light);
     for (int n = 0; n < imagery->layers && status == TC_OK; n++) {
         tc_layer *layer = &imagery->layer[n];
-        uint32_t levels = 0;
+        uint64_t levels = 0;
         find_block(b, layer, &w->at, w->exact);
         for (int k = 0; k < CELLS * CELLS; k++) {
             survey_cell(b, layer, &w->at, k % CELLS, k / CELLS, &w->cell[k]);
-            levels |= w->cell[k].level < 0 ? 0 : UINT32_C(1) << w->cell[k].level;
+            levels |= w->cell[k].level < 0 ? 0 : UINT64_C(1) << w->cell[k].level;
         }
         for (int level = 0; levels >> level && status == TC_OK; level++)
             if (levels >> level & 1)

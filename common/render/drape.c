@@ -1,8 +1,8 @@
 /* drape.c - which windows of colours a view wants, and where they lie relative to it.
  *
- * Windows have four texels to a sample of the surface's along a side: at the distances where a level begins its texels
- * are then about a pixel. A level is wanted where any ground may be so near that it shows: pixels there are no larger
- * than two of its texels. */
+ * Windows have four texels to a sample of the surface's along a side, up to the size that windows may have: at the
+ * distances where a level begins its texels are then about a pixel. A level is wanted where any ground may be so near
+ * that it shows: pixels there are no larger than two of its texels. */
 #include "drape.h"
 
 #include <math.h>
@@ -173,7 +173,13 @@ static void set_layer(const tc_clipmap *clipmap, int level, bool ready, const tc
     set4(q[0], u - i, v - j, ldexp(at->per_place[0], -l->shift), ldexp(at->per_place[1], -l->shift));
     set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), (double)(x1 - 1) - i,
          (double)(y1 - 1) - j);
-    set4(q[2], (double)l->clip.x0 - i, (double)l->clip.y0 - j, (double)(x1 - 1) - i, (double)(y1 - 1) - j);
+    /* Where the map itself ends a level does not pass over to the coarser one: imagery.glsl takes this off again. */
+    const double west = l->clip.x0 == l->extent.x0 ? TC_DRAPE_END : 0,
+                 south = l->clip.y0 == l->extent.y0 ? TC_DRAPE_END : 0;
+    const double east = l->clip.x1 == l->extent.x1 ? TC_DRAPE_END : 0,
+                 north = l->clip.y1 == l->extent.y1 ? TC_DRAPE_END : 0;
+    set4(q[2], (double)l->clip.x0 - i - west, (double)l->clip.y0 - j - south, (double)(x1 - 1) - i + east,
+         (double)(y1 - 1) - j + north);
     if (!ready || tc_rect_empty(l->clip)) /* nothing, yet */
         set4(q[2], 0, 0, -1, -1);
 }

@@ -7,6 +7,9 @@
 #include "level_textures.h"
 #include "surface.h"
 
+/* By which layers of imagery reach beyond what they hold, where the map ends there; more than a window is wide. */
+#define TC_DRAPE_END 65536
+
 typedef struct tc_drape tc_drape;
 struct tc_drape {
     const tc_imagery *imagery;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/gl/program.h"
+#include "drape.h"
 
 enum { MAX_PARTS = 16, SCENE = TC_SCENE_DEFINES + 384, DEFINES = TC_FRAME_DEFINES + SCENE };
 
@@ -52,8 +53,8 @@ void tc_scene_frame_defines(char text[TC_FRAME_DEFINES])
 {
     snprintf(text, TC_FRAME_DEFINES,
              "#define LAYERS %d\n#define LAYER_VECTORS %d\n#define SURFACE_VECTORS %d\n#define SURFACE_INTEGERS %d\n"
-             "#define CHARTS %d\n",
-             TC_MAX_LAYERS, TC_LAYER_VECTORS, TC_SURFACE_VECTORS, TC_SURFACE_INTEGERS, TC_MAX_CHARTS);
+             "#define CHARTS %d\n#define MAP_END %d.0\n",
+             TC_MAX_LAYERS, TC_LAYER_VECTORS, TC_SURFACE_VECTORS, TC_SURFACE_INTEGERS, TC_MAX_CHARTS, TC_DRAPE_END);
 }
 
 /* Those before the lines of a scene. */

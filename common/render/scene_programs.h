@@ -32,7 +32,7 @@ void tc_scene_programs_destroy(const tc_gl *gl, tc_scene_programs *programs);
 bool tc_scene_closers(const tc_surface *surface, const tc_windows *windows);
 
 /* Lines that the text of every stage begins with: sizes of what frame.glsl has. */
-enum { TC_FRAME_DEFINES = 160 };
+enum { TC_FRAME_DEFINES = 192 };
 void tc_scene_frame_defines(char text[TC_FRAME_DEFINES]);
 
 /* Prints what was compiled, as --explain tells it: lines "uses: ...". */
