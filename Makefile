@@ -225,6 +225,18 @@ $(O)/tests/make-file: $(OBJ)/tests/cli/make_file.o $(OBJ)/tests/support/made_fil
 	@mkdir -p $(@D)
 	$(LINK)
 
+# Makes pictures for them, and looks at what is drawn.
+CPPFLAGS_make_picture = $(CPPFLAGS_plugin_gdal)
+$(O)/tests/make-picture: $(OBJ)/tests/cli/make_picture.o
+	@mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
+
+# Runs a program and tells what it took.
+$(O)/tests/used: $(OBJ)/tests/cli/used.o
+	@mkdir -p $(@D)
+	$(LINK)
+
 # Looks at a window.
 $(O)/tests/window-pixels: $(OBJ)/tests/cli/window_pixels.o
 	@mkdir -p $(@D)
@@ -240,7 +252,7 @@ check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
 test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights \
-      $(O)/tests/window-pixels
+      $(O)/tests/make-picture $(O)/tests/used $(O)/tests/window-pixels
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SLOW) $(wildcard tests/cli/test_*.sh) $(EXTREME) $(FAST)
 

@@ -21,7 +21,7 @@ static tc_status read_level(tc_image *image, int level, tc_rect rect, uint8_t (*
         return l->small->read(l->small, l->small_level, rect, rgba, stride, error);
     tc_gdal_messages said;
     tc_gdal_listen(&said);
-    bool good = tc_gdal_pixels_read(l->pixels, l->dataset, l->overview, rect, rgba, stride);
+    bool good = tc_gdal_pixels_read(l->pixels, l->dataset, l->overview, rect, rgba, stride, &said);
     const char *why = tc_gdal_heard(&said);
     if (good)
         return TC_OK;
@@ -89,13 +89,13 @@ static tc_status place(tc_gdal_image *g, const tc_image_map *map, const tc_image
 {
     if (!has_place(g->dataset))
         return TC_OK;
-    bool named = GDALGetSpatialRef(g->dataset) || GDALGetGCPSpatialRef(g->dataset);
+    bool named = tc_gdal_image_system(g->dataset) != NULL;
     if (!map->known) {
         tc_say(options->source, true,
                "%s: says where it lies, but the terrain does not: it is laid over all of the terrain", g->path);
         return TC_OK;
     }
-    if (!named)
+    if (!named && map->crs_wkt)
         return tc_fail(error, TC_ERR_UNSUPPORTED,
                        "%s: expected a coordinate system with its transform, found none: gdal_edit.py -a_srs or a VRT "
                        "gives it one",

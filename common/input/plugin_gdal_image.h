@@ -31,9 +31,10 @@ tc_status tc_gdal_pixels_of(const char *name, GDALDatasetH dataset, const tc_sou
                             tc_gdal_pixels *pixels_ret, tc_error *error);
 void tc_gdal_pixels_free(tc_gdal_pixels *pixels);
 
-/* Pixels of the raster (overview -1) or of one of its overviews; false where GDAL cannot read them. */
+/* Pixels of the raster (overview -1) or of one of its overviews; false where GDAL cannot read them, which then has said
+ * why. */
 bool tc_gdal_pixels_read(const tc_gdal_pixels *pixels, GDALDatasetH dataset, int overview, tc_rect rect,
-                         uint8_t (*rgba)[4], ptrdiff_t stride);
+                         uint8_t (*rgba)[4], ptrdiff_t stride, tc_gdal_messages *said);
 
 /* Whether colours are stored times the alpha of that band (plugin_gdal_alpha.c). */
 bool tc_gdal_alpha_multiplied(GDALDatasetH dataset, int alpha);
@@ -92,7 +93,11 @@ tc_status tc_gdal_image_levels(tc_gdal_image *image, tc_image_rows *rows, const 
 /* ---- Places (plugin_gdal_image_place.c) ---------------------------------------------------------------------------
  */
 
-/* From places of a map to pixels. NULL and an error: it cannot be transformed. */
+/* The system in which a picture says where it is, which stays its own; NULL: it names none. */
+OGRSpatialReferenceH tc_gdal_image_system(GDALDatasetH dataset);
+
+/* From places of a map to pixels, in the picture's own system, or in none, where the map has none. NULL and an error:
+ * it cannot be transformed. */
 void *tc_gdal_image_places(const char *name, GDALDatasetH dataset, const tc_image_map *map, tc_error *error);
 void tc_gdal_image_find(void *places, int count, double *x, double *y);
 void tc_gdal_image_locate(void *places, int count, double *x, double *y);

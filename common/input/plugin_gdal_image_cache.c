@@ -21,13 +21,28 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-enum { TILE_COLUMNS = 256, TILE_ROWS = 128 };
+enum {
+    TILE_COLUMNS = 256,
+    ROWS_BYTES = 1 << 25, /* of a row of tiles of the finest level, about: fewer rows where the picture is wide */
+    MOST_ROWS = 128,
+    LEAST_ROWS = 16,
+    MOST_COLUMNS = 1 << 22 /* of a picture, with that */
+};
+
+static int tile_rows(const tc_gdal_cache *cache)
+{
+    int rows = MOST_ROWS;
+    while (rows > LEAST_ROWS && (cache->width >> cache->first) * 4 * rows > ROWS_BYTES)
+        rows /= 2;
+    return rows;
+}
 
 typedef struct level_file {
     GDALDatasetH dataset;
     char path[4200];
     int nameless;       /* its descriptor; -1: none */
     uint8_t (*rows)[4]; /* of tiles, until they are full */
+    int tile_rows;
     tc_image_size size;
 } level_file;
 
@@ -89,13 +104,13 @@ static int64_t about_block(GDALRasterBandH band, const char *what, int x, int y)
 }
 
 /* Whether the file has all its blocks, of which the last row was written last. */
-static bool is_whole(const char *path, GDALDatasetH dataset)
+static bool is_whole(const tc_gdal_cache *cache, const char *path, GDALDatasetH dataset)
 {
     GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
     struct stat about;
     int w, h;
     GDALGetBlockSize(band, &w, &h);
-    if (w != TILE_COLUMNS || h != TILE_ROWS || stat(path, &about) != 0)
+    if (w != TILE_COLUMNS || h != tile_rows(cache) || stat(path, &about) != 0)
         return false;
     int across = (GDALGetRasterXSize(dataset) + w - 1) / w, down = (GDALGetRasterYSize(dataset) + h - 1) / h;
     for (int x = 0; x < across; x++) {
@@ -120,7 +135,7 @@ static bool open_files(const tc_gdal_cache *cache, GDALDatasetH *dataset_ret)
         GDALDatasetH d = GDALOpenEx(path, GDAL_OF_RASTER, (const char *const[]){"GTiff", NULL}, NULL, NULL);
         dataset_ret[k] = d;
         good = d && GDALGetRasterCount(d) == 4 && GDALGetRasterXSize(d) == size[cache->first + k].width &&
-               GDALGetRasterYSize(d) == size[cache->first + k].height && is_whole(path, d);
+               GDALGetRasterYSize(d) == size[cache->first + k].height && is_whole(cache, path, d);
     }
     for (int k = 0; k < cache->count && !good; k++)
         if (dataset_ret[k])
@@ -143,14 +158,14 @@ static tc_status cannot_keep(const making *m, const level_file *f, const char *w
 static bool begin_file(const tc_gdal_cache *cache, int level, tc_image_size size, level_file *f)
 {
     name_file(cache, level, f->path);
-    f->size = size;
+    f->size = size, f->tile_rows = tile_rows(cache);
     f->nameless = tc_outfile_nameless(f->path);
     if (f->nameless < 0)
         return false;
     char **how = NULL;
     how = CSLSetNameValue(how, "TILED", "YES");
     how = CSLSetNameValue(how, "BLOCKXSIZE", CPLSPrintf("%d", TILE_COLUMNS));
-    how = CSLSetNameValue(how, "BLOCKYSIZE", CPLSPrintf("%d", TILE_ROWS));
+    how = CSLSetNameValue(how, "BLOCKYSIZE", CPLSPrintf("%d", f->tile_rows));
     how = CSLSetNameValue(how, "COMPRESS", "DEFLATE");
     how = CSLSetNameValue(how, "ZLEVEL", "1");
     how = CSLSetNameValue(how, "PREDICTOR", "2");
@@ -160,7 +175,7 @@ static bool begin_file(const tc_gdal_cache *cache, int level, tc_image_size size
     f->dataset = GDALCreate(GDALGetDriverByName("GTiff"), CPLSPrintf("/proc/self/fd/%d", f->nameless), (int)size.width,
                             (int)size.height, 4, GDT_Byte, how);
     CSLDestroy(how);
-    f->rows = malloc((size_t)size.width * TILE_ROWS * 4);
+    f->rows = malloc((size_t)size.width * (size_t)f->tile_rows * 4);
     return f->dataset && f->rows;
 }
 
@@ -168,9 +183,9 @@ static tc_status give_row(void *context, int level, int64_t y, uint8_t (*rgba)[4
 {
     making *m = context;
     level_file *f = &m->level[level - m->cache->first];
-    int64_t at = y % TILE_ROWS, w = f->size.width;
+    int64_t at = y % f->tile_rows, w = f->size.width;
     memcpy(f->rows + at * w, rgba, (size_t)w * 4);
-    if (at + 1 < TILE_ROWS && y + 1 < f->size.height)
+    if (at + 1 < f->tile_rows && y + 1 < f->size.height)
         return TC_OK;
     bool good = GDALDatasetRasterIO(f->dataset, GF_Write, 0, (int)(y - at), (int)w, (int)at + 1, f->rows, (int)w,
                                     (int)at + 1, GDT_Byte, 4, NULL, 4, (int)(4 * w), 1) == CE_None;
@@ -213,10 +228,10 @@ static tc_status check_room(const tc_gdal_cache *cache, const tc_image_size *siz
     double free_bytes = statvfs(folder, &disk) == 0 ? (double)disk.f_bavail * (double)disk.f_frsize : 1e300;
     if (bytes > free_bytes)
         return tc_fail(error, TC_ERR_IO,
-                       "%s: expected room for levels of %lld x %lld pixels, up to %.1f GB, in %s, found %.1f GB; or "
+                       "%s: expected room for levels of %lld x %lld pixels, up to %.0f MB, in %s, found %.0f MB; or "
                        "overviews in the picture (gdaladdo)",
-                       cache->name, (long long)cache->width, (long long)cache->height, bytes * 1e-9, folder,
-                       free_bytes * 1e-9);
+                       cache->name, (long long)cache->width, (long long)cache->height, bytes * 1e-6, folder,
+                       free_bytes * 1e-6);
     return TC_OK;
 }
 
@@ -253,12 +268,12 @@ static tc_status make_files(const tc_gdal_cache *cache, tc_image_rows *rows, con
         if (!begin_file(cache, cache->first + begun, size[cache->first + begun], &m->level[begun]))
             status = cannot_keep(m, &m->level[begun], NULL, error);
     const tc_image_making what = {.first = cache->first,
-                                    .levels = cache->first + cache->count,
-                                    .size = size,
-                                    .give = give_row,
-                                    .context = m,
-                                    .progress = options->progress,
-                                    .progress_context = options->progress_context};
+                                  .levels = cache->first + cache->count,
+                                  .size = size,
+                                  .give = give_row,
+                                  .context = m,
+                                  .progress = options->progress,
+                                  .progress_context = options->progress_context};
     if (status == TC_OK)
         status = tc_image_make_levels(rows, &what, error);
     for (int k = 0; k < begun; k++)
@@ -278,6 +293,10 @@ tc_status tc_gdal_cache_open(const tc_gdal_cache *cache, tc_image_rows *rows, co
             "%s: expected $XDG_CACHE_HOME or $HOME, to keep its levels there, found neither; or overviews in "
             "the picture (gdaladdo)",
             cache->name);
+    if (cache->width > MOST_COLUMNS)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected at most %d columns, or overviews in the picture (gdaladdo), found %lld columns",
+                       cache->name, MOST_COLUMNS, (long long)cache->width);
     if (open_files(cache, dataset_ret))
         return TC_OK;
     tc_say(options->source, false, "%s: levels of %lld x %lld pixels are made once, in %s-*.tif", cache->name,

@@ -37,7 +37,7 @@ static tc_status read_pixels(const gdal_rows *r, tc_rect rect, uint8_t (*rgba)[4
     tc_gdal_image *g = r->image;
     tc_gdal_messages said;
     tc_gdal_listen(&said);
-    bool good = tc_gdal_pixels_read(&g->pixels, g->dataset, r->overview, rect, rgba, rect.x1 - rect.x0);
+    bool good = tc_gdal_pixels_read(&g->pixels, g->dataset, r->overview, rect, rgba, rect.x1 - rect.x0, &said);
     const char *why = tc_gdal_heard(&said);
     return good
                ? TC_OK

@@ -10,20 +10,21 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void *transformer_of(GDALDatasetH dataset, const char *wkt)
+OGRSpatialReferenceH tc_gdal_image_system(GDALDatasetH dataset)
 {
-    char **how = CSLSetNameValue(NULL, "DST_SRS", wkt);
-    void *transformer = GDALCreateGenImgProjTransformer2(dataset, NULL, how);
-    CSLDestroy(how);
-    return transformer;
+    OGRSpatialReferenceH system = GDALGetSpatialRef(dataset);
+    if (!system)
+        system = GDALGetGCPSpatialRef(dataset);
+    char *wkt = NULL; /* GDAL has empty ones where it does not understand what a file says */
+    bool named = system && OSRExportToWkt(system, &wkt) == OGRERR_NONE && wkt && *wkt;
+    CPLFree(wkt);
+    return named ? system : NULL;
 }
 
 /* The picture's own system, or on a globe its degrees; to be freed with CPLFree. NULL: it has none. */
 static char *own_system(GDALDatasetH dataset, bool globe)
 {
-    OGRSpatialReferenceH own = GDALGetSpatialRef(dataset);
-    if (!own)
-        own = GDALGetGCPSpatialRef(dataset);
+    OGRSpatialReferenceH own = tc_gdal_image_system(dataset);
     OGRSpatialReferenceH taken = !own ? NULL : globe ? tc_gdal_lonlat_of(own) : OSRClone(own);
     char *wkt = NULL;
     if (taken)
@@ -34,13 +35,16 @@ static char *own_system(GDALDatasetH dataset, bool globe)
 
 void *tc_gdal_image_places(const char *name, GDALDatasetH dataset, const tc_image_map *map, tc_error *error)
 {
-    char *own = map->crs_wkt ? NULL : own_system(dataset, map->globe);
     tc_gdal_messages said;
     tc_gdal_listen(&said);
-    void *transformer = map->crs_wkt || own ? transformer_of(dataset, map->crs_wkt ? map->crs_wkt : own) : NULL;
+    char *own = map->crs_wkt ? NULL : own_system(dataset, map->globe);
+    const char *wkt = map->crs_wkt ? map->crs_wkt : own;
+    char **how = wkt ? CSLSetNameValue(NULL, "DST_SRS", wkt) : NULL; /* else none on either side */
+    void *transformer = GDALCreateGenImgProjTransformer2(dataset, NULL, how);
     const char *why = tc_gdal_heard(&said);
     if (!transformer)
         tc_fail(error, TC_ERR_UNSUPPORTED, "%s: cannot be brought to the terrain's coordinate system: %s", name, why);
+    CSLDestroy(how);
     CPLFree(own);
     return transformer;
 }

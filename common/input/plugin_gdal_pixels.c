@@ -225,8 +225,27 @@ static void from_cmyk(uint8_t pixel[4])
         pixel[k] = (uint8_t)(((255 - pixel[k]) * black + 127) / 255);
 }
 
+/* Why pixels cannot be read: messages of the threads that decode many blocks at once are lost, so that a pixel of each
+ * is read until one fails here. */
+static void find_damage(const tc_gdal_pixels *p, GDALDatasetH dataset, int overview, tc_rect r, tc_gdal_messages *said)
+{
+    for (int k = 0; k <= p->count; k++) {
+        int number = k < p->count ? p->band[k] : p->alpha, w, h;
+        GDALRasterBandH band = number ? band_at(dataset, number, overview) : NULL;
+        if (!band)
+            continue;
+        GDALGetBlockSize(band, &w, &h);
+        for (int64_t y = r.y0; y < r.y1 && h > 0; y = (y / h + 1) * h)
+            for (int64_t x = r.x0; x < r.x1 && w > 0; x = (x / w + 1) * w) {
+                uint16_t pixel;
+                if (GDALRasterIO(band, GF_Read, (int)x, (int)y, 1, 1, &pixel, 1, 1, GDT_UInt16, 0, 0) || *said->failure)
+                    return;
+            }
+    }
+}
+
 bool tc_gdal_pixels_read(const tc_gdal_pixels *p, GDALDatasetH dataset, int overview, tc_rect r, uint8_t (*rgba)[4],
-                         ptrdiff_t stride)
+                         ptrdiff_t stride, tc_gdal_messages *said)
 {
     size_t pixels = (size_t)((r.x1 - r.x0) * (r.y1 - r.y0));
     uint16_t *wide = malloc((p->multiplied ? 2 : 1) * pixels * sizeof *wide); /* also two masks */
@@ -250,6 +269,8 @@ bool tc_gdal_pixels_read(const tc_gdal_pixels *p, GDALDatasetH dataset, int over
         good = read_component(p, band_at(dataset, p->alpha, overview), 4, r, wide, NULL, rgba, stride, 3);
     if (good && p->masks)
         good = read_masks(p, dataset, overview, r, (uint8_t *)wide, rgba, stride);
+    if (!good && wide && !*said->failure)
+        find_damage(p, dataset, overview, r, said);
     free(wide);
     return good;
 }

@@ -11,6 +11,8 @@ globe=$build/planet-viewer
 terraclip=$build/terraclip
 make_file=$build/tests/make-file
 compare=$build/tests/compare-heights
+make_picture=$build/tests/make-picture
+used=$build/tests/used
 work=$(mktemp -d "${TMPDIR:-/tmp}/terraclip-cli-XXXXXX") || exit 99
 trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
