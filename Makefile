@@ -22,9 +22,10 @@ CXX ?= c++
 WARN := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith -Wvla -Werror
 WARNXX := -Wall -Wextra -Wshadow -Werror
 # -ffp-contract=off: the same heights from every compiler and on every processor. -fno-math-errno: square roots are an
-# instruction, with the same result.
+# instruction, with the same result. -fno-trapping-math: nobody asks whether a number overflowed, so that loops with
+# comparisons can be done by wide instructions.
 # -fvisibility=hidden: what a shared library shows are the functions of its public header, which says so.
-COMMON := -g -fPIC -fvisibility=hidden -pthread -ffp-contract=off -fno-math-errno -MMD -MP -I. -I$(O)/gen -DTC_VERSION='"$(VERSION)"' -DTC_PLUGIN_DIR='"$(PREFIX)/lib/terraclip"'
+COMMON := -g -fPIC -fvisibility=hidden -pthread -ffp-contract=off -fno-math-errno -fno-trapping-math -MMD -MP -I. -I$(O)/gen -DTC_VERSION='"$(VERSION)"' -DTC_PLUGIN_DIR='"$(PREFIX)/lib/terraclip"'
 opt.release := -O3 -DNDEBUG
 opt.debug := -O0
 opt.sanitize := -O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer

@@ -2,196 +2,169 @@
  * curvature foretells.
  *
  * A cell (i, j) of the coarser level, from its sample (i, j) to the next, has three details, one a band. */
+#include "synthesis_detail.h"
+
 #include <math.h>
 #include <string.h>
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
 
 #include "common/base/rect.h"
 #include "common/base/simd.h"
-#include "synthesis_detail.h"
-#include "synthesis_noise.h"
 
 /* ---- Amplitude --------------------------------------------------------------------------------------------------- */
 
-/* A at cells x0 .. x1 - 1 of row j, interpolated from the coarser grid. */
-static void amplitude_row(const tc_level_recipe *r, int64_t j, int64_t x0, int64_t x1, float *row, float *line)
+/* Those of a line, `steps` of them and one more, and between them their means. */
+static inline void halve_steps(const float *restrict line, int64_t steps, float *restrict out)
+{
+    for (int64_t u = 0; u < steps; u++)
+        out[2 * u] = line[u], out[2 * u + 1] = line[u] + 0.5f * (line[u + 1] - line[u]);
+    out[2 * steps] = line[steps];
+}
+
+/* A at cells of row j, interpolated from the coarser grid. line: scratch. */
+static inline void amplitude_row(const tc_level_recipe *r, int64_t j, int64_t x0, int64_t x1,
+                                 float (*line)[TC_ROW_PITCH], float *restrict row)
 {
     const tc_patch *a = r->amplitude;
-    int64_t grain = (int64_t)1 << r->shift, v = tc_floor_shift(j, r->shift), u0 = tc_floor_shift(x0, r->shift);
-    int64_t u1 = tc_floor_shift(x1 - 1, r->shift) + 2;
-    float share = (float)(j - v * grain) / (float)grain, inverse = 1.0f / (float)grain;
-    const float *south = tc_patch_at(a, u0, v), *north = tc_patch_at(a, u0, v + (share > 0));
-    for (int64_t u = 0; u < u1 - u0 - (r->shift == 0); u++)
-        line[u] = south[u] + share * (north[u] - south[u]);
+    int64_t v = tc_floor_shift(j, r->shift), u0 = tc_floor_shift(x0, r->shift), from = 0;
     if (r->shift == 0) {
-        memcpy(row, line, (size_t)(x1 - x0) * sizeof *row);
+        memcpy(row, tc_patch_at(a, x0, j), (size_t)(x1 - x0) * sizeof *row);
         return;
     }
-    for (int64_t i = x0; i < x1; i++) {
-        int64_t u = tc_floor_shift(i, r->shift);
-        float t = (float)(i - u * grain) * inverse;
-        row[i - x0] = line[u - u0] + t * (line[u - u0 + 1] - line[u - u0]);
+    int64_t grain = (int64_t)1 << r->shift, count = tc_floor_shift(x1 - 1, r->shift) + 2 - u0;
+    float share = (float)(j - v * grain) / (float)grain;
+    const float *south = tc_patch_at(a, u0, v), *north = tc_patch_at(a, u0, v + (share > 0));
+    int which = 0;
+    for (int64_t u = 0; u < count; u++)
+        line[0][u] = south[u] + share * (north[u] - south[u]);
+    for (int k = r->shift - 1; k >= 0; k--) { /* 2^k cells apart, from one at or before x0 to one behind x1 - 1 */
+        halve_steps(line[which] + from, count - 1, line[!which]);
+        which = !which, from = tc_floor_shift(x0, k) & 1;
+        count = tc_floor_shift(x1 - 1, k) + 2 - tc_floor_shift(x0, k);
     }
+    memcpy(row, line[which] + from, (size_t)(x1 - x0) * sizeof *row);
 }
 
-/* ---- Noise ------------------------------------------------------------------------------------------------------- */
+/* ---- Direction --------------------------------------------------------------------------------------------------- */
 
-/* Steps, in white noise of that stride, by one and by two cells along the direction (dx, dy). */
-static inline void direction_row(const float *restrict dx, const float *restrict dy, int64_t count, int32_t stride,
-                                 int32_t *restrict one, int32_t *restrict two)
+/* Directions of cells: of the slope of the coarser level, or across it. s, c, n: rows of samples. */
+static inline void direction_row(const tc_level_recipe *r, const float *restrict south, const float *restrict c,
+                                 const float *restrict north, int64_t count, tc_directions *restrict d)
 {
+    const float ratio = r->spacing_x / r->spacing_y, square = ratio * ratio;
+    const bool across = r->fit->smear < 0;
+    int8_t first[TC_ROW_PITCH], second[TC_ROW_PITCH];
     for (int64_t i = 0; i < count; i++) {
-        float ax = dx[i] < 0 ? -dx[i] : dx[i], ay = dy[i] < 0 ? -dy[i] : dy[i];
-        int32_t steep = ay > ax, sign = (dx[i] < 0) == (dy[i] < 0) ? 1 : -1;
-        float lo = steep ? ax : ay, hi = steep ? ay : ax;
-        int32_t t1 = 2 * lo >= hi ? sign : 0;
-        int32_t t2 = 4 * lo >= 3 * hi ? 2 * sign : 4 * lo >= hi ? sign : 0;
-        t1 = hi > 0 ? t1 : 0, t2 = hi > 0 ? t2 : 0;
-        one[i] = steep ? stride + t1 : 1 + t1 * stride;
-        two[i] = steep ? 2 * stride + t2 : 2 + t2 * stride;
+        float gx = c[i + 1] - c[i - 1], gy = north[i] - south[i];
+        float dx = across ? -gy : gx, dy = across ? gx : gy * square, ax = fabsf(dx), ay = fabsf(dy);
+        float lo = ax < ay ? ax : ay, hi = ax > ay ? ax : ay;
+        /* Masks. Eighths of a turn away from the nearer axis: towards the diagonal up to the right, or to the left. */
+        int32_t steep = -(ay > ax), left = -(dx * dy < 0), other = steep ^ left, half = -(2 * lo > hi);
+        int32_t eighths = (4 * lo > hi) + (4 * lo > 3 * hi);
+        first[i] = (int8_t)((half & (1 + (left & 2))) | (~half & steep & 2));
+        second[i] = (int8_t)(((steep & 4) + (eighths ^ other) - other) & 7);
     }
-}
-
-/* Directions of cells x0 .. of row j: of the slope of the coarser level, or across it. */
-static inline void slopes_row(const tc_level_recipe *r, const tc_patch *coarse, int64_t j, int64_t x0, int64_t count,
-                              float *restrict dx, float *restrict dy)
-{
-    const float *restrict z = tc_patch_at(coarse, x0, j);
-    ptrdiff_t s = coarse->stride;
-    float ratio = r->spacing_x / r->spacing_y, square = ratio * ratio;
-    bool across = r->fit->smear < 0;
+    /* From numbers of lines to a choice of them. */
     for (int64_t i = 0; i < count; i++) {
-        float gx = (z[i + 1] - z[i - 1]), gy = (z[i + s] - z[i - s]);
-        dx[i] = across ? -gy * ratio : gx;
-        dy[i] = across ? gx * ratio : gy * square;
+        int8_t one = first[i], two = second[i];
+        for (int k = 0; k < TC_LINES_ONE; k++)
+            d->one[k][i] = (int8_t) - (one == k);
+        for (int k = 0; k < TC_LINES_TWO; k++)
+            d->two[k][i] = (int8_t) - (two == k);
     }
-}
-
-typedef float quad __attribute__((vector_size(16)));
-
-/* Four bands' noise at once, smeared. Positive neighbours along an axis that a band is low on, and negative ones along
- * one that it is high on, move its energy to the lower frequencies of the octave. */
-static inline void smear_row(const tc_synthesis_fit *fit, const float *white, int64_t stride,
-                             const int32_t *restrict one, const int32_t *restrict two, int64_t count,
-                             float *restrict out)
-{
-    float s = fit->smear < 0 ? -fit->smear : fit->smear, w1 = s, w2 = s * s, t = fit->spread;
-    const quad along_x = {-t, t, -t, 0}, along_y = {t, -t, -t, 0};
-    for (int64_t i = 0; i < count; i++) {
-        const float *p = white + 4 * i;
-        quad c, a, b, d, e, west, east, south, north;
-        memcpy(&c, p, sizeof c);
-        memcpy(&west, p - 4, sizeof west), memcpy(&east, p + 4, sizeof east);
-        memcpy(&south, p - 4 * stride, sizeof south), memcpy(&north, p + 4 * stride, sizeof north);
-        memcpy(&a, p + 4 * one[i], sizeof a), memcpy(&b, p - 4 * one[i], sizeof b);
-        memcpy(&d, p + 4 * two[i], sizeof d), memcpy(&e, p - 4 * two[i], sizeof e);
-        quad n = c + along_x * (west + east) + along_y * (south + north) + w1 * (a + b) + w2 * (d + e);
-        memcpy(out + 4 * i, &n, sizeof n);
-    }
-}
-
-/* Four values a cell into a row for each of the three bands. */
-static inline void split_bands(const float *noise, int64_t count, float *restrict x, float *restrict y,
-                               float *restrict xy)
-{
-    int64_t i = 0;
-#ifdef __SSE__
-    for (; i + 4 <= count; i += 4) {
-        __m128 a = _mm_loadu_ps(noise + 4 * i), b = _mm_loadu_ps(noise + 4 * i + 4);
-        __m128 c = _mm_loadu_ps(noise + 4 * i + 8), d = _mm_loadu_ps(noise + 4 * i + 12);
-        _MM_TRANSPOSE4_PS(a, b, c, d);
-        _mm_storeu_ps(x + i, a), _mm_storeu_ps(y + i, b), _mm_storeu_ps(xy + i, c);
-    }
-#endif
-    for (; i < count; i++)
-        x[i] = noise[4 * i], y[i] = noise[4 * i + 1], xy[i] = noise[4 * i + 2];
 }
 
 /* ---- Bands ------------------------------------------------------------------------------------------------------- */
 
 /* Noise of variance 1, shaped to the kurtosis and cut, times A. */
-static inline float shaped(float n, float norm, float peak, float amplitude)
+static inline float shaped(float n, float peak, float amplitude)
 {
-    n *= norm;
     n = n + peak * (n * n * n);
     return tc_cut(n, -TC_NOISE_MOST, TC_NOISE_MOST) * amplitude;
 }
 
-/* Details from smeared noise and what curvature foretells, in place. */
-static inline void bands_row(const tc_level_recipe *r, const float *restrict z, ptrdiff_t s, const float *restrict open,
-                             const float *restrict amplitude, int64_t count, float *restrict hx, float *restrict hy,
-                             float *restrict hxy)
+/* Details high along one axis, along which p[.] are samples one after the other, from smeared noise and what curvature
+ * foretells. */
+static inline void band_row(const tc_synthesis_fit *fit, float share, float norm, const int16_t *restrict noise,
+                            const float *const p[6], const float *restrict amplitude, int64_t count,
+                            float *restrict out)
 {
-    const tc_synthesis_fit *fit = r->fit;
-    float b0 = fit->band[0], b1 = fit->band[1], b2 = fit->band[2], c0 = fit->curvature[0], c1 = fit->curvature[1];
-    float w1 = fit->smear * fit->smear, peak = fit->peak;
-    float norm = 1 / sqrtf(1 + 2 * w1 + 2 * w1 * w1 + 4 * fit->spread * fit->spread);
+    const float *restrict a = p[0], *restrict b = p[1], *restrict c = p[2], *restrict d = p[3], *restrict e = p[4],
+                          *restrict f = p[5];
+    float c0 = fit->curvature[0], c1 = fit->curvature[1], peak = fit->peak;
     for (int64_t i = 0; i < count; i++)
-        hx[i] = b0 * shaped(hx[i], norm, peak, amplitude[i]) +
-                open[i] * (c0 * tc_second_difference(z + i, 1) + c1 * tc_sixth_difference(z + i, 1));
-    for (int64_t i = 0; i < count; i++)
-        hy[i] = b1 * shaped(hy[i], norm, peak, amplitude[i]) +
-                open[i] * (c0 * tc_second_difference(z + i, s) + c1 * tc_sixth_difference(z + i, s));
-    for (int64_t i = 0; i < count; i++)
-        hxy[i] = b2 * shaped(hxy[i], norm, peak, amplitude[i]);
+        out[i] = share * shaped(norm * (float)noise[i], peak, amplitude[i]) +
+                 tc_foretold(a[i], b[i], c[i], d[i], e[i], f[i], c0, c1);
 }
 
-/* ---- Details ----------------------------------------------------------------------------------------------------- */
-
-/* Cells around one whose noise is smeared into it. */
-enum { SMEAR = 2 };
-
-size_t tc_details_scratch(int64_t width, int64_t height)
+static inline void diagonal_row(const tc_synthesis_fit *fit, float norm, const int16_t *restrict noise,
+                                const float *restrict amplitude, int64_t count, float *restrict out)
 {
-    return (size_t)(4 * (width + 2 * SMEAR) * (height + 2 * SMEAR) + 10 * width + 4);
+    float share = fit->band[TC_HIGH_XY], peak = fit->peak;
+    for (int64_t i = 0; i < count; i++)
+        out[i] = share * shaped(norm * (float)noise[i], peak, amplitude[i]);
 }
 
-static inline void make_details(const tc_level_recipe *r, const tc_patch *coarse, const uint8_t *flat,
-                                const tc_details *d, float *scratch)
+/* Nothing where a corner is flat. */
+static inline void leave_flats(const uint8_t *restrict f, const uint8_t *restrict g, int64_t count, float *restrict x,
+                               float *restrict y, float *restrict xy, float *restrict amplitude)
 {
-    int64_t w = d->rect.x1 - d->rect.x0, white_width = w + 2 * SMEAR;
-    int64_t last_x = r->wraps ? INT64_MAX : r->width - 1, last_y = r->height - 1;
-    tc_rect around = tc_rect_grown(d->rect, SMEAR);
-    float *white = scratch, *noise = white + 4 * tc_rect_area(around), *open = noise + 4 * w;
-    float *dx = open + w, *dy = dx + w, *line = dy + w;
-    int32_t *one = (int32_t *)(line + w + 4), *two = one + w;
-    tc_white_noise(r->seed, r->wraps ? r->width : 0, around, white);
-    for (int64_t j = d->rect.y0; j < d->rect.y1; j++) {
-        int64_t row = j - d->rect.y0, at = row * d->stride;
-        float *amplitude = d->amplitude + at;
-        amplitude_row(r, j, d->rect.x0, d->rect.x1, amplitude, line);
-        const uint8_t *f = flat ? flat + row * (w + 1) : NULL;
-        for (int64_t i = 0; i < w; i++)
-            open[i] = f && (f[i] | f[i + 1] | f[w + 1 + i] | f[w + 2 + i]) ? 0.0f : 1.0f;
-        for (int64_t i = 0; i < w; i++)
-            amplitude[i] *= open[i];
-        slopes_row(r, coarse, j, d->rect.x0, w, dx, dy);
-        direction_row(dx, dy, w, (int32_t)white_width, one, two);
-        smear_row(r->fit, white + 4 * ((row + SMEAR) * white_width + SMEAR), white_width, one, two, w, noise);
-        float *hx = d->band[TC_HIGH_X] + at, *hy = d->band[TC_HIGH_Y] + at, *hxy = d->band[TC_HIGH_XY] + at;
-        split_bands(noise, w, hx, hy, hxy);
-        bands_row(r, tc_patch_at(coarse, d->rect.x0, j), coarse->stride, open, amplitude, w, hx, hy, hxy);
-        /* There are no details beyond the last sample. */
-        for (int64_t i = 0; i < w && !r->wraps; i++)
-            if (d->rect.x0 + i < 0 || d->rect.x0 + i >= last_x)
-                hx[i] = hxy[i] = 0;
-        if (j < 0 || j >= last_y)
-            memset(hy, 0, (size_t)w * sizeof *hy), memset(hxy, 0, (size_t)w * sizeof *hxy);
+    for (int64_t i = 0; i < count; i++) {
+        float open = 1 - (float)(f[i] | f[i + 1] | g[i] | g[i + 1]);
+        x[i] *= open, y[i] *= open, xy[i] *= open, amplitude[i] *= open;
     }
 }
 
-TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void make_details_avx2(const tc_level_recipe *r,
-                                                                                const tc_patch *coarse,
-                                                                                const uint8_t *flat,
-                                                                                const tc_details *d, float *scratch)
+/* Nor beyond the last sample, where there is no data to be corrected. */
+static inline void leave_beyond(const tc_level_recipe *r, tc_rect rect, int64_t j, float *x, float *y, float *xy)
 {
-    make_details(r, coarse, flat, d, scratch);
+    int64_t count = rect.x1 - rect.x0;
+    int64_t first = r->wraps ? 0 : tc_clamp64(-rect.x0, 0, count);
+    int64_t end = r->wraps ? count : tc_clamp64(r->width - 1 - rect.x0, first, count);
+    for (int64_t i = 0; i < first; i++)
+        x[i] = xy[i] = 0;
+    for (int64_t i = end; i < count; i++)
+        x[i] = xy[i] = 0;
+    if (j < 0 || j >= r->height - 1)
+        memset(y, 0, (size_t)count * sizeof *y), memset(xy, 0, (size_t)count * sizeof *xy);
 }
 
-void tc_details_make(const tc_level_recipe *r, const tc_patch *coarse, const uint8_t *flat, const tc_details *d,
-                     float *scratch)
+/* ---- Rows -------------------------------------------------------------------------------------------------------- */
+
+void tc_details_begin(tc_details *d, const tc_level_recipe *r, tc_rect rect)
 {
-    (tc_have_avx2() ? make_details_avx2 : make_details)(r, coarse, flat, d, scratch);
+    d->recipe = r, d->rect = rect;
+    tc_noise_begin(&d->noise, r->seed, r->wraps ? r->width : 0, rect.x0, rect.x1 - rect.x0, rect.y0, r->fit);
+}
+
+static inline void details_row(tc_details *d, int64_t j, const tc_detail_sources *from,
+                               float *const band[TC_DETAIL_BANDS], float *amplitude)
+{
+    const tc_level_recipe *r = d->recipe;
+    const tc_synthesis_fit *fit = r->fit;
+    const int64_t cells = d->rect.x1 - d->rect.x0, w = tc_eights(cells);
+    const float *z = from->z[2], *const along_x[6] = {z - 2, z - 1, z, z + 1, z + 2, z + 3};
+    float norm = 1 / d->noise.smear.rms, *x = band[TC_HIGH_X], *y = band[TC_HIGH_Y], *xy = band[TC_HIGH_XY];
+    amplitude_row(r, j, d->rect.x0, d->rect.x1, d->line, amplitude);
+    direction_row(r, from->z[1], z, from->z[3], tc_thirty_twos(cells), &d->directions);
+    tc_noise_smeared(&d->noise, &d->directions, d->smeared);
+    band_row(fit, fit->band[TC_HIGH_X], norm, d->smeared[TC_HIGH_X], along_x, amplitude, w, x);
+    band_row(fit, fit->band[TC_HIGH_Y], norm, d->smeared[TC_HIGH_Y], from->z, amplitude, w, y);
+    diagonal_row(fit, norm, d->smeared[TC_HIGH_XY], amplitude, w, xy);
+    if (from->any_flat)
+        leave_flats(from->flat[0], from->flat[1], w, x, y, xy, amplitude);
+    leave_beyond(r, d->rect, j, x, y, xy);
+}
+
+TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void details_row_avx2(tc_details *d, int64_t j,
+                                                                               const tc_detail_sources *from,
+                                                                               float *const band[TC_DETAIL_BANDS],
+                                                                               float *amplitude)
+{
+    details_row(d, j, from, band, amplitude);
+}
+
+void tc_details_row(tc_details *d, int64_t j, const tc_detail_sources *from, float *const band[TC_DETAIL_BANDS],
+                    float *amplitude)
+{
+    (tc_have_avx2() ? details_row_avx2 : details_row)(d, j, from, band, amplitude);
 }

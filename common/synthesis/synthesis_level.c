@@ -1,8 +1,8 @@
 /* synthesis_level.c - one level of synthesised heights from the coarser one.
  *
- * The inverse lifting (filter.c has the forward one, with the same border rule) gives four fine samples of each cell:
- * of its heights and its three details. U of the heights alone lies beneath, so that what is beyond it can be bounded.
- */
+ * The inverse lifting (filter.c has the forward one, with the same border rule) gives four fine samples of each cell.
+ * Being linear, it is done of the details alone; what it gives is bounded and added to U of the heights. Rows pass
+ * through it one after the other, the last few of them kept, along y first: a row of cells, then the two finer rows. */
 #include "synthesis_level.h"
 
 #include <string.h>
@@ -11,6 +11,7 @@
 #include "common/base/simd.h"
 #include "common/field/filter.h"
 #include "synthesis_detail.h"
+#include "synthesis_flat.h"
 
 tc_rect tc_synthesis_needs(tc_rect fine, int reach)
 {
@@ -41,176 +42,230 @@ void tc_extend_beyond(const tc_patch *p, int64_t width, int64_t height, bool wra
     }
 }
 
-/* ---- What is flat ------------------------------------------------------------------------------------------------ */
-
-/* flat[.]: 1 where the sample or a neighbour is the middle of 3 x 3 equal ones. Over rect, of which coarse has two more
- * samples to all sides. work: as large as coarse. Whether any is. */
-static bool find_flats(const tc_patch *coarse, tc_rect rect, uint8_t *flat, uint8_t *work)
-{
-    tc_rect middle = {rect.x0 - 1, rect.y0 - 1, rect.x1 + 1, rect.y1 + 1};
-    int64_t w = middle.x1 - middle.x0, n = rect.x1 - rect.x0;
-    ptrdiff_t s = coarse->stride;
-    uint8_t any = 0;
-    for (int64_t j = middle.y0; j < middle.y1; j++) {
-        const float *restrict z = tc_patch_at(coarse, middle.x0, j);
-        uint8_t *restrict out = work + (j - middle.y0) * w;
-        for (int64_t i = 0; i < w; i++) {
-            float c = z[i];
-            out[i] = (z[i - 1] == c) & (z[i + 1] == c) & (z[i - s] == c) & (z[i + s] == c) & (z[i - s - 1] == c) &
-                     (z[i - s + 1] == c) & (z[i + s - 1] == c) & (z[i + s + 1] == c);
-        }
-        for (int64_t i = 0; i < w; i++)
-            any |= out[i];
-    }
-    if (!any)
-        return false;
-    for (int64_t j = 0; j < rect.y1 - rect.y0; j++)
-        for (int64_t i = 0; i < n; i++) {
-            const uint8_t *c = work + (j + 1) * w + i + 1;
-            flat[j * n + i] = c[0] | c[-1] | c[1] | c[-w] | c[w] | c[-w - 1] | c[-w + 1] | c[w - 1] | c[w + 1];
-        }
-    return true;
-}
-
 /* ---- Inverse lifting --------------------------------------------------------------------------------------------- */
 
-/* Evens of rows: low less what the details around would add. d: of the same row; step: between rows. */
-static inline void even_row(const float *restrict low, const float *restrict d, ptrdiff_t step, int64_t count,
-                            float *restrict even)
+/* Evens of rows: `low` less what four rows of details around would add; of nothing where low is NULL. */
+static inline void even_row(const float *restrict low, const float *restrict p, const float *restrict q,
+                            const float *restrict r, const float *restrict s, int64_t count, float *restrict even)
 {
-    for (int64_t i = 0; i < count; i++)
-        even[i] = low[i] - (TC_UPDATE_NEAR * (d[i - step] + d[i]) + TC_UPDATE_FAR * (d[i - 2 * step] + d[i + step]));
-}
-
-static inline void odd_row(const float *restrict even, ptrdiff_t step, const float *restrict d, int64_t count,
-                           float *restrict odd)
-{
-    for (int64_t i = 0; i < count; i++)
-        odd[i] = d[i] + tc_predict(even[i - step], even[i], even[i + step], even[i + 2 * step]);
-}
-
-/* Rows 2 j0 .. 2 j1 - 1 of what was low and high along y, from evens j0 - 1 .. j1 + 1. low: row j0 - 1 on; detail: row
- * j0 - 1, with two before and one behind. even: j1 - j0 + 3 rows; out: 2 (j1 - j0) rows. All of one stride but low. */
-static inline void invert_y(const float *low, ptrdiff_t low_stride, const float *detail, ptrdiff_t stride, int64_t j0,
-                            int64_t j1, int64_t height, int64_t count, float *even, float *out)
-{
-    int64_t first = tc_max64(j0 - 1, 0), end = tc_min64(j1 + 2, height);
-    for (int64_t j = first; j < end; j++) {
-        int64_t k = j - (j0 - 1);
-        even_row(low + k * low_stride, detail + k * stride, stride, count, even + k * stride);
-    }
-    tc_extend_beyond(&(tc_patch){even, stride, {0, j0 - 1, count, j1 + 2}}, count, height, true);
-    for (int64_t j = j0; j < j1; j++) {
-        const float *e = even + (j - j0 + 1) * stride;
-        memcpy(out + 2 * (j - j0) * stride, e, (size_t)count * sizeof *out);
-        odd_row(e, stride, detail + (j - j0 + 1) * stride, count, out + (2 * (j - j0) + 1) * stride);
+    for (int64_t i = 0; i < count; i++) {
+        float update = TC_UPDATE_NEAR * (q[i] + r[i]) + TC_UPDATE_FAR * (p[i] + s[i]);
+        even[i] = low ? low[i] - update : -update;
     }
 }
 
-/* The same along a row. low: from i0 - 1 on; detail: from i0 - 1 on, with two before and one behind. fine: 2 (i1 - i0).
- */
-static inline void invert_x(const float *low, const float *detail, int64_t i0, int64_t i1, int64_t width, bool wraps,
-                            float *restrict even, float *restrict odd, float *restrict fine)
+/* Odds: what is foretold by four rows of evens around, and the detail; d may be NULL. */
+static inline void odd_row(const float *restrict d, const float *restrict p, const float *restrict q,
+                           const float *restrict r, const float *restrict s, int64_t count, float *restrict odd)
 {
-    int64_t first = wraps ? i0 - 1 : tc_max64(i0 - 1, 0), end = wraps ? i1 + 2 : tc_min64(i1 + 2, width);
-    int64_t at = i0 - 1;
-    even_row(low + (first - at), detail + (first - at), 1, end - first, even + (first - at));
-    tc_extend_beyond(&(tc_patch){even, 0, {at, 0, i1 + 2, 1}}, width, 1, wraps);
-    odd_row(even + 1, 1, detail + 1, i1 - i0, odd);
-    for (int64_t i = 0; i < i1 - i0; i++)
-        fine[2 * i] = even[i + 1], fine[2 * i + 1] = odd[i];
+    for (int64_t i = 0; i < count; i++) {
+        float v = tc_predict(p[i], q[i], r[i], s[i]);
+        odd[i] = d ? d[i] + v : v;
+    }
+}
+
+static inline void beyond_row(const float *restrict edge, const float *restrict inner, float times, int64_t count,
+                              float *restrict row)
+{
+    for (int64_t i = 0; i < count; i++)
+        row[i] = edge[i] + times * (edge[i] - inner[i]);
+}
+
+/* Evens and odds of a finer row, from what of it is low and high along x: both from cell i0 - 1 on, with two more
+ * before and one more behind. */
+static inline void invert_x(const tc_level_recipe *r, const float *low, const float *high, int64_t i0, int64_t i1,
+                            float *even, float *odd)
+{
+    int64_t first = r->wraps ? i0 - 1 : tc_max64(i0 - 1, 0), end = r->wraps ? i1 + 2 : tc_min64(i1 + 2, r->width);
+    const float *d = high + (first - (i0 - 1));
+    even_row(low + (first - (i0 - 1)), d - 2, d - 1, d, d + 1, tc_eights(end - first), even + (first - (i0 - 1)));
+    tc_extend_beyond(&(tc_patch){even, 0, {i0 - 1, 0, i1 + 2, 1}}, r->width, 1, r->wraps);
+    odd_row(high + 1, even, even + 1, even + 2, even + 3, tc_eights(i1 - i0), odd);
+}
+
+/* Heights of a finer row: U's, and what is beyond them, bounded by A; and all by the terrain's range. */
+static inline void bounded_row(const tc_level_recipe *r, const float *restrict even, const float *restrict odd,
+                               const float *restrict under_even, const float *restrict under_odd,
+                               const float *restrict amplitude, int64_t cells, float *restrict out)
+{
+    float lowest = r->lowest, highest = r->highest;
+    for (int64_t i = 0; i < cells; i++) {
+        float most = TC_ADDED_MOST * amplitude[i];
+        out[2 * i] = tc_cut(tc_cut(even[i], -most, most) + under_even[i], lowest, highest);
+        out[2 * i + 1] = tc_cut(tc_cut(odd[i], -most, most) + under_odd[i], lowest, highest);
+    }
+}
+
+/* ---- What passes through ----------------------------------------------------------------------------------------- */
+
+enum {
+    AROUND = TC_AMPLITUDE_REACH,               /* cells around those of a rectangle whose details it depends on, */
+    BEYOND = TC_COARSE_REACH - AROUND,         /* samples beyond these that details depend on */
+    FINE = 2 * (TC_ROW_CELLS - 2 * AROUND - 1) /* columns of heights that are made at once */
+};
+
+typedef struct flow {
+    const tc_level_recipe *recipe;
+    const tc_patch *coarse;
+    tc_rect cells, around; /* with those around */
+    int64_t next_sample, next_detail, next_even;
+    tc_rows samples;
+    tc_flats flats;
+    tc_details details;
+    tc_rows band[TC_DETAIL_BANDS], amplitude;
+    tc_rows low, high; /* evens along y of what is low and high along x */
+    /* Of a finer row: what is low and high along x, U, evens and odds of what is beyond it, and heights. */
+    float line_low[TC_ROW_PITCH], line_high[TC_ROW_PITCH], even[TC_ROW_PITCH], odd[TC_ROW_PITCH];
+    float under_even[TC_ROW_PITCH], under_odd[TC_ROW_PITCH], line[2 * TC_ROW_PITCH];
+} flow;
+
+size_t tc_synthesis_scratch(void)
+{
+    const size_t most = sizeof(flow) / sizeof(float) + 1, energy = TC_ENERGY_ROWS * TC_ROW_PITCH;
+    return most > energy ? most : energy;
+}
+
+/* Row j of what is kept. */
+static inline float *row_at(tc_rows r, int64_t j)
+{
+    return r[tc_row_slot(j)];
+}
+
+/* Samples of row j at the first cell around. */
+static inline float *samples_at(flow *f, int64_t j)
+{
+    return row_at(f->samples, j) + BEYOND;
+}
+
+static inline void begin(flow *f, const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect)
+{
+    const int64_t cells = tc_synthesis_needs(rect, AROUND).x1 - tc_synthesis_needs(rect, AROUND).x0;
+    f->recipe = r, f->coarse = coarse, f->cells = tc_synthesis_needs(rect, 0);
+    f->around = tc_synthesis_needs(rect, AROUND);
+    f->next_sample = f->around.y0 - 2, f->next_detail = f->around.y0, f->next_even = tc_max64(f->cells.y0 - 1, 0);
+    /* What is done more than there is had better be numbers. */
+    for (int k = 0; k < TC_ROWS_KEPT; k++) {
+        memset(f->samples[k] + cells + 2 * BEYOND, 0, (size_t)(TC_ROW_PITCH - cells - 2 * BEYOND) * sizeof(float));
+        memset(f->amplitude[k] + cells, 0, (size_t)(TC_ROW_PITCH - cells) * sizeof(float));
+    }
+    tc_flats_begin(&f->flats, cells);
+    tc_details_begin(&f->details, r, f->around);
+}
+
+/* Samples up to row `last`. */
+static inline void samples_to(flow *f, int64_t last)
+{
+    for (; f->next_sample <= last; f->next_sample++) {
+        int64_t j = f->next_sample;
+        memcpy(row_at(f->samples, j), tc_patch_at(f->coarse, f->around.x0 - BEYOND, j),
+               (size_t)(f->around.x1 - f->around.x0 + 2 * BEYOND) * sizeof(float));
+        tc_flats_pass(&f->flats, j, samples_at(f, j - 1), samples_at(f, j));
+    }
+}
+
+/* Details up to row `last`. */
+static inline void details_to(flow *f, int64_t last)
+{
+    for (; f->next_detail <= last; f->next_detail++) {
+        int64_t j = f->next_detail;
+        samples_to(f, j + 3);
+        tc_detail_sources from = {.any_flat = tc_flats_any(&f->flats, j) || tc_flats_any(&f->flats, j + 1),
+                                  .flat = {tc_flats_row(&f->flats, j), tc_flats_row(&f->flats, j + 1)}};
+        for (int k = 0; k < 6; k++)
+            from.z[k] = samples_at(f, j - 2 + k);
+        float *const band[TC_DETAIL_BANDS] = {row_at(f->band[0], j), row_at(f->band[1], j), row_at(f->band[2], j)};
+        tc_details_row(&f->details, j, &from, band, row_at(f->amplitude, j));
+    }
+}
+
+/* Evens along y up to row `last`, in a straight line beyond the sides. */
+static inline void evens_to(flow *f, int64_t last)
+{
+    const int64_t w = tc_eights(f->around.x1 - f->around.x0), end = f->recipe->height - 1, inner = end > 0;
+    for (; f->next_even <= last; f->next_even++) {
+        int64_t j = f->next_even;
+        const float *y[4], *xy[4];
+        for (int k = 0; k < 4; k++)
+            y[k] = row_at(f->band[TC_HIGH_Y], j - 2 + k), xy[k] = row_at(f->band[TC_HIGH_XY], j - 2 + k);
+        if (j <= end) {
+            even_row(NULL, y[0], y[1], y[2], y[3], w, row_at(f->low, j));
+            even_row(row_at(f->band[TC_HIGH_X], j), xy[0], xy[1], xy[2], xy[3], w, row_at(f->high, j));
+        } else {
+            beyond_row(row_at(f->low, end), row_at(f->low, end - inner), (float)(j - end), w, row_at(f->low, j));
+            beyond_row(row_at(f->high, end), row_at(f->high, end - inner), (float)(j - end), w, row_at(f->high, j));
+        }
+        if (j == 1 && f->cells.y0 == 0) { /* row -1 is asked for */
+            beyond_row(row_at(f->low, 0), row_at(f->low, inner), 1, w, row_at(f->low, -1));
+            beyond_row(row_at(f->high, 0), row_at(f->high, inner), 1, w, row_at(f->high, -1));
+        }
+    }
 }
 
 /* ---- A level ----------------------------------------------------------------------------------------------------- */
 
-/* Cells around those of a rectangle whose details its heights depend on. */
-enum { AROUND = TC_AMPLITUDE_REACH };
-
-size_t tc_synthesis_scratch(int64_t width, int64_t height)
+/* U of the finer row 2 j + half: of the coarser level or of what lies between four of its rows, and between their
+ * samples. Evens, from one cell before the first one on. */
+static inline const float *under_row(flow *f, int64_t j, int half)
 {
-    int64_t w = width / 2 + 2 + 2 * AROUND, h = height / 2 + 2 + 2 * AROUND, rows = 2 * h, columns = 2 * w;
-    int64_t planes = (TC_DETAIL_BANDS + 1) * w * h, lifted = w * h + 2 * rows * w, base = rows * columns;
-    int64_t upsampling = columns * (h + 3), flat = (2 * (w + 5) * (h + 5)) / 4 + 1, lines = 6 * w + 8;
-    return (size_t)(planes + lifted + base + upsampling + flat + lines) + tc_details_scratch(w, h);
+    const int64_t count = f->cells.x1 - f->cells.x0;
+    const float *c = samples_at(f, j) + AROUND - 1, *north = samples_at(f, j + 1) + AROUND - 1;
+    if (half)
+        odd_row(NULL, samples_at(f, j - 1) + AROUND - 1, c, north, samples_at(f, j + 2) + AROUND - 1,
+                tc_eights(count + 3), f->under_even);
+    const float *even = half ? f->under_even : c;
+    odd_row(NULL, even, even + 1, even + 2, even + 3, tc_eights(count), f->under_odd);
+    tc_flats_keep(&f->flats, j, half, AROUND, count, c + 1, north + 1, f->under_even + 1, f->under_odd);
+    return even;
 }
 
-/* Between equal samples of what is flat lie those themselves, where U would swing. base: 2 x 2 a cell. */
-static void keep_flat(const tc_patch *coarse, tc_rect cells, const uint8_t *flat, int64_t flat_stride, float *base)
+/* What the details add to it. */
+static inline void over_row(flow *f, int64_t j, int half)
 {
-    int64_t w = cells.x1 - cells.x0, s = coarse->stride;
-    for (int64_t j = 0; j < cells.y1 - cells.y0; j++) {
-        const float *c = tc_patch_at(coarse, cells.x0, cells.y0 + j);
-        const uint8_t *f = flat + j * flat_stride;
-        float *row = base + 4 * w * j;
-        for (int64_t i = 0; i < w; i++) {
-            bool right = (f[i] & f[i + 1]) && c[i + 1] == c[i];
-            bool up = (f[i] & f[i + flat_stride]) && c[i + s] == c[i];
-            if (right)
-                row[2 * i + 1] = c[i];
-            if (up)
-                row[2 * w + 2 * i] = c[i];
-            if (right && up && f[i + flat_stride + 1] && c[i + s + 1] == c[i])
-                row[2 * w + 2 * i + 1] = c[i];
-        }
+    const float *low = row_at(f->low, j), *high = row_at(f->high, j);
+    const int64_t w = tc_eights(f->around.x1 - f->around.x0);
+    if (half) {
+        odd_row(row_at(f->band[TC_HIGH_Y], j), row_at(f->low, j - 1), low, row_at(f->low, j + 1), row_at(f->low, j + 2),
+                w, f->line_low);
+        odd_row(row_at(f->band[TC_HIGH_XY], j), row_at(f->high, j - 1), high, row_at(f->high, j + 1),
+                row_at(f->high, j + 2), w, f->line_high);
+        low = f->line_low, high = f->line_high;
     }
+    invert_x(f->recipe, low + AROUND - 1, high + AROUND - 1, f->cells.x0, f->cells.x1, f->even, f->odd);
 }
 
-/* base plus what the inverse lifting gives beyond it, which is bounded by A; and all by the terrain's range. */
-static inline void bounded_row(const tc_level_recipe *r, const float *restrict fine, const float *restrict base,
-                               const float *restrict amplitude, int64_t cells, float *restrict out)
+static inline void make_columns(const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect, float *z,
+                                ptrdiff_t stride, flow *f)
 {
-    float lowest = r->lowest, highest = r->highest;
-    for (int64_t i = 0; i < cells; i++)
-        out[2 * i] = out[2 * i + 1] = TC_ADDED_MOST * amplitude[i];
-    for (int64_t i = 0; i < 2 * cells; i++) {
-        float most = out[i], v = fine[i] - base[i];
-        out[i] = tc_cut(tc_cut(v, -most, most) + base[i], lowest, highest);
+    begin(f, r, coarse, rect);
+    const int64_t count = f->cells.x1 - f->cells.x0;
+    if (r->fit->none) {
+        memset(f->amplitude, 0, sizeof f->amplitude);
+        memset(f->even, 0, sizeof f->even), memset(f->odd, 0, sizeof f->odd);
+    }
+    for (int64_t y = rect.y0; y < rect.y1; y++) {
+        int64_t j = y >> 1;
+        int half = (int)(y & 1);
+        if (r->fit->none) {
+            samples_to(f, j + 3); /* as far as what is flat depends on */
+        } else {
+            details_to(f, j + AROUND);
+            evens_to(f, j + 2);
+            over_row(f, j, half);
+        }
+        const float *under = under_row(f, j, half);
+        bounded_row(r, f->even + 1, f->odd, under + 1, f->under_odd, row_at(f->amplitude, j) + AROUND, tc_eights(count),
+                    f->line);
+        memcpy(z + (y - rect.y0) * stride, f->line + (rect.x0 - 2 * f->cells.x0),
+               (size_t)(rect.x1 - rect.x0) * sizeof *z);
     }
 }
 
 static inline void make_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect, float *z,
                               ptrdiff_t stride, float *scratch)
 {
-    tc_rect cells = tc_synthesis_needs(rect, 0);
-    int64_t i0 = cells.x0, i1 = cells.x1, j0 = cells.y0, j1 = cells.y1;
-    tc_details d = {.rect = tc_rect_grown(cells, AROUND)};
-    int64_t w = d.stride = d.rect.x1 - d.rect.x0, h = d.rect.y1 - d.rect.y0;
-    int64_t columns = 2 * (i1 - i0), rows = 2 * (j1 - j0);
-    for (int b = 0; b < TC_DETAIL_BANDS; b++)
-        d.band[b] = scratch, scratch += w * h;
-    d.amplitude = scratch, scratch += w * h;
-    float *even = scratch, *low = even + w * h, *high = low + rows * w, *base = high + rows * w;
-    float *upsampling = base + columns * rows;
-    scratch = upsampling + columns * (j1 - j0 + 3);
-    uint8_t *flat = (uint8_t *)scratch, *flat_work = flat + (w + 1) * (h + 1);
-    scratch += (2 * (w + 5) * (h + 5)) / 4 + 1;
-    float *line_even = scratch, *line_odd = line_even + w + 4, *fine = line_odd + w + 4, *line = fine + 2 * w;
-    scratch = line + 2 * w;
-
-    bool flats = find_flats(coarse, (tc_rect){d.rect.x0, d.rect.y0, d.rect.x1 + 1, d.rect.y1 + 1}, flat, flat_work);
-    tc_upsample(tc_patch_at(coarse, i0, j0), coarse->stride, i1 - i0, j1 - j0, base, upsampling);
-    if (flats)
-        keep_flat(coarse, cells, flat + AROUND * (w + 1) + AROUND, w + 1, base);
-    if (!r->fit->none) {
-        tc_details_make(r, coarse, flats ? flat : NULL, &d, scratch);
-        ptrdiff_t at = (AROUND - 1) * w; /* row j0 - 1 */
-        invert_y(tc_patch_at(coarse, d.rect.x0, j0 - 1), coarse->stride, d.band[TC_HIGH_Y] + at, w, j0, j1, r->height,
-                 w, even, low);
-        invert_y(d.band[TC_HIGH_X] + at, w, d.band[TC_HIGH_XY] + at, w, j0, j1, r->height, w, even, high);
-    }
-    for (int64_t y = rect.y0; y < rect.y1; y++) {
-        int64_t row = y - 2 * j0;
-        const float *under = base + row * columns;
-        if (r->fit->none) {
-            for (int64_t i = 0; i < columns; i++)
-                line[i] = tc_cut(under[i], r->lowest, r->highest);
-        } else {
-            invert_x(low + row * w + AROUND - 1, high + row * w + AROUND - 1, i0, i1, r->width, r->wraps, line_even,
-                     line_odd, fine);
-            bounded_row(r, fine, under, d.amplitude + (AROUND + (row >> 1)) * w + AROUND, i1 - i0, line);
-        }
-        memcpy(z + (y - rect.y0) * stride, line + (rect.x0 - 2 * i0), (size_t)(rect.x1 - rect.x0) * sizeof *z);
-    }
+    for (int64_t x = rect.x0; x < rect.x1; x += FINE)
+        make_columns(r, coarse, (tc_rect){x, rect.y0, tc_min64(x + FINE, rect.x1), rect.y1}, z + (x - rect.x0), stride,
+                     (flow *)scratch);
 }
 
 TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void make_level_avx2(const tc_level_recipe *r,

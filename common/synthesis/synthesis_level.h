@@ -3,6 +3,7 @@
 #define TC_SYNTHESIS_LEVEL_H
 
 #include "synthesis.h"
+#include "synthesis_rows.h"
 
 /* Heights or amplitudes over a rectangle of a level. */
 typedef struct tc_patch {
@@ -37,8 +38,9 @@ typedef struct tc_level_recipe {
     int shift;                  /* of samples 2^shift of the coarser level apart */
 } tc_level_recipe;
 
-/* Floats of scratch for a fine rectangle of at most so many samples. */
-size_t tc_synthesis_scratch(int64_t width, int64_t height);
+/* Floats of scratch that the functions below take. */
+size_t tc_synthesis_scratch(void);
+enum { TC_ENERGY_ROWS = 42 }; /* of TC_ROW_PITCH floats: what energies take of it */
 
 /* Writes fine heights over rect. coarse: its heights over tc_synthesis_needs(rect, TC_COARSE_REACH), beyond the level's
  * sides too (tc_extend_beyond()). */
@@ -49,7 +51,7 @@ void tc_synthesis_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rec
 void tc_extend_beyond(const tc_patch *p, int64_t width, int64_t height, bool wraps);
 
 /* log2 of energy and of squared slope (plus the fit's floors) of the samples within rect; z reaches TC_ENERGY_REACH
- * further. scratch: 3 x the area of z. */
+ * further. */
 void tc_local_energy(const tc_patch *z, const tc_synthesis_fit *fit, float spacing_x, float spacing_y, tc_rect rect,
                      float *energy, float *slope, float *scratch);
 
@@ -67,14 +69,12 @@ static inline float tc_cut(float v, float lowest, float highest)
 #define TC_NOISE_MOST 6.0f
 #define TC_ADDED_MOST 6.0f
 
-/* Features that foretell a detail between p[0] and p[1]: second and sixth differences of samples p[-2 .. 3] apart. */
-static inline float tc_second_difference(const float *p, ptrdiff_t step)
+/* What curvature foretells of a detail between the middle two of six samples in a row, by shares of their second and
+ * their sixth difference; 0 of what is straight. */
+static inline float tc_foretold(float a, float b, float c, float d, float e, float f, float second, float sixth)
 {
-    return 0.0625f * (p[0] + p[step] - p[-step] - p[2 * step]);
-}
-static inline float tc_sixth_difference(const float *p, ptrdiff_t step)
-{
-    return (3.0f / 256) * ((p[-2 * step] + p[3 * step]) - 3 * (p[-step] + p[2 * step]) + 2 * (p[0] + p[step]));
+    float middle = c + d, near = (b + e) - middle, far = (a + f) - middle;
+    return (-0.0625f * second - (9.0f / 256) * sixth) * near + (3.0f / 256) * sixth * far;
 }
 
 #endif

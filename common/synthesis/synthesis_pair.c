@@ -84,7 +84,7 @@ void tc_true_details(const float *fine, int64_t w, int64_t h, float *const band[
 
 typedef struct buffers {
     float coarse[SIDE * SIDE], fine[FINE * FINE], work[3 * FINE * FINE], energy[SIDE * SIDE], slope[SIDE * SIDE];
-    float band[TC_DETAIL_BANDS][TC_PAIR_SIDE * TC_PAIR_SIDE];
+    float band[TC_DETAIL_BANDS][TC_PAIR_SIDE * TC_PAIR_SIDE], scratch[TC_ENERGY_ROWS * TC_ROW_PITCH];
     uint8_t voids[FINE * FINE];
 } buffers;
 
@@ -103,7 +103,7 @@ static tc_status read_block(const tc_field *field, int level, tc_rect block, flo
     tc_status status = tc_field_read(field, level, around, b->coarse, b->voids, patch.stride);
     if (!status)
         tc_local_energy(&patch, &floors, (float)size.spacing_x, (float)size.spacing_y, block, b->energy, b->slope,
-                        b->work);
+                        b->scratch);
     return status;
 }
 

@@ -168,8 +168,10 @@ static void settle_curvature(const stage *g, tc_synthesis_fit *fit)
             double a = amplitude_at(s, i % w, i / w);
             for (int axis = 0; axis < 2 && a > 0; axis++) {
                 const float *p = coarse_at(s, i % w, i / w);
-                double d = band[axis][i] / a, f = tc_second_difference(p, axis ? stride : 1) / a;
-                double e = tc_sixth_difference(p, axis ? stride : 1) / a;
+                const ptrdiff_t s1 = axis ? stride : 1;
+                const float q[6] = {p[-2 * s1], p[-s1], p[0], p[s1], p[2 * s1], p[3 * s1]};
+                double d = band[axis][i] / a, f = tc_foretold(q[0], q[1], q[2], q[3], q[4], q[5], 1, 0) / a;
+                double e = tc_foretold(q[0], q[1], q[2], q[3], q[4], q[5], 0, 1) / a;
                 m[0][0] += f * f, m[0][1] += f * e, m[1][1] += e * e, v[0] += f * d, v[1] += e * d;
             }
         }
@@ -241,7 +243,7 @@ static void settle(const stage *g, tc_synthesis_fit *fit)
 
 /* Heights and amplitudes of a block, none next to voids: what has no amplitude does not count. */
 static tc_status set_scene(const tc_field *field, int level, tc_rect b, const tc_synthesis_fit *fit, uint8_t *voids,
-                           float *energy, scene *s, float *work)
+                           float *energy, scene *s, float *scratch)
 {
     tc_level size = tc_field_level(field, level);
     tc_rect around = tc_rect_grown(b, TC_PAIR_REACH), inner = tc_rect_grown(b, INNER), fine = tc_pair_fine(b);
@@ -253,7 +255,7 @@ static tc_status set_scene(const tc_field *field, int level, tc_rect b, const tc
     if (status)
         return status;
     tc_patch patch = {s->coarse, w, around};
-    tc_local_energy(&patch, fit, (float)size.spacing_x, (float)size.spacing_y, inner, energy, energy + area, work);
+    tc_local_energy(&patch, fit, (float)size.spacing_x, (float)size.spacing_y, inner, energy, energy + area, scratch);
     tc_amplitudes(fit, 1, energy, energy + area, area, s->amplitude);
     for (int64_t i = 0; i < area; i++)
         if (tc_near_void(voids + (i / inner_w + TC_ENERGY_REACH) * w + i % inner_w + TC_ENERGY_REACH, w))
@@ -264,7 +266,7 @@ static tc_status set_scene(const tc_field *field, int level, tc_rect b, const tc
 tc_status tc_synthesis_rehearse(const tc_field *field, const tc_pair *pair, double a, double b, double c,
                                 tc_synthesis_fit *fit)
 {
-    const size_t fine = (size_t)FINE * FINE, scratch = tc_synthesis_scratch(2 * SIDE, 2 * SIDE) + 4 * fine;
+    const size_t fine = (size_t)FINE * FINE, scratch = tc_synthesis_scratch();
     float *memory = malloc((scratch + 6 * fine) * sizeof *memory);
     scene *scenes = malloc(TC_PAIR_BLOCKS * sizeof *scenes);
     uint8_t *voids = malloc(fine);
@@ -277,7 +279,7 @@ tc_status tc_synthesis_rehearse(const tc_field *field, const tc_pair *pair, doub
     known.level[0].a = (float)a, known.level[0].b = (float)b, known.level[0].c = (float)c,
     known.level[0].cap = INFINITY;
     for (int n = 0; n < pair->blocks && !status; n++)
-        status = set_scene(field, pair->coarse, pair->block[n], &known, voids, memory, &scenes[g.scenes++], g.work);
+        status = set_scene(field, pair->coarse, pair->block[n], &known, voids, g.work, &scenes[g.scenes++], memory);
     if (!status)
         settle(&g, fit);
     free(memory), free(scenes), free(voids);

@@ -61,9 +61,26 @@ static void truth(const dataset *d)
     tc_field_destroy(real);
 }
 
+enum { N = 255 };
+
+static double read_ms(const tc_field *f, int level, int64_t x, int64_t y)
+{
+    static float z[N * N];
+    double start = tc_clock_ms();
+    if (tc_field_read(f, level, (tc_rect){x, y, x + N, y + N}, z, NULL, N))
+        abort();
+    return tc_clock_ms() - start;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
 static void time_levels(const dataset *d)
 {
-    enum { N = 255, TIMES = 200 };
+    enum { TIMES = 200, PLACES = 15 };
     tc_grid grid;
     tc_field *real, *made;
     tc_error error = {TC_OK, ""};
@@ -79,19 +96,23 @@ static void time_levels(const dataset *d)
     int m = tc_field_info(real)->levels;
     if (tc_synthesis_create(real, 8, &fit, 0, (tc_synthesis_share){0}, &made, &error))
         die(d->name, &error);
-    float *z = malloc(N * N * sizeof *z);
     printf("%-40s fit %.0f ms;", d->name, fitted);
-    for (int l = m + 1; l <= m + 8; l++) {
+    for (int l = m + 1; l <= m + 8; l++) { /* the levels below are there, as in a flight */
         double best = INFINITY;
         const tc_level size = tc_field_level(made, l);
-        int64_t x = size.width / 2, y = size.height / 2;
-        for (int n = 0; n < TIMES; n++) {
-            start = tc_clock_ms();
-            if (tc_field_read(made, l, (tc_rect){x, y, x + N, y + N}, z, NULL, N))
-                abort();
-            best = fmin(best, tc_clock_ms() - start);
-        }
+        for (int n = 0; n < TIMES; n++)
+            best = fmin(best, read_ms(made, l, size.width / 2, size.height / 2));
         printf(" %.3f", best);
+    }
+    printf("; anew");
+    for (int l = m + 1; l <= m + 8; l++) { /* in the middle of a few places far from one another */
+        double ms[PLACES];
+        const tc_level size = tc_field_level(made, l);
+        for (int n = 0; n < PLACES; n++)
+            ms[n] = read_ms(made, l, (int64_t)(fmod(0.7548776662466927 * (n + l), 1) * (double)(size.width - N)),
+                            (int64_t)(fmod(0.5698402909980532 * (n + l), 1) * (double)(size.height - N)));
+        qsort(ms, PLACES, sizeof *ms, by_size);
+        printf(" %.3f", ms[PLACES / 2]);
     }
     /* Beside it: U of as many samples, and copying them. */
     enum { C = (N + 1) / 2, AROUND = C + 3 };
@@ -106,7 +127,6 @@ static void time_levels(const dataset *d)
         copying = fmin(copying, tc_clock_ms() - middle), upsampling = fmin(upsampling, middle - start);
     }
     printf(" ms; U alone %.4f, copying %.4f%s\n", upsampling, copying, copy[0] > 0 ? "" : " ");
-    free(z);
     tc_field_destroy(made);
 }
 

@@ -22,25 +22,45 @@
 #define tc_synthesis_needs narrow_needs
 #define tc_synthesis_scratch narrow_scratch
 #define tc_extend_beyond narrow_extend_beyond
-#define tc_details_make narrow_details_make
-#define tc_details_scratch narrow_details_scratch
-#define tc_white_noise narrow_white_noise
+#define tc_flats_begin narrow_flats_begin
+#define tc_flats_pass narrow_flats_pass
+#define tc_flats_keep narrow_flats_keep
+#define tc_details_begin narrow_details_begin
+#define tc_details_row narrow_details_row
+#define tc_noise_begin narrow_noise_begin
+#define tc_noise_smeared narrow_noise_smeared
+#define tc_smear_of narrow_smear_of
 #define tc_noise_seed narrow_noise_seed
+#define tc_local_energy narrow_local_energy
+#define tc_amplitudes narrow_amplitudes
 #include "common/synthesis/synthesis_detail.c"
+#include "common/synthesis/synthesis_energy.c"
+#include "common/synthesis/synthesis_flat.c"
 #include "common/synthesis/synthesis_level.c"
 #include "common/synthesis/synthesis_noise.c"
 #undef tc_synthesis_level
 #undef tc_synthesis_needs
 #undef tc_synthesis_scratch
 #undef tc_extend_beyond
-#undef tc_details_make
-#undef tc_details_scratch
-#undef tc_white_noise
+#undef tc_flats_begin
+#undef tc_flats_pass
+#undef tc_flats_keep
+#undef tc_details_begin
+#undef tc_details_row
+#undef tc_noise_begin
+#undef tc_noise_smeared
+#undef tc_smear_of
 #undef tc_noise_seed
+#undef tc_local_energy
+#undef tc_amplitudes
 tc_rect tc_synthesis_needs(tc_rect fine, int reach);
-size_t tc_synthesis_scratch(int64_t width, int64_t height);
+size_t tc_synthesis_scratch(void);
 void tc_synthesis_level(const tc_level_recipe *r, const tc_patch *coarse, tc_rect rect, float *z, ptrdiff_t stride,
                         float *scratch);
+void tc_local_energy(const tc_patch *z, const tc_synthesis_fit *fit, float spacing_x, float spacing_y, tc_rect rect,
+                     float *energy, float *slope, float *scratch);
+void tc_amplitudes(const tc_synthesis_fit *fit, int k, const float *energy, const float *slope, int64_t count,
+                   float *amplitude);
 
 enum { LEVELS = 4 };
 
@@ -191,19 +211,34 @@ static void threads_do_not_matter(void **state)
 static void wide_instructions_do_the_same(void **state)
 {
     (void)state;
-    enum { SIDE = 70, REACH = TC_COARSE_REACH, STRIDE = SIDE / 2 + 2 * REACH };
+    /* Wider than what is made at once. */
+    enum { WIDTH = 330, HEIGHT = 70, REACH = TC_COARSE_REACH, STRIDE = WIDTH / 2 + 2 * REACH };
     tc_field *f = default_terrain(300, 257);
     tc_synthesis_fit fit;
     tc_error error = {TC_OK, ""};
     assert_int_equal(tc_synthesis_learn(f, &fit, &error), TC_OK);
-    for (int k = 0; k < 3; k++) { /* along the slope, across it, not at all */
+    const tc_rect rect = {60, 60, 60 + WIDTH, 60 + HEIGHT}, around = tc_synthesis_needs(rect, REACH);
+    const tc_rect inner = tc_rect_grown(around, -TC_ENERGY_REACH);
+    const tc_patch coarse = {read_rect(f, tc_field_info(f)->levels, around), STRIDE, around};
+    for (int64_t j = 50; j < 60; j++) /* a lake */
+        for (int64_t i = 90; i < 103; i++)
+            *tc_patch_at(&coarse, i, j) = *tc_patch_at(&coarse, 90, 50);
+    static float energy[2][STRIDE * STRIDE], slope[2][STRIDE * STRIDE], a[2][STRIDE * STRIDE], z[2][WIDTH * HEIGHT];
+    float *scratch = malloc(tc_synthesis_scratch() * sizeof *scratch), part[3 * HEIGHT];
+    for (int n = 0; n < 2; n++) {
+        (n ? narrow_local_energy : tc_local_energy)(&coarse, &fit, 30, 29, inner, energy[n], slope[n], scratch);
+        (n ? narrow_amplitudes : tc_amplitudes)(&fit, 1, energy[0], slope[0], tc_rect_area(inner), a[n]);
+    }
+    assert_memory_equal(energy[0], energy[1], sizeof energy[0]);
+    assert_memory_equal(slope[0], slope[1], sizeof slope[0]);
+    assert_memory_equal(a[0], a[1], sizeof a[0]);
+    for (int i = 0; i < STRIDE * STRIDE; i++)
+        a[0][i] = 1 + 0.01f * (float)(i % 100);
+    const tc_patch amplitude = {a[0], STRIDE, around};
+    for (int k = 0; k < 5;
+         k++) { /* along the slope, across it, not at all; from a coarser grid of amplitudes; U alone */
         fit.smear = k == 0 ? 0.7f : k == 1 ? -0.4f : 0;
-        tc_rect rect = {100, 60, 100 + SIDE, 60 + SIDE}, around = tc_synthesis_needs(rect, REACH);
-        tc_patch coarse = {read_rect(f, tc_field_info(f)->levels, around), STRIDE, around};
-        float *a = malloc(STRIDE * STRIDE * sizeof *a), *scratch[2], z[2][SIDE * SIDE];
-        for (int i = 0; i < STRIDE * STRIDE; i++)
-            a[i] = 1 + 0.01f * (float)(i % 100);
-        tc_patch amplitude = {a, STRIDE, around};
+        fit.none = k == 4;
         const tc_level_recipe r = {.fit = &fit,
                                    .seed = 77,
                                    .width = 300,
@@ -212,15 +247,54 @@ static void wide_instructions_do_the_same(void **state)
                                    .spacing_y = 29,
                                    .lowest = -1e4f,
                                    .highest = 1e4f,
-                                   .amplitude = &amplitude};
-        for (int n = 0; n < 2; n++) {
-            scratch[n] = malloc(tc_synthesis_scratch(SIDE, SIDE) * sizeof(float));
-            (n ? narrow_level : tc_synthesis_level)(&r, &coarse, rect, z[n], SIDE, scratch[n]);
-            free(scratch[n]);
-        }
+                                   .amplitude = &amplitude,
+                                   .shift = 0};
+        const tc_patch coarser = {a[0], STRIDE, {0, 0, STRIDE, STRIDE}};
+        tc_level_recipe grained = r;
+        grained.amplitude = &coarser, grained.shift = 2;
+        for (int n = 0; n < 2; n++)
+            (n ? narrow_level : tc_synthesis_level)(k == 3 ? &grained : &r, &coarse, rect, z[n], WIDTH, scratch);
         assert_memory_equal(z[0], z[1], sizeof z[0]);
-        free(coarse.z), free(a);
+        for (int64_t x = 0; x + 3 <= WIDTH; x += 29) { /* a few columns alone */
+            tc_rect columns = {rect.x0 + x, rect.y0, rect.x0 + x + 3, rect.y1};
+            tc_synthesis_level(k == 3 ? &grained : &r, &coarse, columns, part, 3, scratch);
+            for (int64_t j = 0; j < HEIGHT; j++)
+                assert_memory_equal(part + 3 * j, z[0] + j * WIDTH + x, 3 * sizeof *part);
+        }
     }
+    free(coarse.z), free(scratch);
+    tc_field_destroy(f);
+}
+
+/* Blocks of levels between are kept, and go again when there are too many: heights are the same ones, and memory. */
+static void what_is_kept_changes_nothing(void **state)
+{
+    (void)state;
+    enum { SIDE = 256, READINGS = 90 };
+    tc_field *f = default_field();
+    const int finest = tc_field_info(f)->levels;
+    const tc_rect here = {200, 300, 200 + SIDE, 300 + SIDE};
+    float *first = read_rect(f, finest, here);
+    const size_t bytes = tc_field_tell(f).bytes;
+    for (int n = 0; n < READINGS; n++) {
+        const int l = finest - n % 3;
+        const tc_level size = tc_field_level(f, l);
+        int64_t x = (int64_t)n * 977 % (size.width - SIDE), y = (int64_t)n * 619 % (size.height - SIDE);
+        const tc_rect there = {x, y, x + SIDE, y + SIDE};
+        float *z = read_rect(f, l, there);
+        if (n % 20 == 0) {
+            tc_field *other = default_field();
+            float *fresh = read_rect(other, l, there);
+            assert_memory_equal(z, fresh, SIDE * SIDE * sizeof *z);
+            free(fresh);
+            tc_field_destroy(other);
+        }
+        free(z);
+    }
+    assert_int_equal(tc_field_tell(f).bytes, bytes);
+    float *again = read_rect(f, finest, here);
+    assert_memory_equal(first, again, SIDE * SIDE * sizeof *first);
+    free(first), free(again);
     tc_field_destroy(f);
 }
 
@@ -416,6 +490,7 @@ int main(void)
         cmocka_unit_test(columns_go_round),
         cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(wide_instructions_do_the_same),
+        cmocka_unit_test(what_is_kept_changes_nothing),
         cmocka_unit_test(filtering_gives_the_coarser_level),
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(lakes_and_holes_stay),
