@@ -58,17 +58,6 @@ int stage_of(int at, int last)
     return at + (1 << stage) <= last ? stage : 2;
 }
 
-// Height above the ground below the viewer. What vertices that are farther apart read is coarser: whole levels are mixed,
-// since what a level has of the coarser one is not quite what that has. A loop, as in rings.frag.
-float height_at(vec3 s, float w)
-{
-    float coarser = passed(0, w) + passed(1, w), least = floor(coarser), share = coarser - least, height = 0.0;
-    float most = share > 0.0 && shift_of(w, least + 1.0) > 0.0 ? 1.5 : 0.5;
-    for (float more = 0.0; more < most; more += 1.0)
-        height += (most < 1.0 ? 1.0 : more > 0.0 ? share : 1.0 - share) * height_by(s, w, shift_of(w, least + more));
-    return height;
-}
-
 // A direction as far inwards and around as these angles say, both small. Sines and cosines are those of their series:
 // drivers' may be off by more than what steps next to the viewer are.
 vec3 turned(vec3 s, float inwards, float around)
@@ -83,29 +72,40 @@ vec3 turned(vec3 s, float inwards, float around)
     return vec3(xy.x * cb - xy.y * sb, xy.y * cb + xy.x * sb, s.z * (1.0 - ca) + ca - away * sa);
 }
 
-// A vertex on its way to the middle between two neighbours, of the rows or columns beside its own or of both, on which
-// it lies once its stage leaves it out.
+// A vertex, and as far as its stage has passed over, the middle between its two neighbours, of the rows or columns beside
+// its own or of both, as the next stage reads them. A vertex that is not left out passes over to what the next stage
+// reads there: whole levels are mixed, since what a level has of the coarser one is not quite what that has.
 vec3 surface_vertex()
 {
     bool disc = gl_VertexID >= whole[1].w;
-    int number = disc ? gl_VertexID - whole[1].w : gl_VertexID, row = number / whole[0].w;
-    int columns = whole[2].w >> 16, last = disc ? whole[2].w >> 8 & 255 : whole[2].w & 255;
-    int column = (number - row * whole[0].w) % columns;
-    row = disc ? row : row % last;
+    int columns = whole[2].w >> 16, last = disc ? whole[2].w >> 8 & 255 : whole[2].w & 255, stride = whole[0].w;
     float w = in_vertex.w, ring = disc ? w : floor(w);
+    // Without dividing integers, which processors are slow at.
+    int number = disc ? gl_VertexID - whole[1].w : gl_VertexID;
+    int row = int(disc ? (float(number) + 0.5) / float(stride) : (w - ring) * float(last) + 0.5);
+    int column = number - (disc ? row : int(ring) * last + row) * stride;
+    column -= columns * int((float(column) + 0.5) / float(columns));
     int row_stage = stage_of(row, last), column_stage = stage_of(column, columns), stage = min(row_stage, column_stage);
-    float share = stage < 2 ? passed(stage, w) : 0.0, apart = float(1 << stage);
-    float rows = row_stage == stage ? apart : 0.0, around = column_stage == stage ? apart : 0.0;
-    float inwards = ldexp(3.14159265, -int(ring)) / float(last) * (disc ? 1.0 : 0.5);
+    vec2 far = vec2(passed(0, w), passed(1, w));
+    bool moves = stage < 2 && far[stage & 1] > 0.0;
+    int level = moves ? stage : far.x >= 1.0 ? far.y >= 1.0 ? 2 : 1 : 0;
+    float share = level < 2 ? far[level & 1] : 0.0;
+    if (!moves && shift_of(w, float(level + 1)) <= 0.0) // either way the finest
+        share = 0.0;
+    float apart = float(1 << stage), rows = row_stage == stage ? apart : 0.0;
+    float around = column_stage == stage ? apart * surface[13].w : 0.0;
+    float inwards = rows * ldexp(3.14159265, -int(ring)) / float(last) * (disc ? 1.0 : 0.5);
     vec3 direction = vec3(0.0), position = vec3(0.0);
     vec2 terrain = vec2(0.0);
     // A loop, as in rings.frag: it ends early where all of it, or nothing, is left of the vertex itself.
-    for (int k = share < 1.0 ? 0 : 1; k < (share > 0.0 ? 3 : 1); k++) {
-        float way = k == 0 ? 0.0 : k == 1 ? 1.0 : -1.0, part = k == 0 ? 1.0 - share : 0.5 * share;
+    for (int k = share < 1.0 ? 0 : 1; k < (share > 0.0 ? moves ? 3 : 2 : 1); k++) {
+        float way = k == 2 ? -1.0 : 1.0, part = k == 0 ? 1.0 - share : moves ? 0.5 * share : share, its_w = w;
         vec3 s = in_vertex.xyz;
-        if (k > 0)
-            s = turned(s, way * rows * inwards, -way * around * surface[13].w);
-        float its_w = disc ? w : w + way * rows / float(last), height = height_at(s, its_w);
+        if (k > 0 && moves) {
+            s = turned(s, way * inwards, -way * around);
+            its_w += disc ? 0.0 : way * rows / float(last);
+        }
+        float height = height_by(s, its_w, shift_of(its_w, float(k > 0 ? level + 1 : level)));
         direction += part * s;
         terrain += part * vec2(surface[1].z + height, its_w);
         position += part * position_of(s, height);

@@ -158,12 +158,13 @@ rings_extent tc_rings_held(const tc_clipmap *clipmap, int level);
 rings_extent tc_rings_lattice(const tc_clipmap *clipmap, int level);
 rings_sample tc_rings_find(const rings_view *view, int chart, double du, double dv, double shift);
 double tc_rings_sample_height(const rings_view *view, int chart, const rings_sample *sample);
-/* How far vertices of a stage have passed over to the middle of their neighbours, at ring coordinate w. */
+/* How far vertices that a stage leaves out have passed over to the middle of their neighbours, and others to what the
+ * next stage reads there, at ring coordinate w. */
 double tc_rings_passed(const rings_view *view, int stage, double w);
 /* The stage that ring i, or the disc inside ring i - 1, is drawn with. */
 int tc_rings_stage(const rings_view *view, int i);
-/* Height of a vertex that has not, metres above z_base. */
-double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w);
+/* Height of a vertex of ring coordinate w, so many levels coarser, metres above z_base. */
+double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w, int coarser);
 /* The same at longitude and latitude. */
 bool tc_rings_drawn_height(const tc_view *view, double x, double y, double *z_ret);
 

@@ -158,10 +158,10 @@ double tc_rings_sample_height(const rings_view *view, int chart, const rings_sam
     return south + t[1] * (north - south);
 }
 
-/* Height of a vertex by the level of detail `shift`. */
-static double height_by(const rings_view *view, double s_x, double s_y, double h, double shift)
+double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w, int coarser)
 {
     double weight[TC_MAX_CHARTS], z = 0, outside = tc_rings_of(view)->outside;
+    double shift = tc_rings_shift(view, w, coarser);
     tc_rings_weights(view, s_x, h, weight);
     for (int chart = 0; chart < view->head.windows->charts; chart++) {
         if (weight[chart] <= 0)
@@ -174,14 +174,6 @@ static double height_by(const rings_view *view, double s_x, double s_y, double h
         z += weight[chart] * (outside + share * (there - outside));
     }
     return z;
-}
-
-double tc_rings_height(const rings_view *view, double s_x, double s_y, double h, double w)
-{
-    double share;
-    int coarser = tc_rings_coarser(view, w, &share);
-    double z = height_by(view, s_x, s_y, h, tc_rings_shift(view, w, coarser));
-    return share > 0 ? (1 - share) * z + share * height_by(view, s_x, s_y, h, tc_rings_shift(view, w, coarser + 1)) : z;
 }
 
 /* A ring, or the disc inside the finest one. */
@@ -200,27 +192,29 @@ static mesh_part part_of(const rings_view *view, int i)
     return (mesh_part){i, ldexp(M_PI, -i), 0.5, i, 1, g->m};
 }
 
-/* Vertex of the drawn mesh, from the planet's middle, with what the stages from `stage` on make of it. */
+/* Vertex of the mesh that is drawn once stages before `stage` have left theirs out, from the planet's middle: on its
+ * way to where the next stage has it, or to the middle of its neighbours there. */
 static void mesh_vertex(const rings_view *view, const mesh_part *part, int row, int column, int stage, double p[3])
 {
     const rings_geometry *g = &tc_rings_of(view)->geometry;
-    int columns = g->n_phi / g->sectors;
     double theta = part->edge * (1 - part->depth * row / part->last), phi = 2 * M_PI * column / g->n_phi;
     double half = sin(theta / 2), h = 2 * half * half, sx = sin(theta) * cos(phi), sy = sin(theta) * sin(phi);
-    double w = part->w + part->w_depth * row / part->last, r = view->radius + tc_rings_height(view, sx, sy, h, w);
-    p[0] = r * sx, p[1] = r * sy, p[2] = r * (1 - h);
-    for (; view->throttled && stage < RINGS_STAGES; stage++) {
-        int rows = tc_rings_stage_of(row, part->last) == stage ? 1 << stage : 0;
-        int across = tc_rings_stage_of(column % columns, columns) == stage ? 1 << stage : 0;
-        double passed = tc_rings_passed(view, stage, w), a[3], b[3];
-        if ((!rows && !across) || passed <= 0)
-            continue;
-        mesh_vertex(view, part, row + rows, column - across, stage + 1, a);
-        mesh_vertex(view, part, row - rows, column + across, stage + 1, b);
-        for (int i = 0; i < 3; i++)
-            p[i] = (1 - passed) * p[i] + passed * 0.5 * (a[i] + b[i]);
-        return;
+    double w = part->w + part->w_depth * row / part->last;
+    double passed = stage < RINGS_STAGES ? tc_rings_passed(view, stage, w) : 0;
+    if (passed < 1) {
+        double r = view->radius + tc_rings_height(view, sx, sy, h, w, stage);
+        p[0] = r * sx, p[1] = r * sy, p[2] = r * (1 - h);
     }
+    if (passed <= 0)
+        return;
+    int columns = g->n_phi / g->sectors;
+    int rows = tc_rings_stage_of(row, part->last) == stage ? 1 << stage : 0;
+    int across = tc_rings_stage_of(column % columns, columns) == stage ? 1 << stage : 0;
+    double a[3], b[3];
+    mesh_vertex(view, part, row + rows, column - across, stage + 1, a);
+    mesh_vertex(view, part, row - rows, column + across, stage + 1, b);
+    for (int i = 0; i < 3; i++)
+        p[i] = (passed < 1 ? (1 - passed) * p[i] : 0) + passed * 0.5 * (a[i] + b[i]);
 }
 
 /* Where the ray from the middle along d meets the triangle's plane; *inside_ret: at least this far within, in shares of

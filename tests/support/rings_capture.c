@@ -140,7 +140,7 @@ static void compare(const rings_capture *capture, const rings_view *view, const 
         return;
     }
     double t = (double)theta, half = sin(t / 2), sine = sin(t), height;
-    height = tc_rings_height(view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w);
+    height = tc_rings_height(view, sine * cos((double)phi), sine * sin((double)phi), 2 * half * half, (double)w, 0);
     e->differ += !(fabs((double)(height - o.height)) <= 1e-12 * s->map->body.radius);
     add_error(capture, camera, v, &o, e);
 }
