@@ -243,6 +243,8 @@ $(O)/tests/window-pixels: $(OBJ)/tests/cli/window_pixels.o
 	@mkdir -p $(@D)
 	$(LINK)
 
+$(O)/tests/extreme_imagery: | $(addprefix $(O)/tests/,make-file make-picture used)
+
 # Compares the samples of two of them.
 $(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIBRARY)
 	@mkdir -p $(@D)

@@ -9,7 +9,10 @@
 #include "srgb.h"
 #include "status.h"
 
-enum { BAND_PIXELS = 1 << 20 }; /* that are read at once, about */
+enum {
+    BAND_PIXELS = 1 << 20, /* that are read at once, about */
+    HALF_PIXELS = 24 << 20 /* of rows of level 1 that wait for the rest of their parts, at most */
+};
 
 int tc_image_sizes(int64_t width, int64_t height, int64_t least, tc_image_size size_ret[TC_IMAGE_LEVELS])
 {
@@ -117,10 +120,20 @@ static void halve_part(const cascade *c, const uint8_t (*part)[4], int64_t width
               half + y / 2 * c->m->size[1].width);
 }
 
+/* Rows of a row of parts that are read at once: all; of very wide pictures less, so that parts are read several times.
+ */
+static int64_t rows_at_once(const cascade *c, int64_t part_height)
+{
+    int64_t most = tc_max64(HALF_PIXELS / c->m->size[1].width, 1), down = part_height * (part_height % 2 ? 2 : 1);
+    while (down > 2 * most && down % 4 == 0)
+        down /= 2;
+    return down;
+}
+
 /* Parts of even sizes, so that none of level 1's pixels is of two of them. */
 static tc_status run_parts(cascade *c, tc_image_rows *rows, tc_error *error)
 {
-    const int64_t w = rows->width, h = rows->height, down = rows->part_height * (rows->part_height % 2 ? 2 : 1),
+    const int64_t w = rows->width, h = rows->height, down = rows_at_once(c, rows->part_height),
                   least = rows->part_width * (rows->part_width % 2 ? 2 : 1),
                   across = least * tc_max64(BAND_PIXELS / (down * least), 1);
     const int64_t part_pixels = tc_min64(across, w) * tc_min64(down, h);

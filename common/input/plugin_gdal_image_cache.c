@@ -23,7 +23,7 @@
 
 enum {
     TILE_COLUMNS = 256,
-    ROWS_BYTES = 1 << 25, /* of a row of tiles of the finest level, about: fewer rows where the picture is wide */
+    ROWS_BYTES = 1 << 23, /* of a row of tiles of the finest level, about: fewer rows where the picture is wide */
     MOST_ROWS = 128,
     LEAST_ROWS = 16,
     MOST_COLUMNS = 1 << 22 /* of a picture, with that */
@@ -189,7 +189,9 @@ static tc_status give_row(void *context, int level, int64_t y, uint8_t (*rgba)[4
         return TC_OK;
     bool good = GDALDatasetRasterIO(f->dataset, GF_Write, 0, (int)(y - at), (int)w, (int)at + 1, f->rows, (int)w,
                                     (int)at + 1, GDT_Byte, 4, NULL, 4, (int)(4 * w), 1) == CE_None;
-    GDALFlushCache(f->dataset); /* keeps the memory bounded */
+    for (int band = 1; band <= 4;
+         band++) /* keeps the memory bounded; the whole would read and write the directory, too */
+        GDALFlushRasterCache(GDALGetRasterBand(f->dataset, band));
     return good && !*m->said.failure ? TC_OK : cannot_keep(m, f, NULL, error);
 }
 

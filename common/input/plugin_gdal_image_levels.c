@@ -12,14 +12,16 @@
 
 #include <cpl_string.h>
 
+#include <malloc.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum {
-    COARSE_ENOUGH = 512,   /* pixels a side of the last level that must be there */
-    PART = 1 << 22,        /* pixels that are decoded for a part, at most */
-    VRT_PART = 1024,       /* pixels a side in which a VRT is read */
-    GDAL_CACHE = 64 << 20, /* bytes */
+    COARSE_ENOUGH = 512,         /* pixels a side of the last level that must be there */
+    PART = 1 << 22,              /* pixels that are decoded for a part, at most */
+    VRT_PART = 1024,             /* pixels a side in which a VRT is read */
+    GDAL_CACHE = 64 << 20,       /* bytes */
+    LEAST_GDAL_CACHE = 24 << 20, /* while levels are made, which needs no block twice */
     MOST_GDAL_CACHE = 512 << 20
 };
 
@@ -200,8 +202,8 @@ static tc_status from_cache(tc_gdal_image *g, tc_image_rows *rows, int first, in
     return status;
 }
 
-/* Rows are read some at a time: no row of blocks should be decoded twice for that. */
-static void keep_a_row_of_blocks(tc_gdal_image *g)
+/* Rows are read some at a time: no row of blocks should be decoded twice for that. Parts are read once anyway. */
+static void keep_a_row_of_blocks(tc_gdal_image *g, bool parts)
 {
     int w, h;
     GDALRasterBandH band = band_of(g, -1);
@@ -209,7 +211,17 @@ static void keep_a_row_of_blocks(tc_gdal_image *g)
     GIntBig bytes = (GIntBig)GDALGetRasterXSize(g->dataset) * h * GDALGetRasterCount(g->dataset) *
                     GDALGetDataTypeSizeBytes(GDALGetRasterDataType(band));
     bytes += bytes / 8;
-    GDALSetCacheMax64(tc_clamp64(bytes, GDAL_CACHE, MOST_GDAL_CACHE));
+    GDALSetCacheMax64(parts ? LEAST_GDAL_CACHE : tc_clamp64(bytes, LEAST_GDAL_CACHE, MOST_GDAL_CACHE));
+}
+
+/* Gives back what making levels took: a program has the most memory when it has also begun to draw. */
+static void make_room(tc_gdal_image *g)
+{
+    GDALSetCacheMax64(GDAL_CACHE);
+    GDALFlushCache(g->dataset);
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
 }
 
 static tc_status make_missing(tc_gdal_image *g, bool parts, const tc_image_options *options, tc_error *error)
@@ -227,10 +239,9 @@ static tc_status make_missing(tc_gdal_image *g, bool parts, const tc_image_optio
     int first = parts ? 1 : 0, count = own >= levels ? 1 - first : levels - first;
     if (count == 0)
         return TC_OK;
-    if (!parts)
-        keep_a_row_of_blocks(g);
+    keep_a_row_of_blocks(g, parts);
     tc_status status = from_cache(g, &rows.base, first, count, options, error);
-    GDALSetCacheMax64(GDAL_CACHE);
+    make_room(g);
     return status;
 }
 

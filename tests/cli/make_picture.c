@@ -123,9 +123,14 @@ static void places_of_row(const request *r, OGRCoordinateTransformationH to_degr
     }
 }
 
+/* By a table, or large pictures would take minutes. */
 static uint8_t wave(double phase)
 {
-    return (uint8_t)(128 + 110 * sin(phase));
+    enum { STEPS = 4096 };
+    static uint8_t table[STEPS];
+    for (int k = 0; k < STEPS && !table[STEPS - 1]; k++)
+        table[k] = (uint8_t)(128 + 110 * sin(2 * M_PI * k / STEPS));
+    return table[llrint(phase * (STEPS / (2 * M_PI))) & (STEPS - 1)];
 }
 
 static void make_row(const request *r, OGRCoordinateTransformationH to_degrees, int row, double *room, uint8_t *pixels,

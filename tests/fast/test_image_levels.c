@@ -171,6 +171,61 @@ static void levels_are_halves_in_linear_light(void **state)
     image->close(image);
 }
 
+/* ---- Parts -------------------------------------------------------------------------------------------------------
+ */
+
+static int64_t largest_part; /* of all that were read, pixels */
+
+static tc_status give_part(tc_image_rows *rows, tc_rect r, uint8_t (*out)[4], tc_error *error)
+{
+    (void)error;
+    assert_true(r.x0 >= 0 && r.y0 >= 0 && r.x1 <= rows->width && r.y1 <= rows->height);
+    largest_part = tc_max64(largest_part, tc_rect_area(r));
+    for (int64_t i = 0; i < tc_rect_area(r); i++)
+        ((computed *)rows)->pixel(r.x0 + i % (r.x1 - r.x0), r.y0 + i / (r.x1 - r.x0), out[i]);
+    return TC_OK;
+}
+
+/* Sums all that is given, by place. */
+static tc_status sum_row(void *context, int level, int64_t y, uint8_t (*row)[4], tc_error *error)
+{
+    const tc_image_making *m = ((void **)context)[0];
+    uint64_t *sum = ((void **)context)[1];
+    (void)error;
+    for (int64_t x = 0; x < m->size[level].width; x++)
+        *sum = (*sum ^ (row[x][0] + 256u * row[x][3] + (uint64_t)(x + y) * 65536u)) * UINT64_C(0x100000001b3);
+    return TC_OK;
+}
+
+static uint64_t sum_of_levels(computed *p, int64_t part_width, int64_t part_height)
+{
+    tc_image_size size[TC_IMAGE_LEVELS];
+    uint64_t sum = 0;
+    tc_image_making making = {.first = 1, .size = size, .give = sum_row};
+    void *context[2] = {&making, &sum};
+    making.levels = tc_image_sizes(p->base.width, p->base.height, 1, size), making.context = context;
+    p->base.read_part = part_width ? give_part : NULL;
+    p->base.part_width = part_width, p->base.part_height = part_height;
+    tc_error error;
+    assert_int_equal(tc_image_make_levels(&p->base, &making, &error), TC_OK);
+    return sum;
+}
+
+/* Parts of any size make the levels that rows make; high ones of a wide picture are not kept as a whole. */
+static void parts_make_the_same_levels(void **state)
+{
+    (void)state;
+    static const int parts[][2] = {{16, 16}, {7, 5}, {64, 3}, {500, 500}, {1, 1}};
+    computed p = picture(333, 257, speckled);
+    const uint64_t rows = sum_of_levels(&p, 0, 0);
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
+        assert_true(sum_of_levels(&p, parts[k][0], parts[k][1]) == rows);
+    p = picture(INT64_C(1) << 21, 64, white);
+    largest_part = 0;
+    sum_of_levels(&p, 1 << 16, 64); /* all rows of a part: 2^22 pixels, and 2^25 of level 1 */
+    assert_int_equal(largest_part, 1 << 21);
+}
+
 /* ---- Large pictures ----------------------------------------------------------------------------------------------
  */
 
@@ -529,6 +584,7 @@ int main(void)
     GDALAllRegister();
     setenv("XDG_CACHE_HOME", cache_folder(), 1);
     const struct CMUnitTest tests[] = {cmocka_unit_test(levels_are_halves_in_linear_light),
+                                       cmocka_unit_test(parts_make_the_same_levels),
                                        cmocka_unit_test(striped_ones_are_cached),
                                        cmocka_unit_test(tiled_ones_get_overviews),
                                        cmocka_unit_test(nothing_is_read_twice),
