@@ -3,8 +3,8 @@
  * A tile is made in blocks of 32 x 32 texels. Pixels of texels are found exactly on a lattice of every eighth one and,
  * where the middle of a cell is where its corners say, in between by them; elsewhere (poles, the sides of a map in
  * longitude and latitude, the edge of a projection) one by one. How far it is from texel to texel along either axis
- * says which level of the picture is read and how many of its pixels, of which bilinear ones are averaged: at most 16
- * along the longer axis (Heckbert 1989's elliptical average by boxes). */
+ * says which level of the picture is read and over how many of its pixels, at most 1,024 along the longer axis, bilinear
+ * ones are averaged: one a pixel, at most 64 along either axis (Heckbert 1989's elliptical average by boxes). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -181,19 +181,65 @@ static int texel_of(int ci, int cj, int n)
     return (cj * CELL + n / CELL) * BLOCK + ci * CELL + n % CELL;
 }
 
-/* Pixels of the cell's level from lo to hi, pixels of level 0. */
+/* Columns or rows of a level, where they lie: the last one stands for what of the picture is left, and is as narrow as
+ * that; where columns come round again, the first is next to it after the picture's period. */
+typedef struct line {
+    int64_t count;
+    double last, period; /* its middle, and the way around, both in pixels of the level; period 0: none */
+} line;
+
+static line line_of(int64_t count, double span, double period, int level)
+{
+    const double scale = ldexp(1, -level), turn = period * scale;
+    if (period > 0)
+        count = tc_min64(count, (int64_t)ceil(turn - 1e-6));
+    return (line){count, 0.5 * ((double)count - 1 + fmin((double)count, span * scale)), turn};
+}
+
+static line columns_of(const tc_layer *layer, int level)
+{
+    const tc_image *image = layer->image;
+    return line_of(image->level[level].width, (double)image->level[0].width, layer->joined ? layer->period : 0, level);
+}
+
+static line rows_of(const tc_layer *layer, int level)
+{
+    const tc_image *image = layer->image;
+    return line_of(image->level[level].height, (double)image->level[0].height, 0, level);
+}
+
+/* Between which pixels of a line x is, of the same unit as its period: their middles are at halves, all equally far
+ * apart, and come round again after its count. */
+static double among(const line *l, double x)
+{
+    const double before = (double)l->count - 1.5; /* the middle of the last but one */
+    double round = 0;
+    if (l->period > 0 && (x < 0.5 || x >= l->period + 0.5)) {
+        double turns = floor((x - 0.5) / l->period);
+        x -= turns * l->period, round = turns * (double)l->count;
+    }
+    if (x <= before || l->count == 1)
+        return round + x;
+    if (x < l->last || !(l->period > 0))
+        return round + before + (x - before) / (l->last - before);
+    return round + before + 1 + (x - l->last) / (l->period + 0.5 - l->last);
+}
+
+/* Pixels of a level from lo to hi, pixels of level 0. */
 static tc_rect pixels_between(const tc_layer *layer, int level, const double lo[2], const double hi[2])
 {
-    const tc_image_size *size = &layer->image->level[level];
+    const line columns = columns_of(layer, level), rows = rows_of(layer, level);
     const double scale = ldexp(1, -level);
-    tc_rect r = {(int64_t)floor(lo[0] * scale - 0.5), (int64_t)floor(lo[1] * scale - 0.5),
-                 (int64_t)floor(hi[0] * scale - 0.5) + 2, (int64_t)floor(hi[1] * scale - 0.5) + 2};
-    if (layer->joined && r.x1 - r.x0 >= size->width) /* all around */
-        r.x0 = 0, r.x1 = size->width;
+    tc_rect r = {(int64_t)floor(among(&columns, lo[0] * scale) - 0.5),
+                 (int64_t)floor(among(&rows, lo[1] * scale) - 0.5),
+                 (int64_t)floor(among(&columns, hi[0] * scale) - 0.5) + 2,
+                 (int64_t)floor(among(&rows, hi[1] * scale) - 0.5) + 2};
+    if (layer->joined && r.x1 - r.x0 >= columns.count) /* all around */
+        r.x0 = 0, r.x1 = columns.count;
     if (!layer->joined)
-        r.x0 = tc_clamp64(r.x0, 0, size->width - 1), r.x1 = tc_clamp64(r.x1, r.x0 + 1, size->width);
-    r.y0 = tc_clamp64(r.y0, 0, size->height - 1);
-    r.y1 = tc_clamp64(r.y1, r.y0 + 1, size->height);
+        r.x0 = tc_clamp64(r.x0, 0, columns.count - 1), r.x1 = tc_clamp64(r.x1, r.x0 + 1, columns.count);
+    r.y0 = tc_clamp64(r.y0, 0, rows.count - 1);
+    r.y1 = tc_clamp64(r.y1, r.y0 + 1, rows.count);
     return r;
 }
 
@@ -243,7 +289,7 @@ static tc_status read_round(tc_layer *layer, int level, tc_rect rect, workshop *
             return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for a part of it", layer->image->name);
         w->room = pixels;
     }
-    int64_t width = layer->image->level[level].width, stride = rect.x1 - rect.x0;
+    int64_t width = columns_of(layer, level).count, stride = rect.x1 - rect.x0;
     tc_status status = TC_OK;
     pthread_mutex_lock(&layer->mutex);
     for (int64_t x = rect.x0, next; x < rect.x1 && status == TC_OK; x = next) {
@@ -263,6 +309,7 @@ static tc_status read_round(tc_layer *layer, int level, tc_rect rect, workshop *
 typedef struct piece {
     const uint8_t (*pixels)[4];
     tc_rect rect;
+    line columns, rows;
     bool around; /* all columns: the first is beside the last */
     const tc_srgb *srgb;
 } piece;
@@ -274,9 +321,10 @@ static int64_t column_of(const piece *p, int64_t i)
     return !p->around ? tc_clamp64(at, 0, w - 1) : at % w + (at % w < 0 ? w : 0);
 }
 
-/* Adds what is at (x, y), pixels of the piece's level with centres at halves, by `share`. */
+/* Adds what is at (x, y), pixels of the piece's level, by `share`. */
 static void add_bilinear(const piece *p, double x, double y, float share, float sum[4])
 {
+    x = among(&p->columns, x), y = among(&p->rows, y);
     double i = floor(x - 0.5), j = floor(y - 0.5);
     float u = (float)(x - 0.5 - i), v = (float)(y - 0.5 - j);
     int64_t w = p->rect.x1 - p->rect.x0, h = p->rect.y1 - p->rect.y0;
@@ -317,7 +365,7 @@ static void average(const piece *p, double x, double y, const steps *s, double s
 static void paint_cell(const block *b, const tc_layer *layer, int ci, int cj, const piece *p, workshop *w)
 {
     const cell *c = &w->cell[cj * CELLS + ci];
-    const double scale = ldexp(1, -c->level), turn = layer->period * scale;
+    const double scale = ldexp(1, -c->level), count = (double)p->columns.count;
     for (int n = 0; n < CELL * CELL; n++) {
         const int k = texel_of(ci, cj, n);
         steps own;
@@ -326,8 +374,8 @@ static void paint_cell(const block *b, const tc_layer *layer, int ci, int cj, co
         if (!w->exact[cj * CELLS + ci] || !steps_at(layer, &w->at, k, &own))
             own = c->steps;
         double x = w->at.x[k] * scale, y = w->at.y[k] * scale;
-        if (turn > 0) /* as the piece counts them */
-            x -= turn * rint((x - 0.5 * (double)(p->rect.x0 + p->rect.x1)) / turn);
+        if (layer->joined) /* as the piece counts them */
+            x -= p->columns.period * rint((among(&p->columns, x) - 0.5 * (double)(p->rect.x0 + p->rect.x1)) / count);
         float light[4];
         average(p, x, y, &own, scale, light);
         for (int q = 0; q < 4; q++)
@@ -342,9 +390,9 @@ static tc_status paint(const block *b, tc_layer *layer, int level, workshop *w, 
     for (int k = 0; k < CELLS * CELLS; k++)
         if (w->cell[k].level == level)
             all = tc_rect_around(all, w->cell[k].needs);
-    const int64_t width = layer->image->level[level].width;
-    if (layer->joined && all.x1 - all.x0 > width)
-        all.x0 = 0, all.x1 = width;
+    const line columns = columns_of(layer, level), rows = rows_of(layer, level);
+    if (layer->joined && all.x1 - all.x0 > columns.count)
+        all.x0 = 0, all.x1 = columns.count;
     bool at_once = tc_rect_area(all) <= LARGEST_PIECE;
     tc_status status = at_once ? read_round(layer, level, all, w, error) : TC_OK;
     for (int k = 0; k < CELLS * CELLS && status == TC_OK; k++) {
@@ -354,7 +402,12 @@ static tc_status paint(const block *b, tc_layer *layer, int level, workshop *w, 
         if (!at_once)
             status = read_round(layer, level, c->needs, w, error);
         const tc_rect read = at_once ? all : c->needs;
-        const piece p = {(const uint8_t(*)[4])w->pixels, read, layer->joined && read.x1 - read.x0 == width, w->srgb};
+        const piece p = {(const uint8_t(*)[4])w->pixels,
+                         read,
+                         columns,
+                         rows,
+                         layer->joined && read.x1 - read.x0 == columns.count,
+                         w->srgb};
         if (status == TC_OK)
             paint_cell(b, layer, k % CELLS, k / CELLS, &p, w);
     }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/field/field.h"
 #include "common/imagery/imagery.h"
 #include "common/measure/view_error.h"
 #include "tests/support/draped.h"
@@ -165,6 +166,77 @@ static void a_planet_has_its_pictures_colours(void **state)
     tc_map_destroy(map);
 }
 
+/* ---- Where columns come round -------------------------------------------------------------------------------------
+ */
+
+/* Light that is greatest at one meridian, and least opposite to it; green, where the first meets the last column. */
+static void once_light(double column, double row, double width, double height, double rgba[4])
+{
+    (void)row, (void)height;
+    for (int k = 0; k < 3; k++)
+        rgba[k] = pow(0.5 + 0.4 * sin(2 * M_PI * column / width + 1.5 * (k - 1)), 1 / 2.2);
+    rgba[3] = 1;
+}
+
+/* As shown, over so many columns around the middle one. */
+static void once_mean(double column, double columns, double width, double rgb[3])
+{
+    enum { STEPS = 64 };
+    double sum[3] = {0, 0, 0};
+    for (int n = 0; n < STEPS; n++) {
+        double c[4];
+        once_light(column + columns * ((n + 0.5) / STEPS - 0.5), 0, width, 1, c);
+        for (int k = 0; k < 3; k++)
+            sum[k] += (c[k] <= 0.04045 ? c[k] / 12.92 : pow((c[k] + 0.055) / 1.055, 2.4)) / STEPS;
+    }
+    for (int k = 0; k < 3; k++)
+        rgb[k] = 255 * (sum[k] <= 0.0031308 ? 12.92 * sum[k] : 1.055 * pow(sum[k], 1 / 2.4) - 0.055);
+}
+
+/* Colours of levels down to a few texels around the globe are the picture's means there, at 180 degrees as elsewhere,
+ * though the levels of the picture have no whole number of columns. */
+static void coarse_levels_come_round(void **state)
+{
+    (void)state;
+    static const int64_t widths[] = {1024, 1025, 1057, 999, 1500, 2047};
+    tc_map *map = planet_made(PLANET_SMOOTH, 512, 6371e3, 1);
+    double worst = 0;
+    for (size_t n = 0; n < sizeof widths / sizeof *widths; n++) {
+        tc_image *image = draped_image(once_light, widths[n], widths[n] / 2);
+        tc_imagery *imagery = imagery_over(map, &image, 1);
+        const tc_field *field = tc_imagery_field(imagery, 0);
+        const int levels = tc_field_info(field)->levels;
+        double texel[2], most = 0, seam = 0;
+        tc_imagery_texel(imagery, 0, texel);
+        for (int level = 1; level <= levels; level++) {
+            const tc_level size = tc_field_level(field, level);
+            uint8_t(*rgba)[4] = malloc((size_t)size.width * 4);
+            const int64_t row = size.height / 2;
+            double step = (double)widths[n] / (double)size.width;
+            if (size.width >= 32) {
+                assert_int_equal(
+                    tc_field_read_samples(field, level, (tc_rect){0, row, size.width, row + 1}, rgba, NULL, size.width),
+                    TC_OK);
+                for (int64_t i = 0; i < size.width; i++) {
+                    double rgb[3], x = map->chart[0].x0 + (double)i * ldexp(texel[0], levels - level), off = 0;
+                    once_mean((x / (2 * M_PI) + 0.5) * (double)widths[n], step, (double)widths[n], rgb);
+                    for (int k = 0; k < 3; k++)
+                        off = fmax(off, fabs(rgba[i][k] - rgb[k]));
+                    most = fmax(most, off);
+                    if (i < 2 || i >= size.width - 2)
+                        seam = fmax(seam, off);
+                }
+            }
+            free(rgba);
+        }
+        printf("%d columns around: off by at most %.2f of 255, at the seam %.2f\n", (int)widths[n], most, seam);
+        worst = fmax(worst, most);
+        tc_imagery_destroy(imagery);
+    }
+    tc_map_destroy(map);
+    assert_true(worst <= 2);
+}
+
 /* ---- Layers -------------------------------------------------------------------------------------------------------
  */
 
@@ -314,8 +386,11 @@ static void a_slow_flight_shows_no_front(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plane_has_its_pictures_colours),     cmocka_unit_test(a_planet_has_its_pictures_colours),
-        cmocka_unit_test(later_pictures_lie_over_earlier_ones), cmocka_unit_test(a_picture_of_another_place_is_refused),
+        cmocka_unit_test(a_plane_has_its_pictures_colours),
+        cmocka_unit_test(a_planet_has_its_pictures_colours),
+        cmocka_unit_test(coarse_levels_come_round),
+        cmocka_unit_test(later_pictures_lie_over_earlier_ones),
+        cmocka_unit_test(a_picture_of_another_place_is_refused),
         cmocka_unit_test(a_slow_flight_shows_no_front),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
