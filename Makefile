@@ -41,8 +41,8 @@ comma := ,
 
 # Rooms in the order in which data flows; a file includes its own room and rooms before it (tests/cli/test_structure.sh).
 # The core has no OpenGL; drawing has; what is left are the programs' own: files of the world, command lines, windows.
-CORE_ROOMS := base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file packed/read \
-              packed/write synthesis map imagery view window content measure
+CORE_ROOMS := base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file packed/read \
+              packed/write map imagery view window content measure
 DRAW_ROOMS := gl render
 APP_ROOMS := input app
 SCHEMES := square rings

@@ -261,10 +261,12 @@ typedef struct tc_pack_options {
                        * for TC_CODEC_LH04 */
     bool max_error_may_yield; /* a max_error beside an rms that floats or the range of heights cannot hold is dropped,
                                * instead of TC_ERR_UNSUPPORTED */
-    double lattice;           /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
-    bool price_lossless;      /* with TC_PACK_RMS: tell about what the file would take without loss, where heights are
-                               * multiples of a unit and the rms is not far above their unit; takes a moment */
-    int threads;              /* 0: as many as there are processors. The file does not depend on it */
+    bool synthesis_fit; /* what tc_map_synthesise() goes by is fitted to the heights given and stored; takes a second or
+                         * less. Else it is fitted to what the file gives, each time anew */
+    double lattice;     /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
+    bool price_lossless; /* with TC_PACK_RMS: tell about what the file would take without loss, where heights are
+                          * multiples of a unit and the rms is not far above their unit; takes a moment */
+    int threads;         /* 0: as many as there are processors. The file does not depend on it */
     /* Called now and then, from the calling thread, with the share of the whole work that is done, 0 to 1; false stops
      * the packing with TC_ERR_IO. NULL: not called. */
     bool (*progress)(void *context, double done);
@@ -319,6 +321,7 @@ typedef struct tc_packed_info {
     bool cut_short;         /* the file has fewer bytes than its header says */
     int levels_missing;     /* finest levels that a file cut short lacks */
     double mean, deviation; /* metres (z_base included), of the finest level */
+    bool synthesis_fit;     /* the file has what tc_map_synthesise() goes by; of chart 0, for all */
 } tc_packed_info;
 
 /* How to open; zero is the default. */
@@ -391,8 +394,9 @@ tc_status tc_map_height(const tc_map *map, double x, double y, double *z_ret);
 /* Adds levels finer than the data, made of what the terrain's own levels tell of its detail: samples half as far apart
  * each, to all charts. Heights are the same in whatever order they are read, and on every machine but for the last bit
  * where a planet's charts share a place. levels: 0 to TC_SYNTHESIS_MOST, cut to what can be drawn; TC_SYNTHESIS_AUTO:
- * until samples are 0.1 m apart. A map of one sample stays as it is. Reads parts of the finest levels. Not while anyone
- * else uses the map, and once; after a failure the map can only be destroyed. */
+ * until samples are 0.1 m apart. A map of one sample stays as it is. What a packed file has stored
+ * (tc_packed_info.synthesis_fit) is gone by, where its finest levels are not missing; else parts of them are read. Not
+ * while anyone else uses the map, and once; after a failure the map can only be destroyed. */
 enum { TC_SYNTHESIS_AUTO = -1, TC_SYNTHESIS_MOST = 20 };
 tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error);
 

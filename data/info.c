@@ -146,7 +146,7 @@ static void print_json(const facts *f)
     print_key("unit_m", t->unit);
     printf("  \"nodata\": ");
     tc_json_number(t->has_nodata ? t->nodata : NAN, stdout);
-    printf(",\n  \"transform\": ");
+    printf(",\n  \"synthesis_fit\": %s,\n  \"transform\": ", f->packed->synthesis_fit ? "true" : "false");
     for (int i = 0; i < 6 && t->georef.known; i++)
         printf("%s%.17g%s", i ? ", " : "[", t->georef.transform[i], i == 5 ? "]" : "");
     printf("%s,\n  \"geographic\": %s,\n  \"registration\": \"%s\",\n  \"crs\": ", t->georef.known ? "" : "null",
@@ -224,6 +224,8 @@ static void print_table(const facts *f, const char *path)
            type_names[t->sample_type], t->unit);
     if (t->has_nodata)
         printf(", nodata %.10g", t->nodata);
+    if (f->packed->synthesis_fit)
+        printf("\n  synthesis      by a fit to the heights as they were given");
     printf("\n\n  level      width x height       spacing m          bytes     rms m   max m\n");
     for (int l = f->info->levels; l >= 1; l--) {
         const tc_level level = tc_field_level(f->field, l);

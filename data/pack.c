@@ -36,7 +36,7 @@ struct arguments {
     int count;
     const char *output, *atlas;
     double rms, max_error, radius; /* 0: not given */
-    bool lossless, planet, json, quiet, verbose;
+    bool lossless, synthesis_fit, planet, json, quiet, verbose;
     tc_pack_codec codec;
     int threads;
     tc_source_options source;
@@ -81,6 +81,10 @@ static const tc_option table[] = {
     TC_SWITCH(struct arguments, lossless, 0, "lossless", "nothing: the stored values come back"),
     {0, "codec", "NAME", "lifting or lh04", "lifting, or lh04, the paper's, to compare; with an rms only (lifting)",
      read_codec, offsetof(struct arguments, codec)},
+
+    {.help = "What else is stored"},
+    TC_SWITCH(struct arguments, synthesis_fit, 0, "synthesis-fit",
+              "what --synthesis goes by, fitted to the heights as they are given"),
 
     {.help = "How the inputs are read"},
     TC_READING_ROWS(struct arguments, source),
@@ -231,8 +235,11 @@ static tc_status put_band(void *packer, tc_rect rect, const float *z, const uint
 
 static tc_pack_options choose_options(const struct arguments *a, const tc_pack_terrain *terrain, tc_progress *progress)
 {
-    tc_pack_options o = {
-        .codec = a->codec, .threads = a->threads, .progress = on_progress, .progress_context = progress};
+    tc_pack_options o = {.codec = a->codec,
+                         .synthesis_fit = a->synthesis_fit,
+                         .threads = a->threads,
+                         .progress = on_progress,
+                         .progress_context = progress};
     if (a->lossless) {
         o.mode = TC_PACK_LOSSLESS;
     } else if (a->max_error > 0 && !(a->rms > 0)) {

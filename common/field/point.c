@@ -12,6 +12,8 @@ tc_cell tc_cell_at(const tc_field *field, int level, double u, double v)
     bool wraps = tc_field_wraps(field, level);
     if (!wraps)
         u = fmin(fmax(u, 0), (double)(l.width - 1));
+    else if (!(fabs(u) < 0x1p62)) /* many more turns than a double counts: no column is more right than another */
+        u = 0;
     v = fmin(fmax(v, 0), (double)(l.height - 1));
     int64_t i = (int64_t)floor(u), j = tc_min64((int64_t)v, tc_max64(l.height - 2, 0));
     if (!wraps)

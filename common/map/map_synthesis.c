@@ -5,6 +5,8 @@
 #include <stdlib.h>
 
 #include "common/base/status.h"
+#include "common/field/field.h"
+#include "common/packed/file/container.h"
 #include "common/synthesis/synthesis.h"
 
 struct tc_map_noise {
@@ -58,6 +60,19 @@ static tc_status add_levels(tc_map *map, int k, int levels, const tc_synthesis_f
     return status;
 }
 
+/* The fit that was stored when the file was packed, or what the heights tell. A file cut short lacks the levels that
+ * the stored one goes on from. */
+static tc_status find_fit(const tc_map *map, tc_synthesis_fit *fit_ret, tc_error *error)
+{
+    const tc_field *field = map->chart[0].field;
+    const tc_container *c = tc_field_container(field);
+    const tc_packed_info *info = tc_field_packed_info(field);
+    if (!c || !c->synthesis || !info || info->levels_missing > 0)
+        return tc_synthesis_learn(field, fit_ret, error);
+    *fit_ret = *c->synthesis;
+    return TC_OK;
+}
+
 tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
 {
     const int most = 31; /* levels that views draw, less one */
@@ -68,7 +83,7 @@ tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
         levels = (int)fmin(levels, most - tc_field_info(map->chart[k].field)->levels);
     if (levels <= 0)
         return TC_OK;
-    tc_status status = tc_synthesis_learn(map->chart[0].field, &fit, error);
+    tc_status status = find_fit(map, &fit, error);
     if (status == TC_OK && !(map->noise = calloc((size_t)map->charts, sizeof *map->noise)))
         status = tc_fail(error, TC_ERR_MEMORY, "synthesis: not enough memory");
     for (int k = 0; k < map->charts && status == TC_OK; k++) {

@@ -190,7 +190,7 @@ echo "$out" | grep -Eq '^paper.tclip: 300 x 200 samples, [0-9]+ bytes, ' || fail
 does '' $terraclip pack hills.tif -o hills.tclip
 does '' $terraclip info hills.tclip --json
 for key in version atlas levels level width height spacing_m bytes bits_per_sample rms_m max_error_m z_min_m z_max_m \
-    voids; do
+    voids synthesis_fit; do
     grep -q "\"$key\": " stdout.txt || fail "info --json lacks $key"
 done
 [ "$(grep -c '"level": ' stdout.txt)" = 10 ] || fail 'info --json has not the ten levels of 300 x 200 samples'
@@ -201,6 +201,17 @@ if command -v python3 >/dev/null 2>&1; then
 fi
 does '' $terraclip info hills.tclip
 { echo "$out" | grep -q '300 x 200 samples' && [ "$(wc -l <stdout.txt)" -le 24 ]; } || fail "info prints $out"
+grep -q 'synthesis' stdout.txt && fail 'info tells of a fit that is not there'
+$terraclip info hills.tclip --json | grep -q '"synthesis_fit": false,' || fail 'info --json: no fit'
+for threads in 1 4; do
+    does '' $terraclip pack hills.tif -o fit$threads.tclip --synthesis-fit --threads $threads
+done
+cmp -s fit1.tclip fit4.tclip || fail 'a file with a fit depends on threads'
+[ "$(wc -c <fit1.tclip)" = $(($(wc -c <hills.tclip) + 427)) ] || fail 'a fit takes more or less than its section'
+does '' $terraclip info fit1.tclip
+echo "$out" | grep -q '^  synthesis  *by a fit to the heights as they were given$' || fail "info of a fit prints $out"
+does '' $terraclip info fit1.tclip --json
+grep -q '"synthesis_fit": true,' stdout.txt || fail 'info --json: a fit'
 does '' $terraclip info voids.tclip --json
 [ "$(number void_count <stdout.txt)$(number voids <stdout.txt)" -gt 0 ] || fail 'info --json: voids'
 

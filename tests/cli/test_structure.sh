@@ -10,16 +10,16 @@ cat >"$work/rooms" <<'end'
 base
 input            base
 field            base
+synthesis        base field
 codec/entropy    base
 codec/lifting    base field codec/entropy
 codec/exact      base codec/entropy codec/lifting
 codec/lh04       base codec/entropy codec/lifting
 codec/mask       base codec/entropy codec/lifting
 chart            base field
-packed/file      base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart
+packed/file      base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart
 packed/read      base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
-packed/write     base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
-synthesis        base field
+packed/write     base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
 map              base field synthesis chart packed/file packed/read
 imagery          base field chart packed/file packed/read map
 view             base map

@@ -39,6 +39,19 @@ awk 'NR == FNR { z[NR] = $1; next } { d = $1 - z[FNR]; if (d < 0) d = -d; if (d 
 heights land.tclip --synthesis 2 --level 10 >data.txt
 cmp -s data.txt smooth.txt || fail 'a level of the data is another with synthesis'
 
+# A file's own fit: that of the source, whose heights a lossless one then has; of a lossy one not that of what is left.
+$make_file tiff whole.tif size=300x257 metres=0
+does '' $terraclip pack whole.tif -o whole.tclip --spacing 30 --lossless --synthesis-fit -q
+heights whole.tif --spacing 30 --synthesis 2 >two.txt || fail 'no heights of the source'
+heights whole.tclip --synthesis 2 | cmp -s - two.txt || fail 'a stored fit makes other heights than the source'
+does '' $terraclip pack --planet globe.tif -o globe-fit.tclip --synthesis-fit -q
+does '' $terraclip height globe-fit.tclip 10 89.99 --synthesis 3
+does '' $terraclip pack land.tif -o lossy-fit.tclip --synthesis-fit -q
+does '' $terraclip pack land.tif -o lossy.tclip -q
+heights lossy-fit.tclip --synthesis 2 >lossy-fit.txt
+heights lossy.tclip --synthesis 2 >lossy.txt
+cmp -s lossy.txt lossy-fit.txt && fail 'a stored fit is not gone by'
+
 # So they do next to a pole, which is the caps' in a packed planet, and a row's mean in a map.
 for level in 7 8 9; do
     cases=$((cases + 1))

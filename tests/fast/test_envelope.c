@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "common/base/crc32c.h"
+#include "common/synthesis/synthesis_store.h"
 #include "tests/support/containers.h"
 
 /* Fields of a row of the chart table. */
@@ -30,6 +31,21 @@ static tc_envelope *make_envelope(test_random *r, bool planet)
         e->chart[n].container =
             container_make_cap(r, 2 * test_random_int(r, 1, n == 1 ? 900 : 20) + 1, first->info.terrain.z_base);
     return e;
+}
+
+/* Gives it a fit of numbers made up. */
+static void add_fit(tc_envelope *e, test_random *r)
+{
+    tc_synthesis_fit *fit = e->chart[0].container.synthesis = calloc(1, sizeof *fit);
+    assert_non_null(fit);
+    fit->none = test_random_int(r, 0, 3) == 0;
+    fit->energy_floor = 1 + (float)test_random_unit(r), fit->slope_floor = 1e-6f, fit->spacing = test_random_unit(r);
+    for (int k = 0; k < TC_SYNTHESIS_MOST; k++) {
+        fit->level[k].a = (float)test_random_range(r, -300, 300), fit->level[k].b = (float)test_random_range(r, 0, 4);
+        fit->level[k].c = (float)test_random_range(r, 0, 8), fit->level[k].cap = (float)test_random_range(r, 0, 1e6);
+    }
+    fit->smear = (float)test_random_range(r, -1, 1), fit->peak = (float)test_random_unit(r);
+    fit->kurtosis = test_random_range(r, 0, 100), fit->ratio = test_random_range(r, 1, 4);
 }
 
 static tc_status read_bytes(const uint8_t *bytes, size_t size, tc_envelope **e_ret)
@@ -62,7 +78,10 @@ static void check_layout(const tc_envelope *e, size_t head)
 
 static void check_same(const tc_envelope *a, const tc_envelope *b)
 {
+    const tc_synthesis_fit *fit = a->chart[0].container.synthesis, *fit_back = b->chart[0].container.synthesis;
     assert_true(a->bytes == b->bytes && a->charts == b->charts);
+    assert_true(!fit == !fit_back && b->chart[0].container.info.synthesis_fit == !!fit);
+    assert_true(!fit || (fit->none == fit_back->none && !memcmp(fit->level, fit_back->level, sizeof fit->level)));
     for (int n = 0; n < a->charts; n++) {
         const tc_envelope_chart *x = &a->chart[n], *y = &b->chart[n];
         const tc_container *c = &x->container, *d = &y->container;
@@ -84,6 +103,8 @@ static void envelopes_come_back(void **state)
     test_random r = {31};
     for (int n = 0; n < 200; n++) {
         tc_envelope *e = make_envelope(&r, n % 2), *back;
+        if (n % 3 == 0)
+            add_fit(e, &r);
         tc_byte_writer w = envelope_bytes(e, true);
         assert_true(tc_envelope_is(w.bytes));
         if (read_bytes(w.bytes, w.size, &back))
@@ -152,6 +173,91 @@ static void unknown_sections_are_skipped(void **state)
         tc_store(bytes + 16, tc_crc32c(0, bytes, head), 4);
         assert_int_equal(read_bytes(bytes, head, &back), TC_ERR_FORMAT);
         free(bytes), free(w.bytes);
+        tc_envelope_free(e);
+    }
+}
+
+/* Bytes of the head with its one section replaced by `count` of those bytes, and what becomes of them. */
+static tc_status try_sections(tc_envelope *e, int count, unsigned kind, const uint8_t *bytes, size_t size,
+                              bool *kept_ret)
+{
+    tc_synthesis_fit *fit = e->chart[0].container.synthesis;
+    tc_envelope *back;
+    tc_byte_writer w = {0}, head = {0};
+    e->chart[0].container.synthesis = NULL;
+    free(envelope_bytes(e, true).bytes);
+    assert_int_equal(tc_envelope_write(e, &w), TC_OK);
+    tc_envelope_lay_out(e, w.size + (size_t)count * (8 + size));
+    w.size = 0;
+    assert_int_equal(tc_envelope_write(e, &w), TC_OK);
+    size_t rows = envelope_row_at(e->charts);
+    tc_put_bytes(&head, w.bytes, rows);
+    for (int n = 0; n < count; n++)
+        tc_put(&head, kind, 4), tc_put(&head, size, 4), tc_put_bytes(&head, bytes, size);
+    tc_put_bytes(&head, w.bytes + rows, w.size - rows);
+    tc_store(head.bytes + SECTIONS_AT, (uint64_t)count, 2), tc_store(head.bytes + TC_HEAD_SIZE_AT, head.size, 4);
+    envelope_sign(head.bytes);
+    tc_status status = read_bytes(head.bytes, head.size, &back);
+    if (kept_ret)
+        *kept_ret = back && back->chart[0].container.synthesis;
+    tc_envelope_free(back);
+    free(w.bytes), free(head.bytes);
+    e->chart[0].container.synthesis = fit;
+    return status;
+}
+
+/* Cut short or too long, twice, of a later form, and with every number out of its range in turn. */
+static void fits_that_lie_are_refused(void **state)
+{
+    (void)state;
+    enum { SYNTHESIS = 1, FORM_AT = 0, NONE_AT = 2, NARROW_AT = 3, WIDE_AT = 43, LEVELS_AT = 99 };
+    test_random r = {37};
+    for (int k = 0; k < 2; k++) {
+        tc_envelope *e = make_envelope(&r, k);
+        tc_byte_writer w = {0};
+        bool kept;
+        add_fit(e, &r), e->chart[0].container.synthesis->none = false;
+        tc_synthesis_put(e->chart[0].container.synthesis, &w);
+        assert_int_equal(w.size, TC_SYNTHESIS_BYTES);
+        assert_int_equal(try_sections(e, 1, SYNTHESIS, w.bytes, w.size, &kept), TC_OK);
+        assert_true(kept);
+        assert_int_equal(try_sections(e, 2, SYNTHESIS, w.bytes, w.size, NULL), TC_ERR_FORMAT);
+        assert_int_equal(try_sections(e, 2, SYNTHESIS + 1, w.bytes, w.size, &kept), TC_OK);
+        assert_false(kept);
+        for (size_t size = 0; size < w.size; size += size < 8 ? 1 : 10)
+            assert_int_equal(try_sections(e, 1, SYNTHESIS, w.bytes, size, NULL), TC_ERR_FORMAT);
+        tc_put(&w, 0, 1);
+        assert_int_equal(try_sections(e, 1, SYNTHESIS, w.bytes, w.size, NULL), TC_ERR_FORMAT);
+        for (int form = 0; form < 4; form++) { /* others may be of any length, and count as none */
+            tc_store(w.bytes + FORM_AT, (uint64_t)form, 2);
+            for (size_t size = 2; form != 1 && size <= w.size; size += 139) {
+                assert_int_equal(try_sections(e, 1, SYNTHESIS, w.bytes, size, &kept), TC_OK);
+                assert_false(kept);
+            }
+        }
+        tc_store(w.bytes + FORM_AT, 1, 2);
+        tc_store(w.bytes + NONE_AT, 2, 1);
+        assert_int_equal(try_sections(e, 1, SYNTHESIS, w.bytes, TC_SYNTHESIS_BYTES, NULL), TC_ERR_FORMAT);
+        tc_store(w.bytes + NONE_AT, 0, 1);
+        for (size_t at = NARROW_AT; at < TC_SYNTHESIS_BYTES; at += at >= WIDE_AT && at < LEVELS_AT ? 8 : 4) {
+            const float narrow[] = {NAN, INFINITY, -INFINITY, -301, 2e20f};
+            const double wide[] = {NAN, INFINITY, -INFINITY, -1, 2e20};
+            uint8_t was[8];
+            size_t size = at >= WIDE_AT && at < LEVELS_AT ? 8 : 4;
+            memcpy(was, w.bytes + at, size);
+            for (int b = 0; b < 5; b++) {
+                memcpy(w.bytes + at, size == 8 ? (const void *)&wide[b] : (const void *)&narrow[b], size);
+                if (try_sections(e, 1, SYNTHESIS, w.bytes, TC_SYNTHESIS_BYTES, NULL) != TC_ERR_FORMAT)
+                    fail_msg("number %d at %zu is not refused", b, at);
+            }
+            memcpy(w.bytes + at, was, size);
+        }
+        tc_store(w.bytes + NARROW_AT, 0, 4); /* no floor, whose logarithm would be taken */
+        assert_int_equal(try_sections(e, 1, SYNTHESIS, w.bytes, TC_SYNTHESIS_BYTES, NULL), TC_ERR_FORMAT);
+        tc_store(w.bytes + NONE_AT, 1, 1); /* but where there is nothing to go by */
+        assert_int_equal(try_sections(e, 1, SYNTHESIS, w.bytes, TC_SYNTHESIS_BYTES, &kept), TC_OK);
+        assert_true(kept);
+        free(w.bytes);
         tc_envelope_free(e);
     }
 }
@@ -378,10 +484,10 @@ static void containers_within_are_plain(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(envelopes_come_back),         cmocka_unit_test(unknown_sections_are_skipped),
-        cmocka_unit_test(tables_that_lie_are_refused), cmocka_unit_test(levels_must_lie_in_order),
-        cmocka_unit_test(endless_levels_are_refused),  cmocka_unit_test(charts_must_fit),
-        cmocka_unit_test(containers_within_are_plain),
+        cmocka_unit_test(envelopes_come_back),       cmocka_unit_test(unknown_sections_are_skipped),
+        cmocka_unit_test(fits_that_lie_are_refused), cmocka_unit_test(tables_that_lie_are_refused),
+        cmocka_unit_test(levels_must_lie_in_order),  cmocka_unit_test(endless_levels_are_refused),
+        cmocka_unit_test(charts_must_fit),           cmocka_unit_test(containers_within_are_plain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -80,6 +80,20 @@ static void read_chart(const tc_field *p)
     tc_field_tell(p);
 }
 
+/* A level that is made up by the fit that the file has. */
+static void read_synthesised(tc_map *map)
+{
+    const tc_field *p = tc_map_field(map, 0);
+    const tc_level level = tc_field_level(p, tc_field_info(p)->levels);
+    if (!tc_field_packed_info(p)->synthesis_fit || level.width > WHOLE || level.height > WHOLE ||
+        tc_map_synthesise(map, 1, NULL))
+        return;
+    const tc_field *finer = tc_map_field(map, 0);
+    uint8_t *voids = NULL;
+    float *z = read_rect(finer, tc_field_info(finer)->levels, (tc_rect){0, 0, level.width, level.height}, &voids);
+    free(z), free(voids);
+}
+
 /* The input as a source of bytes; all that is read must lie within it. */
 typedef struct input {
     const uint8_t *bytes;
@@ -117,6 +131,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
             if (!tc_map_height(map, 0.7 * k, 0.78 * k, &z))
                 expect(!isinf(z), "a height without end");
         }
+        read_synthesised(map);
         tc_map_destroy(map);
     }
     expect(in.closed == 1, "the input is not let go of once");

@@ -36,7 +36,7 @@ typedef struct seed {
     tc_pack_codec codec;
     double error;
     enum { WHOLE, VOIDS, NOISE } kind;
-    bool planet;
+    bool planet, fit;
 } seed;
 
 static tc_pack_terrain terrain_of(const seed *s)
@@ -56,7 +56,7 @@ static tc_pack_terrain terrain_of(const seed *s)
 static void pack(const char *path, const seed *s)
 {
     tc_pack_terrain t = terrain_of(s);
-    tc_pack_options o = {.mode = s->mode, .codec = s->codec, .error = s->error, .threads = 1};
+    tc_pack_options o = {.mode = s->mode, .codec = s->codec, .error = s->error, .threads = 1, .synthesis_fit = s->fit};
     float *z = malloc((size_t)(s->w * s->h) * sizeof *z);
     tc_packer *packer = NULL;
     tc_pack_result result;
@@ -256,6 +256,8 @@ int main(int argc, char **argv)
         {"planet-bound", 80, 42, TC_PACK_MAX_ERROR, TC_CODEC_LIFTING, 30, WHOLE, true},
         {"planet-lossless", 36, 20, TC_PACK_LOSSLESS, TC_CODEC_LIFTING, 0, VOIDS, true},
         {"planet-lh04", 66, 41, TC_PACK_RMS, TC_CODEC_LH04, 20, WHOLE, true},
+        {"fit", 140, 131, TC_PACK_RMS, TC_CODEC_LIFTING, 40, WHOLE, false, true},
+        {"planet-fit", 80, 42, TC_PACK_RMS, TC_CODEC_LIFTING, 30, WHOLE, true, true},
     };
     if (argc != 2)
         stop("expected a folder");
@@ -273,6 +275,8 @@ int main(int argc, char **argv)
         snprintf(older, sizeof older, "%s/reader/v%d-%s", argv[1], s->planet ? 2 : 1, s->name);
         /* Those versions have no raw tiles, and corrections that are no longer written: their seeds (and those of
          * tiles, corrections*) are kept as they are. */
+        if (s->fit) /* in the head alone */
+            continue;
         if (s->kind != NOISE && s->mode != TC_PACK_MAX_ERROR) {
             write_older(path, older, s);
             check(older, s->planet ? 2 : 1, s->planet ? 3 : 1);

@@ -45,12 +45,12 @@ static double height(const packing *p, test_random *r, int64_t x, int64_t y)
 
 static bool is_void(const packing *p, int64_t x, int64_t y)
 {
+    bool lake =
+        hypot((double)(x - p->width / 3), (double)(y - p->height / 2)) < 0.2 * (double)p->height ||
+        (p->wraps && hypot((double)tc_min64(x, p->width - x), (double)(y - p->height / 2)) < 0.1 * (double)p->height);
     switch (p->voids) {
-    case PACKING_LAKES:
-        if (p->wraps && hypot((double)tc_min64(x, p->width - x), (double)(y - p->height / 2)) < 0.1 * (double)p->height)
-            return true;
-        return hypot((double)(x - p->width / 3), (double)(y - p->height / 2)) < 0.2 * (double)p->height ||
-               (x + 7 * y) % 53 == 5 || x == p->width - 2;
+    case PACKING_LAKES: return lake || (x + 7 * y) % 53 == 5 || x == p->width - 2;
+    case PACKING_LAKE: return lake;
     case PACKING_ONE_LEFT: return x != p->width / 2 || y != p->height / 2;
     case PACKING_ALL_VOID: return true;
     default: return false;
@@ -94,6 +94,7 @@ tc_pack_options packing_options(const packing *p)
                              .max_error = p->max_error,
                              .max_error_may_yield = p->max_error_may_yield,
                              .price_lossless = p->price_lossless,
+                             .synthesis_fit = p->synthesis_fit,
                              .threads = p->threads};
 }
 

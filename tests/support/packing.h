@@ -21,7 +21,8 @@ typedef enum packing_voids {
     PACKING_WHOLE,
     PACKING_LAKES,    /* a few discs, stripes and single samples */
     PACKING_ONE_LEFT, /* all but one sample */
-    PACKING_ALL_VOID
+    PACKING_ALL_VOID,
+    PACKING_LAKE /* the largest of the discs alone, and half of one at the seam of what wraps */
 } packing_voids;
 
 /* A terrain and how it is to be packed; zero is the default everywhere but for width and height. */
@@ -35,7 +36,7 @@ typedef struct packing {
     tc_sample_type type;
     double unit;   /* 0: 1 */
     double offset; /* metres of the stored 0; z_base is the same where based */
-    bool based, wraps, price_lossless, max_error_may_yield;
+    bool based, wraps, price_lossless, max_error_may_yield, synthesis_fit;
     int threads;
 } packing;
 

@@ -65,6 +65,7 @@ typedef struct tc_container {
     tc_level_record record[TC_MAX_FIELD_LEVELS]; /* [l - 1]; for l > base */
     int32_t base_z[TC_BASE_SIZE * TC_BASE_SIZE]; /* [j * width + i] */
     uint8_t base_void[TC_BASE_SIZE * TC_BASE_SIZE];
+    struct tc_synthesis_fit *synthesis; /* of the file's first chart (synthesis.h); owned. NULL: none is stored */
 } tc_container;
 
 /* Sets levels, base and wraps_from from info.terrain. */

@@ -6,8 +6,9 @@
 
 #include "common/base/rect.h"
 #include "common/base/status.h"
+#include "common/synthesis/synthesis_store.h"
 
-enum { MOST_SECTIONS = 256 };
+enum { MOST_SECTIONS = 256, SECTION_SYNTHESIS = 1 };
 
 bool tc_envelope_is(const uint8_t *bytes)
 {
@@ -116,9 +117,14 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
     }
     tc_head_begin(w, TC_ENVELOPE_VERSION);
     tc_put(w, (uint64_t)e->bytes, 8);
-    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, 0, 2); /* no sections */
+    const tc_container *first = &e->chart[0].container;
+    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, first->synthesis ? 1 : 0, 2); /* sections */
     for (int n = 0; n < e->charts && !status; n++)
         write_chart(&e->chart[n], size[n], w);
+    if (first->synthesis) {
+        tc_put(w, SECTION_SYNTHESIS, 4), tc_put(w, TC_SYNTHESIS_BYTES, 4);
+        tc_synthesis_put(first->synthesis, w);
+    }
     tc_put_bytes(w, heads.bytes, heads.size);
     free(heads.bytes);
     return status || heads.failed ? TC_ERR_MEMORY : tc_head_seal(w, start);
@@ -237,6 +243,36 @@ static bool known_charts(const tc_envelope *e)
     return true;
 }
 
+/* A section of the head; one of a kind that this version does not know is passed over. False: there are two of a kind.
+ */
+static bool read_section(tc_byte_reader *r, tc_byte_reader *synthesis_ret)
+{
+    const unsigned kind = (unsigned)tc_get(r, 4);
+    const size_t size = (size_t)tc_get(r, 4);
+    const uint8_t *bytes = tc_get_bytes(r, size);
+    if (kind != SECTION_SYNTHESIS || !bytes)
+        return true;
+    bool first = !synthesis_ret->at;
+    *synthesis_ret = (tc_byte_reader){bytes, bytes + size, false};
+    return first;
+}
+
+/* Of a later form the file counts as one without. */
+static tc_status keep_synthesis(const tc_byte_reader *section, tc_container *c)
+{
+    tc_synthesis_fit fit;
+    if (!section->at)
+        return TC_OK;
+    tc_status status = tc_synthesis_get(section->at, (size_t)(section->end - section->at), &fit);
+    if (status)
+        return status == TC_ERR_UNSUPPORTED ? TC_OK : status;
+    c->synthesis = malloc(sizeof fit);
+    if (!c->synthesis)
+        return TC_ERR_MEMORY;
+    *c->synthesis = fit, c->info.synthesis_fit = true;
+    return TC_OK;
+}
+
 static tc_status fail_damaged(const char *subject, tc_error *error)
 {
     return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head contradicts itself", subject);
@@ -245,6 +281,7 @@ static tc_status fail_damaged(const char *subject, tc_error *error)
 static tc_status read_head(const char *subject, const uint8_t *bytes, size_t head_size, tc_envelope *e, tc_error *error)
 {
     tc_byte_reader r = {bytes + TC_HEAD_FIXED, bytes + head_size, false};
+    tc_byte_reader synthesis = {NULL, NULL, false};
     table_row row[TC_MOST_CHARTS];
     e->bytes = (int64_t)tc_get(&r, 8);
     int charts = (int)tc_get(&r, 1), sections = (int)tc_get(&r, 2);
@@ -256,10 +293,9 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
     for (int n = 0; n < charts; n++)
         if (!read_chart(&e->chart[n], &row[n], charts, &r))
             return fail_damaged(subject, error);
-    for (int s = 0; s < sections; s++) { /* what this version does not know */
-        tc_get(&r, 4);
-        tc_get_bytes(&r, (size_t)tc_get(&r, 4));
-    }
+    for (int s = 0; s < sections; s++)
+        if (!read_section(&r, &synthesis))
+            return fail_damaged(subject, error);
     for (int n = 0; n < charts; n++) {
         const uint8_t *head = tc_get_bytes(&r, row[n].head);
         size_t needed;
@@ -277,7 +313,9 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
     }
     if (r.failed || r.at != r.end || !known_charts(e))
         return fail_damaged(subject, error);
-    tc_status status = check(e, row, head_size);
+    tc_status status = keep_synthesis(&synthesis, &e->chart[0].container);
+    if (!status)
+        status = check(e, row, head_size);
     return status == TC_ERR_MEMORY ? tc_fail(error, status, "%s: not enough memory", subject)
            : status                ? fail_damaged(subject, error)
                                    : TC_OK;

@@ -291,6 +291,8 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
     bool planet = p->container.info.terrain.radius > 0;
     tc_packer *cap[TC_CAP_CHARTS] = {NULL, NULL};
     tc_status status = tc_pack_all_levels(p, error);
+    if (!status && p->options.synthesis_fit)
+        status = tc_pack_synthesis(p, error);
     if (!status && planet)
         status = tc_pack_caps(p, cap, error);
     if (!status)

@@ -10,6 +10,7 @@
  *     lossless  (pack_lossless.c) what the heights would take without loss
  *     bound     (pack_bound.c)    or which coder keeps every height within a bound in the least bytes
  *     finish    (pack.c)          the order of all this
+ *     synthesis (pack_synthesis.c) how detail goes on below the samples, where that is asked for
  *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
  *     file      (pack_file.c)     head, levels, caps, and the file into its place */
 #ifndef TC_PACK_INTERNAL_H
@@ -71,6 +72,11 @@ tc_status tc_pack_fill(tc_packer *p, tc_error *error);
 /* Largest unit that all heights are multiples of, from the terrain's, the options' or a list; 0: none. Sets the height
  * of the multiple 0. */
 double tc_pack_lattice(const tc_packer *p, double *origin_ret);
+
+/* ---- pack_synthesis.c ------------------------------------------------------------------------------------------ */
+
+/* Fits what synthesis needs to the heights given, once they are filled, and has it stored. */
+tc_status tc_pack_synthesis(tc_packer *p, tc_error *error);
 
 /* ---- pack_cascade.c ------------------------------------------------------------------------------------------- */
 
