@@ -41,9 +41,12 @@ static double pixels_a_sample(const tc_map *map, tc_layer *layer, int chart, dou
     const tc_chart *c = &map->chart[chart];
     double dx = ldexp(c->dx, map->synthesised), dy = ldexp(c->dy, map->synthesised);
     double px[3] = {x, x + 0.5 * dx, x}, py[3] = {y, y, y + 0.5 * dy};
+    const double at[2] = {x, y};
     tc_layer_find(map, layer, chart, 3, px, py);
     if (!tc_layer_holds(layer, px[0], py[0]))
         return 0;
+    if (!tc_layer_may_hold(layer, chart, at, at)) /* the way back led elsewhere: around the globe, from a plane */
+        layer->bounds[chart].everywhere = true;
     double a[2] = {2 * (px[1] - px[0]), 2 * (py[1] - py[0])}, b[2] = {2 * (px[2] - px[0]), 2 * (py[2] - py[0])};
     double area = fabs(a[0] * b[1] - a[1] * b[0]), fewer = area / fmax(hypot(a[0], a[1]), hypot(b[0], b[1]));
     return isfinite(fewer) ? fmin(sqrt(area), 1.5 * fewer) : 0;

@@ -17,6 +17,12 @@
 
 enum { TC_IMAGERY_TILE = 256 }; /* texels a side */
 
+/* Where on a chart a picture may be: chart coordinates, to which whole turns may be added where the chart has any. */
+typedef struct tc_layer_bounds {
+    bool everywhere; /* it is not known any better */
+    double lo[2], hi[2], turn;
+} tc_layer_bounds;
+
 /* A picture over the map. */
 typedef struct tc_layer {
     tc_image *image;
@@ -24,6 +30,7 @@ typedef struct tc_layer {
     bool around;           /* without a place of its own it covers the globe, else the map's samples */
     double period;         /* pixels after which columns come round again; 0: never */
     bool joined;           /* the picture itself goes around: its last column is beside its first */
+    tc_layer_bounds bounds[TC_MAP_CHARTS];
 } tc_layer;
 
 struct tc_imagery {
@@ -50,7 +57,7 @@ typedef struct tc_colour_field {
 /* ---- Places (imagery_place.c) -------------------------------------------------------------------------------------
  */
 
-/* Settles what of a layer's place the map decides. */
+/* Settles what of a layer's place the map decides, and its bounds. */
 void tc_layer_place(const tc_map *map, tc_layer *layer);
 
 /* From chart coordinates to pixels of level 0, in place; NAN where there is none. With the layer's mutex held. */
@@ -61,6 +68,9 @@ void tc_layer_locate(const tc_map *map, tc_layer *layer, int chart, int count, d
 
 /* Whether a pixel is within the picture. */
 bool tc_layer_holds(const tc_layer *layer, double px, double py);
+
+/* Whether the picture may hold places of a rectangle of the chart; false only where it holds none. */
+bool tc_layer_may_hold(const tc_layer *layer, int chart, const double lo[2], const double hi[2]);
 
 /* ---- Tiles (imagery_tile.c) ---------------------------------------------------------------------------------------
  */

@@ -1,17 +1,8 @@
 /* imagery_place.c - from the charts of a map to the pixels of a picture, and back. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "imagery_internal.h"
-
-#define DEGREE (M_PI / 180)
-
-void tc_layer_place(const tc_map *map, tc_layer *layer)
-{
-    const tc_image *image = layer->image;
-    layer->around = !image->find && map->chart[0].wraps;
-    layer->period = layer->around ? (double)image->level[0].width : image->period;
-    layer->joined = layer->period > 0 && layer->period <= (double)image->level[0].width + 0.5;
-}
 
 /* Chart coordinates between the samples that the georeference counts: those of the data, also where its finest levels
  * are missing from a file that was cut short. */
@@ -103,4 +94,82 @@ bool tc_layer_holds(const tc_layer *layer, double px, double py)
     const tc_image_size *size = &layer->image->level[0];
     return isfinite(px) && py >= 0 && py <= (double)size->height &&
            (layer->joined || (px >= 0 && px <= (double)size->width));
+}
+
+/* ---- Bounds -------------------------------------------------------------------------------------------------------
+ */
+
+enum { PLACES = 33 }; /* of a picture, a side, that say where all of it is */
+
+static int by_size(const void *a, const void *b)
+{
+    double d = *(const double *)a - *(const double *)b;
+    return (d > 0) - (d < 0);
+}
+
+/* From the least to the greatest of them, the way around that leaves out the widest gap. Sorts them. */
+static void span_of(double *x, int count, double turn, double *lo_ret, double *hi_ret)
+{
+    qsort(x, (size_t)count, sizeof *x, by_size);
+    *lo_ret = x[0], *hi_ret = x[count - 1];
+    double gap = turn - (x[count - 1] - x[0]);
+    for (int i = 1; i < count && turn > 0; i++)
+        if (x[i] - x[i - 1] > gap)
+            gap = x[i] - x[i - 1], *lo_ret = x[i], *hi_ret = x[i - 1] + turn;
+}
+
+/* How far it is at most from one of the places to that `apart` further on, in a row or a column of them. */
+static double longest_step(const double *x, int apart, double turn)
+{
+    double most = 0;
+    for (int k = 0; k + apart < PLACES * PLACES; k++) {
+        double step = fabs(x[k + apart] - x[k]);
+        if (apart == PLACES || k % PLACES != PLACES - 1)
+            most = fmax(most, turn > 0 ? fmin(step, fabs(turn - step)) : step);
+    }
+    return most;
+}
+
+/* All that lies between places of the picture is no further from them than they are from each other. */
+static tc_layer_bounds bounds_on(const tc_map *map, tc_layer *layer, int chart)
+{
+    const tc_image_size *size = &layer->image->level[0];
+    tc_layer_bounds b = {.everywhere = true, .turn = map->chart[chart].class->period};
+    double at[2][PLACES * PLACES];
+    if (layer->around || (layer->image->find && !layer->image->locate))
+        return b;
+    for (int k = 0; k < PLACES * PLACES; k++)
+        at[0][k] = (double)(k % PLACES) / (PLACES - 1) * (double)size->width,
+        at[1][k] = (double)(k / PLACES) / (PLACES - 1) * (double)size->height;
+    tc_layer_locate(map, layer, chart, PLACES * PLACES, at[0], at[1]);
+    for (int k = 0; k < PLACES * PLACES; k++)
+        if (!isfinite(at[0][k]) || !isfinite(at[1][k]))
+            return b;
+    for (int i = 0; i < 2; i++) {
+        const double turn = i == 0 ? b.turn : 0;
+        double beyond = longest_step(at[i], 1, turn) + longest_step(at[i], PLACES, turn);
+        span_of(at[i], PLACES * PLACES, turn, &b.lo[i], &b.hi[i]);
+        b.lo[i] -= beyond, b.hi[i] += beyond;
+    }
+    b.everywhere = false;
+    return b;
+}
+
+void tc_layer_place(const tc_map *map, tc_layer *layer)
+{
+    const tc_image *image = layer->image;
+    layer->around = !image->find && map->chart[0].wraps;
+    layer->period = layer->around ? (double)image->level[0].width : image->period;
+    layer->joined = layer->period > 0 && layer->period <= (double)image->level[0].width + 0.5;
+    for (int chart = 0; chart < map->charts; chart++)
+        layer->bounds[chart] = bounds_on(map, layer, chart);
+}
+
+bool tc_layer_may_hold(const tc_layer *layer, int chart, const double lo[2], const double hi[2])
+{
+    const tc_layer_bounds *b = &layer->bounds[chart];
+    if (b->everywhere)
+        return true;
+    double turns = b->turn > 0 ? b->turn * ceil((b->lo[0] - hi[0]) / b->turn) : 0; /* the first that is not before it */
+    return lo[1] <= b->hi[1] && hi[1] >= b->lo[1] && lo[0] + turns <= b->hi[0] && hi[0] + turns >= b->lo[0];
 }

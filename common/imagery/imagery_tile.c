@@ -3,8 +3,9 @@
  * A tile is made in blocks of 32 x 32 texels. Pixels of texels are found exactly on a lattice of every eighth one and,
  * where the middle of a cell is where its corners say, in between by them; elsewhere (poles, the sides of a map in
  * longitude and latitude, the edge of a projection) one by one. How far it is from texel to texel along either axis
- * says which level of the picture is read and over how many of its pixels, at most 1,024 along the longer axis, bilinear
- * ones are averaged: one a pixel, at most 64 along either axis (Heckbert 1989's elliptical average by boxes). */
+ * says which level of the picture is read and over how many of its pixels, at most 1,024 along the longer axis,
+ * bilinear ones are averaged: one a pixel, at most 64 along either axis (Heckbert 1989's elliptical average by boxes).
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -426,6 +427,17 @@ static void store(const block *b, const workshop *w, uint8_t (*texels)[4], ptrdi
         }
 }
 
+/* Whether a picture may hold a texel of a block. */
+static bool may_hold(const block *b, const tc_layer *layer)
+{
+    double first[2], last[2], lo[2], hi[2];
+    place_of(b, 0, 0, &first[0], &first[1]);
+    place_of(b, b->w - 1, b->h - 1, &last[0], &last[1]);
+    for (int i = 0; i < 2; i++)
+        lo[i] = fmin(first[i], last[i]), hi[i] = fmax(first[i], last[i]);
+    return tc_layer_may_hold(layer, b->field->chart, lo, hi);
+}
+
 static tc_status make_block(const block *b, workshop *w, uint8_t (*texels)[4], ptrdiff_t stride, tc_error *error)
 {
     const tc_imagery *imagery = b->field->imagery;
@@ -434,6 +446,8 @@ static tc_status make_block(const block *b, workshop *w, uint8_t (*texels)[4], p
     for (int n = 0; n < imagery->layers && status == TC_OK; n++) {
         tc_layer *layer = &imagery->layer[n];
         uint64_t levels = 0;
+        if (!may_hold(b, layer))
+            continue;
         find_block(b, layer, &w->at, w->exact);
         for (int k = 0; k < CELLS * CELLS; k++) {
             survey_cell(b, layer, &w->at, k % CELLS, k / CELLS, &w->cell[k]);
