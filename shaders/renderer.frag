@@ -7,10 +7,6 @@ layout(location = 0) out vec4 colour;
 void main()
 {
     Ground ground = surface_ground();
-#ifdef HOLES
-    if (ground.hole)
-        discard;
-#endif
 #ifdef GIVEN_COLOURS
 #if defined(SHADE_SLOPE) || defined(SHADE_ASPECT)
     float h = shade_degrees(ground);
@@ -78,6 +74,10 @@ void main()
     air *= ground.day;
 #endif
     c += (air - c) * (r2 / (1.0 + r2));
+#endif
+#ifdef HOLES
+    if (ground.hole) // at the end: what is beside it is told by derivatives, which are anything afterwards
+        discard;
 #endif
     colour = encoded(sqrt(c));
 }

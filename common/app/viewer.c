@@ -99,21 +99,38 @@ static tc_status load_terrain(tc_viewer *v, tc_error *error)
     return TC_OK;
 }
 
-/* Tells a person how far making a picture's levels is; false: that is to end. */
+/* A line that tells a person how far making a picture's levels is. */
+typedef struct levels_line {
+    bool shown, begun; /* to a person; and not ended yet */
+} levels_line;
+
+static void end_line(levels_line *line)
+{
+    if (line->begun)
+        fputc('\n', stderr);
+    line->begun = false;
+}
+
+/* False: that is to end. */
 static bool show_levels(void *context, double done)
 {
-    const tc_viewer *v = context;
-    if (!v->options.quiet && isatty(STDERR_FILENO))
-        fprintf(stderr, "\rimagery: %3.0f %%%s", floor(100 * done), done >= 1 ? "\n" : "");
+    levels_line *line = context;
+    if (line->shown)
+        line->begun = fprintf(stderr, "\rimagery: %3.0f %%", floor(100 * done)) > 0;
+    if (done >= 1)
+        end_line(line);
     return !tc_interrupted();
 }
 
 static tc_status load_imagery(tc_viewer *v, tc_error *error)
 {
     const tc_source_options source = {.say = say, .say_context = v, .outputs = &v->outputs};
-    const tc_image_options options = {.source = &source, .progress = show_levels, .progress_context = v};
-    return tc_imagery_load(v->map, v->options.imagery, v->options.imagery_count, v->options.threads, &options,
-                           &v->imagery, error);
+    levels_line line = {.shown = !v->options.quiet && isatty(STDERR_FILENO)};
+    const tc_image_options options = {.source = &source, .progress = show_levels, .progress_context = &line};
+    tc_status status = tc_imagery_load(v->map, v->options.imagery, v->options.imagery_count, v->options.threads,
+                                       &options, &v->imagery, error);
+    end_line(&line); /* what is said of a failure has its own */
+    return status;
 }
 
 static tc_flight_box whole_box(const tc_viewer *v)

@@ -70,8 +70,10 @@ void tc_viewer_throttle(tc_viewer *v, double frame_ms)
 {
     if (v->options.target_ms <= 0)
         return;
+    const double before = v->scene.frame.throttle;
     v->scene.frame.throttle = tc_throttle_step(&v->throttle, frame_ms, v->surface->most_throttle);
-    tc_renderer_set_options(v->renderer, &v->scene);
+    if (v->scene.frame.throttle != before) /* or each frame would settle anew what its scene needs */
+        tc_renderer_set_options(v->renderer, &v->scene);
 }
 
 tc_status tc_viewer_frame(tc_viewer *v, bool finish, tc_frame_stats *frame_ret, tc_error *error)

@@ -156,6 +156,8 @@ tc_status tc_imagery_create(const tc_map *map, tc_image *const *images, int coun
     tc_imagery *im = calloc(1, sizeof *im);
     tc_layer *layer = calloc((size_t)count, sizeof *layer);
     if (!im || !layer || tc_block_cache_init(&im->blocks, CACHE_BYTES)) {
+        if (im && layer)
+            tc_block_cache_free(&im->blocks); /* what there is of it */
         free(im), free(layer);
         for (int n = 0; n < count; n++)
             images[n]->close(images[n]);

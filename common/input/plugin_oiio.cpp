@@ -29,14 +29,50 @@ namespace
 
 /* ---- Reading ---------------------------------------------------------------------------------------------------- */
 
+/* A picture from the top down: a row, or a row of tiles, at a time. */
+struct oiio_input {
+    std::unique_ptr<OIIO::ImageInput> file;
+    OIIO::TypeDesc type;              /* of samples as they are given */
+    std::vector<unsigned char> bytes; /* one row or one row of tiles, all channels */
+    int64_t tile_row = -1;            /* which row of tiles it holds */
+
+    const OIIO::ImageSpec &spec() const { return file->spec(); }
+
+    size_t row_bytes() const { return (size_t)spec().width * spec().nchannels * type.size(); }
+
+    void begin() /* with file and type */
+    {
+        bytes.resize(row_bytes() * (spec().tile_height > 0 ? (size_t)spec().tile_height : 1));
+    }
+
+    /* Row y (from the top) of all channels; NULL on failure. */
+    const unsigned char *fetch(int64_t y)
+    {
+        const OIIO::ImageSpec &s = spec();
+        if (s.tile_width == 0) {
+            int at = s.y + (int)y;
+            return file->read_scanlines(0, 0, at, at + 1, 0, 0, s.nchannels, type, bytes.data()) ? bytes.data()
+                                                                                                 : nullptr;
+        }
+        int64_t row = y / s.tile_height;
+        if (row != tile_row) {
+            int top = s.y + (int)(row * s.tile_height);
+            int bottom = std::min(top + s.tile_height, s.y + s.height);
+            tile_row = -1;
+            if (!file->read_tiles(0, 0, s.x, s.x + s.width, top, bottom, s.z, s.z + 1, 0, s.nchannels, type,
+                                  bytes.data()))
+                return nullptr;
+            tile_row = row;
+        }
+        return bytes.data() + (size_t)(y - row * s.tile_height) * row_bytes();
+    }
+};
+
 struct oiio_raster {
     tc_raster base; /* first: a tc_raster pointer is one to this */
     std::string path;
-    std::unique_ptr<OIIO::ImageInput> input;
-    OIIO::TypeDesc type;            /* of the buffers */
-    int alpha;                      /* channel that serves as mask, or -1 */
-    std::vector<unsigned char> row; /* one row or one row of tiles, all channels */
-    int64_t tile_row = -1;          /* which row of tiles it holds */
+    oiio_input input;
+    int alpha; /* channel that serves as mask, or -1 */
 };
 
 oiio_raster *self(tc_raster *raster)
@@ -55,9 +91,9 @@ std::string one_line(std::string text)
 
 bool choose_type(oiio_raster *r)
 {
-    const OIIO::ImageSpec &spec = r->input->spec();
+    const OIIO::ImageSpec &spec = r->input.spec();
     tc_raster_info &info = r->base.info;
-    r->type = OIIO::TypeDesc((OIIO::TypeDesc::BASETYPE)spec.format.basetype);
+    r->input.type = OIIO::TypeDesc((OIIO::TypeDesc::BASETYPE)spec.format.basetype);
     info.integer = true;
     switch (spec.format.basetype) {
     case OIIO::TypeDesc::UINT8:
@@ -91,7 +127,7 @@ bool choose_type(oiio_raster *r)
     case OIIO::TypeDesc::HALF:
         info.type = TC_SAMPLE_FLOAT32;
         info.type_name = "float16";
-        r->type = OIIO::TypeFloat; /* half to float is exact and not rescaled */
+        r->input.type = OIIO::TypeFloat; /* half to float is exact and not rescaled */
         return true;
     case OIIO::TypeDesc::FLOAT:
         info.type = TC_SAMPLE_FLOAT32;
@@ -105,40 +141,17 @@ bool choose_type(oiio_raster *r)
     }
 }
 
-/* Brings row y (from the top) of all channels to memory; NULL on failure. */
-const unsigned char *fetch_row(oiio_raster *r, int64_t y)
-{
-    const OIIO::ImageSpec &spec = r->input->spec();
-    size_t row_bytes = (size_t)spec.width * spec.nchannels * r->type.size();
-    if (spec.tile_width == 0) {
-        int at = spec.y + (int)y;
-        return r->input->read_scanlines(0, 0, at, at + 1, 0, 0, spec.nchannels, r->type, r->row.data()) ? r->row.data()
-                                                                                                        : nullptr;
-    }
-    int64_t tile_row = y / spec.tile_height;
-    if (tile_row != r->tile_row) {
-        int top = spec.y + (int)(tile_row * spec.tile_height);
-        int bottom = std::min(top + spec.tile_height, spec.y + spec.height);
-        r->tile_row = -1;
-        if (!r->input->read_tiles(0, 0, spec.x, spec.x + spec.width, top, bottom, spec.z, spec.z + 1, 0, spec.nchannels,
-                                  r->type, r->row.data()))
-            return nullptr;
-        r->tile_row = tile_row;
-    }
-    return r->row.data() + (size_t)(y - tile_row * spec.tile_height) * row_bytes;
-}
-
 tc_status read_rows(tc_raster *raster, int64_t row, int64_t rows, void *samples, uint8_t *mask, tc_error *error)
 {
     oiio_raster *r = self(raster);
-    const OIIO::ImageSpec &spec = r->input->spec();
-    size_t size = r->type.size(), channels = (size_t)spec.nchannels;
+    const OIIO::ImageSpec &spec = r->input.spec();
+    size_t size = r->input.type.size(), channels = (size_t)spec.nchannels;
     try {
         for (int64_t k = 0; k < rows; k++) {
-            const unsigned char *from = fetch_row(r, row + k);
+            const unsigned char *from = r->input.fetch(row + k);
             if (!from)
                 return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read to its end, damaged or truncated: %s",
-                               r->path.c_str(), one_line(r->input->geterror()).c_str());
+                               r->path.c_str(), one_line(r->input.file->geterror()).c_str());
             unsigned char *to = (unsigned char *)samples + (size_t)k * spec.width * size;
             if (channels == 1) {
                 std::memcpy(to, from, spec.width * size);
@@ -178,7 +191,7 @@ tc_status check_whole(const char *path, const OIIO::ImageSpec &spec, tc_error *e
 
 tc_status describe(oiio_raster *r, const tc_source_options *options, tc_error *error)
 {
-    const OIIO::ImageSpec &spec = r->input->spec();
+    const OIIO::ImageSpec &spec = r->input.spec();
     const char *path = r->path.c_str();
     tc_status status = check_whole(path, spec, error);
     if (status != TC_OK)
@@ -199,11 +212,10 @@ tc_status describe(oiio_raster *r, const tc_source_options *options, tc_error *e
     info.block_rows = spec.tile_height > 0 ? spec.tile_height : 1;
     info.has_mask = r->alpha >= 0;
     info.scale = 1;
-    size_t rows = spec.tile_height > 0 ? (size_t)spec.tile_height : 1;
-    r->row.resize((size_t)spec.width * rows * spec.nchannels * r->type.size());
-    if (options->say && r->input->seek_subimage(1, 0)) {
+    r->input.begin();
+    if (options->say && r->input.file->seek_subimage(1, 0)) {
         options->say(options->say_context, true, "the file holds several pictures; the first is shown");
-        r->input->seek_subimage(0, 0);
+        r->input.file->seek_subimage(0, 0);
     }
     return TC_OK;
 }
@@ -220,8 +232,8 @@ tc_status open_raster(const char *path, const tc_source_options *options, bool *
         r->path = path;
         OIIO::ImageSpec wish;
         wish.attribute("oiio:UnassociatedAlpha", 1); /* heights must not come multiplied by their mask */
-        r->input = OIIO::ImageInput::open(path, &wish);
-        if (!r->input)
+        r->input.file = OIIO::ImageInput::open(path, &wish);
+        if (!r->input.file)
             return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: cannot be opened as a picture: %s", path,
                            one_line(OIIO::geterror()).c_str());
         *recognised = true;
@@ -242,34 +254,10 @@ tc_status open_raster(const char *path, const tc_source_options *options, bool *
 struct oiio_rows {
     tc_image_rows base; /* first: a tc_image_rows pointer is one to this */
     std::string path;
-    std::unique_ptr<OIIO::ImageInput> input;
-    bool light;             /* floats are light, not what is shown */
-    bool multiplied;        /* colours are, by alpha */
-    std::vector<float> row; /* one row or one row of tiles, all channels, 0 .. 1 */
-    int64_t tile_row = -1;  /* which row of tiles it holds */
+    oiio_input input; /* as float, 0 .. 1 */
+    bool light;       /* floats are light, not what is shown */
+    bool multiplied;  /* colours are, by alpha */
 };
-
-const float *fetch_colours(oiio_rows *r, int64_t y)
-{
-    const OIIO::ImageSpec &spec = r->input->spec();
-    if (spec.tile_width == 0) {
-        int at = spec.y + (int)y;
-        return r->input->read_scanlines(0, 0, at, at + 1, 0, 0, spec.nchannels, OIIO::TypeFloat, r->row.data())
-                   ? r->row.data()
-                   : nullptr;
-    }
-    int64_t tile_row = y / spec.tile_height;
-    if (tile_row != r->tile_row) {
-        int top = spec.y + (int)(tile_row * spec.tile_height);
-        int bottom = std::min(top + spec.tile_height, spec.y + spec.height);
-        r->tile_row = -1;
-        if (!r->input->read_tiles(0, 0, spec.x, spec.x + spec.width, top, bottom, spec.z, spec.z + 1, 0, spec.nchannels,
-                                  OIIO::TypeFloat, r->row.data()))
-            return nullptr;
-        r->tile_row = tile_row;
-    }
-    return r->row.data() + (size_t)(y - tile_row * spec.tile_height) * spec.width * spec.nchannels;
-}
 
 uint8_t shown(float value, bool light)
 {
@@ -282,14 +270,14 @@ uint8_t shown(float value, bool light)
 tc_status read_colours(tc_image_rows *rows, int64_t row, int64_t count, uint8_t (*rgba)[4], tc_error *error)
 {
     oiio_rows *r = reinterpret_cast<oiio_rows *>(rows);
-    const OIIO::ImageSpec &spec = r->input->spec();
+    const OIIO::ImageSpec &spec = r->input.spec();
     const int colours = spec.nchannels - (spec.alpha_channel >= 0);
     try {
         for (int64_t k = 0; k < count; k++) {
-            const float *from = fetch_colours(r, row + k);
+            const float *from = reinterpret_cast<const float *>(r->input.fetch(row + k));
             if (!from)
                 return tc_fail(error, TC_ERR_FORMAT, "%s: cannot be read to its end, damaged or truncated: %s",
-                               r->path.c_str(), one_line(r->input->geterror()).c_str());
+                               r->path.c_str(), one_line(r->input.file->geterror()).c_str());
             for (int i = 0; i < spec.width; i++, from += spec.nchannels) {
                 uint8_t *to = rgba[k * spec.width + i];
                 float alpha = spec.alpha_channel >= 0 ? from[spec.alpha_channel] : 1;
@@ -319,11 +307,11 @@ tc_status open_rows(const char *path, const tc_image_options *options, tc_image_
         r->path = path;
         OIIO::ImageSpec wish;
         wish.attribute("oiio:UnassociatedAlpha", 1);
-        r->input = OIIO::ImageInput::open(path, &wish);
-        if (!r->input)
+        r->input.file = OIIO::ImageInput::open(path, &wish);
+        if (!r->input.file)
             return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: cannot be opened as a picture: %s", path,
                            one_line(OIIO::geterror()).c_str());
-        const OIIO::ImageSpec &spec = r->input->spec();
+        const OIIO::ImageSpec &spec = r->input.spec();
         tc_status status = check_whole(path, spec, error);
         if (status != TC_OK)
             return status;
@@ -332,8 +320,8 @@ tc_status open_rows(const char *path, const tc_image_options *options, tc_image_
         if (r->light && options->source->say)
             options->source->say(options->source->say_context, false,
                                  "floats are taken for light: 0 is black, 1 and above white");
-        size_t rows = spec.tile_height > 0 ? (size_t)spec.tile_height : 1;
-        r->row.resize((size_t)spec.width * rows * spec.nchannels);
+        r->input.type = OIIO::TypeFloat;
+        r->input.begin();
         r->base.name = r->path.c_str();
         r->base.width = spec.width;
         r->base.height = spec.height;

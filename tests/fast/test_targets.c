@@ -8,6 +8,8 @@
 #include "common/gl/program.h"
 #include "planar/square.h"
 #include "spherical/rings.h"
+#include "common/imagery/imagery.h"
+#include "tests/support/draped.h"
 #include "tests/support/gl_refuse.h"
 #include "tests/support/host_state.h"
 #include "tests/support/planet_scene.h"
@@ -342,15 +344,23 @@ static void a_host_gets_its_state_back(void **state)
 {
     (void)state;
     const tc_camera c = flat_view(), p = planet_view_of(0.4);
-    scene scenes[2] = {flat_scene(), planet_scene_here()};
-    for (int k = 0; k < 2; k++) {
+    tc_map *map = tc_map_flat(terrain_field(TERRAIN_SMOOTH, 300, 200, 30, 1));
+    tc_image *image = draped_image(draped_waves, 300, 200);
+    tc_imagery *imagery;
+    assert_int_equal(tc_imagery_create(map, &image, 1, 1, &imagery, NULL), TC_OK);
+    tc_scene_options with_imagery = look;
+    with_imagery.imagery = imagery;
+    scene scenes[3] = {flat_scene(), planet_scene_here(),
+                       scene_create(context, tc_map_field(map, 0), 63, &with_imagery)};
+    for (int k = 0; k < 3; k++) {
         tc_error error;
         tc_frame_stats stats;
-        const tc_camera *camera = k ? &p : &c;
+        const bool sphere = k == 1;
+        const tc_camera *camera = sphere ? &p : &c;
         host h = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
         host plain = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
-        const tc_sight sight = sight_of(camera, TC_DEPTH_CONVENTIONAL, k ? planet->body.radius : 0, k ? 1000 : 1,
-                                        4 * scenes[k].surface->extent);
+        const tc_sight sight = sight_of(camera, TC_DEPTH_CONVENTIONAL, sphere ? planet->body.radius : 0,
+                                        sphere ? 1000 : 1, 4 * scenes[k].surface->extent);
         do
             assert_int_equal(tc_renderer_draw(scenes[k].renderer, &plain.target, &sight, true, &stats, &error), TC_OK);
         while (!stats.resident);
@@ -373,6 +383,8 @@ static void a_host_gets_its_state_back(void **state)
         host_destroy(&plain);
         scene_destroy(&scenes[k]);
     }
+    tc_imagery_destroy(imagery);
+    tc_map_destroy(map);
 }
 
 /* ---- Several views ----------------------------------------------------------------------------------------------- */
