@@ -259,7 +259,7 @@ test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-hei
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SLOW) $(wildcard tests/cli/test_*.sh) $(EXTREME) $(FAST)
 
-# Sweeps whole, of which `make test` looks at a third (tests/support/sweep.h).
+# Sweeps whole, of which `make test` looks at a sixth (tests/support/sweep.h).
 SWEEPS := $(patsubst %,$(O)/tests/%,$(basename $(notdir $(shell grep -l sweep_ $(wildcard tests/slow/*.c)))))
 test-extreme: all $(EXTREME) $(SWEEPS)
 	@mkdir -p $(O)/extreme

@@ -18,7 +18,7 @@ trap 'rm -rf "$work"' EXIT
 trap 'exit 130' INT TERM
 cd "$work" || exit 99
 mkdir out
-export MESA_SHADER_CACHE_DISABLE=true
+export MESA_SHADER_CACHE_DIR="${MESA_SHADER_CACHE_DIR:-$work/shaders}"
 picture='-o out/picture.png --size 96x64' # what most cases write; split into words where it is used
 limit=20                                  # seconds that a case may take
 case $build in

@@ -13,6 +13,7 @@
 #include "common/view/camera.h"
 #include "common/measure/view_error.h"
 #include "tests/support/planet_scene.h"
+#include "tests/support/sweep.h"
 
 #define DEGREE (M_PI / 180)
 enum { PLANETS = 2, COLUMNS = 2048 };
@@ -123,7 +124,7 @@ static void nothing_marks_a_place(void **state)
             for (int p = 0; p < PLACES; p++) {
                 tc_error_stats one;
                 assert_int_equal(tc_error_stats_init(&one), 0);
-                for (int look = 0; look < 3; look++) {
+                for (int look = sweep_whole() ? 0 : (p + a) % 3; look < 3; look += sweep_whole() ? 1 : 3) {
                     tc_camera c = camera_at(k, a, p, look);
                     scene_draw(&at, &c, true);
                     float *depth = planet_depth(&at, &c);

@@ -12,5 +12,5 @@ bool sweep_whole(void)
 
 int sweep_of(int cases)
 {
-    return sweep_whole() ? cases : (cases + 2) / 3;
+    return sweep_whole() ? cases : (cases + 5) / 6;
 }

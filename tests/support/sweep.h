@@ -1,4 +1,4 @@
-/* sweep.h - sweeps over random cases: `make test` looks at a third of them, `make test-extreme` at all. */
+/* sweep.h - sweeps over random cases: `make test` looks at a sixth of them, `make test-extreme` at all. */
 #ifndef SWEEP_H
 #define SWEEP_H
 
