@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "tests/support/scene.h"
+#include "tests/support/sweep.h"
 #include "tests/support/terrains.h"
 
 enum { WIDTH = 320, HEIGHT = 240, SIZE = 998, SPACING = 30, FINER = 5 };
@@ -89,7 +90,7 @@ static void a_picture_depends_on_the_view_alone(void **state)
 static void also_with_several_samples_a_pixel(void **state)
 {
     (void)state;
-    same_view_same_picture(terrain, 4, 60);
+    same_view_same_picture(terrain, 4, sweep_of(60));
 }
 
 static void also_finer_than_the_data(void **state)

@@ -156,7 +156,7 @@ static void the_test_finds_cracks(void **state)
     }
     totals t = {0};
     for (int k = 0; k < DATA; k++)
-        run(context, terrain[k], 63, 150, false, NO_CLOSERS, 60 + (uint64_t)k, &t);
+        run(context, terrain[k], 63, sweep_whole() ? 150 : 75, false, NO_CLOSERS, 60 + (uint64_t)k, &t);
     printf("watertight: open T-junctions alone: %d cracks in %d views\n", t.cracks, t.views);
     assert_true(t.cracks > 0);
 }
