@@ -392,11 +392,12 @@ const tc_field *tc_map_field(const tc_map *map, int chart);
 tc_status tc_map_height(const tc_map *map, double x, double y, double *z_ret);
 
 /* Adds levels finer than the data, made of what the terrain's own levels tell of its detail: samples half as far apart
- * each, to all charts. Heights are the same in whatever order they are read, and on every machine but for the last bit
- * where a planet's charts share a place. levels: 0 to TC_SYNTHESIS_MOST, cut to what can be drawn; TC_SYNTHESIS_AUTO:
- * until samples are 0.1 m apart. A map of one sample stays as it is. What a packed file has stored
- * (tc_packed_info.synthesis_fit) is gone by, where its finest levels are not missing; else parts of them are read. Not
- * while anyone else uses the map, and once; after a failure the map can only be destroyed. */
+ * each, to all charts. Heights are the same in whatever order they are read, and on every machine that has the same
+ * heights of the data (the last bit of caps that are made while a planet is loaded is the C library's). levels: 0 to
+ * TC_SYNTHESIS_MOST, cut to what can be drawn; TC_SYNTHESIS_AUTO: until samples are 0.1 m apart. A map of one sample
+ * stays as it is. What a packed file has stored (tc_packed_info.synthesis_fit) is gone by, where its finest levels are
+ * not missing; else parts of them are read. Not while anyone else uses the map, and once; after a failure the map can
+ * only be destroyed. */
 enum { TC_SYNTHESIS_AUTO = -1, TC_SYNTHESIS_MOST = 20 };
 tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error);
 

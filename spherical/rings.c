@@ -14,7 +14,6 @@
 #include "common/field/field.h"
 #include "rings_internal.h"
 
-#define DEGREE (M_PI / 180)
 /* Spacing, metres, from which on normals are kept steeper than the terrain. */
 #define RELIEF 60.0
 /* A constant as GLSL is told it. */
@@ -230,7 +229,7 @@ static void set_uniforms(tc_frame *f, const rings_view *v, const tc_layers *laye
 {
     const rings_surface *s = tc_rings_of(v);
     float(*u)[4] = f->surface;
-    const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
+    const double lo = TC_CAP_BLEND_START_SINE, hi = TC_CAP_BLEND_END_SINE;
     bool caps = !v->partial;
     set4(u[0], v->cos_theta, v->sin_theta, v->cos_lambda, v->sin_lambda);
     set4(u[1], v->radius + v->z, v->z_eye - v->z, v->z, s->shift_base + 1);

@@ -4,9 +4,8 @@
 #include <math.h>
 
 #include "common/base/rect.h"
+#include "common/base/same_math.h"
 #include "common/field/point.h"
-
-#define DEGREE (M_PI / 180)
 
 tc_chart tc_chart_over(const tc_chart_class *class, tc_field *field, int self, double x0, double y0, double dx,
                        double dy)
@@ -50,8 +49,18 @@ static void same(double x, double y, double *x_ret, double *y_ret)
     *x_ret = x, *y_ret = y;
 }
 
-const tc_chart_class tc_chart_lonlat = {
-    .name = "lonlat", .to_place = same, .from_place = same, .period = 2 * M_PI, .height = bilinear_height};
+static double sine_of_latitude(double x, double y)
+{
+    (void)x;
+    return tc_sine(y);
+}
+
+const tc_chart_class tc_chart_lonlat = {.name = "lonlat",
+                                        .to_place = same,
+                                        .from_place = same,
+                                        .period = 2 * M_PI,
+                                        .sine = sine_of_latitude,
+                                        .height = bilinear_height};
 
 /* ---- Caps -------------------------------------------------------------------------------------------------------- */
 
@@ -78,9 +87,21 @@ static void to_southern(double x, double y, double *longitude_ret, double *latit
     *latitude_ret = -*latitude_ret;
 }
 
+/* The radius is 2 tan of half the angle from the pole. */
+static double sine(double x, double y)
+{
+    const double r2 = x * x + y * y;
+    return (4 - r2) / (4 + r2);
+}
+
+static double southern_sine(double x, double y)
+{
+    return -sine(x, y);
+}
+
 static double share(double sine)
 {
-    const double lo = sin(TC_CAP_BLEND_START * DEGREE), hi = sin(TC_CAP_BLEND_END * DEGREE);
+    const double lo = TC_CAP_BLEND_START_SINE, hi = TC_CAP_BLEND_END_SINE;
     return fmin(fmax((sine - lo) / (hi - lo), 0), 1);
 }
 
@@ -89,10 +110,15 @@ static double southern_share(double sine)
     return share(-sine);
 }
 
-const tc_chart_class tc_chart_north_cap = {
-    .name = "north cap", .to_place = to_place, .from_place = from_place, .share = share, .height = bilinear_height};
+const tc_chart_class tc_chart_north_cap = {.name = "north cap",
+                                           .to_place = to_place,
+                                           .from_place = from_place,
+                                           .sine = sine,
+                                           .share = share,
+                                           .height = bilinear_height};
 const tc_chart_class tc_chart_south_cap = {.name = "south cap",
                                            .to_place = to_southern,
                                            .from_place = from_southern,
+                                           .sine = southern_sine,
                                            .share = southern_share,
                                            .height = bilinear_height};

@@ -28,6 +28,8 @@ typedef struct tc_chart_class {
     void (*to_place)(double x, double y, double *place_x_ret, double *place_y_ret);
     void (*from_place)(double place_x, double place_y, double *x_ret, double *y_ret);
     double period; /* x comes round again; 0: never */
+    /* Sine of the latitude at chart coordinates, of the same bits on every machine; NULL: there is no latitude. */
+    double (*sine)(double x, double y);
     /* Share of the height at a place of a chart that is laid over others, by the sine of the latitude there; NULL: it
      * has what is left. */
     double (*share)(double sine);
@@ -70,6 +72,8 @@ tc_chart tc_chart_over(const tc_chart_class *class, tc_field *field, int self, d
 /* Caps take over from lonlat between these latitudes, degrees, and reach down to TC_CAP_EDGE. */
 #define TC_CAP_BLEND_START 56.0
 #define TC_CAP_BLEND_END 59.0
+#define TC_CAP_BLEND_START_SINE 0.8290375725550417
+#define TC_CAP_BLEND_END_SINE 0.8571673007021123
 #define TC_CAP_EDGE 52.0
 
 #endif

@@ -19,13 +19,17 @@ struct tc_map_noise {
  * the shares' squares. */
 static float noise_share(const void *context, double i, double j)
 {
+    const double degree = M_PI / 180, least = (TC_CAP_BLEND_START - 0.01) * degree,
+                 most = (TC_CAP_BLEND_END + 0.01) * degree;
     const struct tc_map_noise *n = context;
-    double place_x, place_y, share[TC_MAP_CHARTS], sum = 0;
-    n->class->to_place(n->x0 + i * n->dx, n->y0 + j * n->dy, &place_x, &place_y);
-    double latitude = fabs(place_y) * 180 / M_PI;
-    if (latitude <= TC_CAP_BLEND_START || latitude >= TC_CAP_BLEND_END)
+    const double x = n->x0 + i * n->dx, y = n->y0 + j * n->dy;
+    if (n->class == &tc_chart_lonlat && (fabs(y) < least || fabs(y) > most)) /* most of a globe: no sine is needed */
         return 1;
-    tc_map_shares(n->map, sin(place_y), share);
+    const double sine = n->class->sine(x, y);
+    if (fabs(sine) <= TC_CAP_BLEND_START_SINE || fabs(sine) >= TC_CAP_BLEND_END_SINE)
+        return 1;
+    double share[TC_MAP_CHARTS], sum = 0;
+    tc_map_shares(n->map, sine, share);
     for (int k = 0; k < n->map->charts; k++)
         sum += share[k] * share[k];
     return (float)(1 / sqrt(sum));

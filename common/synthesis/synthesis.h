@@ -8,9 +8,10 @@
  * slope S around; n_b is white noise smeared along or across the slope, and p_b what curvature foretells. All of it is
  * fitted to the terrain's two finest levels (synthesis_fit.c).
  *
- * Noise is a hash of (seed, chart, level, i, j) and arithmetic is that of IEEE floats: a height is the same on every
- * machine, in whatever rectangle and on whatever thread it is read. Areas of 3 x 3 equal samples stay as they are, and
- * so does what touches them. (Where a planet's charts share a place a factor comes from the C library's functions.) */
+ * Noise is a hash of (seed, chart, level, i, j) and arithmetic is that of IEEE numbers in one order, without those of the
+ * C library's functions that differ (common/base/same_math.h): a height is the same on every machine, in whatever
+ * rectangle and on whatever thread it is read. Areas of 3 x 3 equal samples stay as they are, and so does what touches
+ * them. */
 #ifndef TC_SYNTHESIS_H
 #define TC_SYNTHESIS_H
 

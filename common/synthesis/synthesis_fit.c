@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "common/base/rect.h"
+#include "common/base/same_math.h"
 #include "common/base/status.h"
 #include "synthesis_rehearsal.h"
 
@@ -36,7 +37,7 @@ static bool solve(double m[UNKNOWNS][UNKNOWNS + 1])
 static void regress(const tc_pair pairs[2], double x[UNKNOWNS])
 {
     for (int p = 0; p < 2; p++)
-        x[p] = log2(fmax(pairs[p].energy / fmax((double)pairs[p].cells, 1), 1e-30));
+        x[p] = tc_log2(fmax(pairs[p].energy / fmax((double)pairs[p].cells, 1), 1e-30));
     x[2] = x[3] = 0;
     for (int round = 0; round < ROUNDS; round++) {
         double m[UNKNOWNS][UNKNOWNS + 1] = {{0}};
@@ -45,7 +46,7 @@ static void regress(const tc_pair pairs[2], double x[UNKNOWNS])
                 const tc_pair_cell *c = &pairs[p].cell[n];
                 double v[UNKNOWNS] = {p == 0, p == 1, c->energy, c->slope};
                 double eta = x[p] + x[2] * v[2] + x[3] * v[3];
-                double off = fmin(c->detail / exp2(eta) - 1, 20) / M_LN2; /* of outliers no more is heard */
+                double off = fmin(c->detail / tc_exp2(eta) - 1, 20) / M_LN2; /* of outliers no more is heard */
                 for (int i = 0; i < UNKNOWNS; i++) {
                     for (int j = 0; j < UNKNOWNS; j++)
                         m[i][j] += v[i] * v[j];
@@ -64,9 +65,9 @@ static void regress(const tc_pair pairs[2], double x[UNKNOWNS])
     for (int p = 0; p < 2; p++) { /* the mean is right whatever was cut */
         double sum = 0;
         for (int64_t n = 0; n < pairs[p].cells; n++)
-            sum += exp2(x[2] * pairs[p].cell[n].energy + x[3] * pairs[p].cell[n].slope);
+            sum += tc_exp2(x[2] * pairs[p].cell[n].energy + x[3] * pairs[p].cell[n].slope);
         if (sum > 0 && pairs[p].energy > 0)
-            x[p] = log2(pairs[p].energy / sum);
+            x[p] = tc_log2(pairs[p].energy / sum);
     }
 }
 
@@ -76,7 +77,7 @@ static void regress(const tc_pair pairs[2], double x[UNKNOWNS])
 static double ratio_at(const tc_synthesis_fit *fit, int k)
 {
     const double settled = 2.1, least = 1.5, from = 200, octaves = 3;
-    double share = k <= 2 ? 0 : fmin(fmax(log2(from / ldexp(fit->spacing, -k)) / octaves, 0), 1);
+    double share = k <= 2 ? 0 : fmin(fmax(tc_log2(from / ldexp(fit->spacing, -k)) / octaves, 0), 1);
     double trend = k <= 2 ? fit->ratio : fmax(fit->ratio, least);
     return trend + share * (settled - trend);
 }
@@ -89,11 +90,11 @@ static void carry_on(const tc_pair *finest, const double x[UNKNOWNS], tc_synthes
         target /= ratio_at(fit, k);
         double sum = 0, most = 0;
         for (int64_t n = 0; n < finest->cells; n++) {
-            double e = exp2(bk * finest->cell[n].energy + ck * finest->cell[n].slope);
+            double e = tc_exp2(bk * finest->cell[n].energy + ck * finest->cell[n].slope);
             sum += e, most = fmax(most, e);
         }
         double mean = sum / fmax((double)finest->cells, 1);
-        fit->level[k - 1].a = (float)log2(fmax(target * target / fmax(mean, 1e-30), 1e-30));
+        fit->level[k - 1].a = (float)tc_log2(fmax(target * target / fmax(mean, 1e-30), 1e-30));
         fit->level[k - 1].b = (float)bk, fit->level[k - 1].c = (float)ck;
         fit->level[k - 1].cap = (float)(1.5 * target * sqrt(most / fmax(mean, 1e-30)));
         if (k < 2) /* contrast soon settles: from level to level it is the same terrain */
@@ -138,7 +139,7 @@ void tc_synthesis_uniform(tc_synthesis_fit *fit)
     double target = fit->rms[2];
     for (int k = 1; k <= TC_SYNTHESIS_MOST; k++) {
         target /= ratio_at(fit, k);
-        fit->level[k - 1].a = (float)(2 * log2(fmax(target, 1e-30)));
+        fit->level[k - 1].a = (float)(2 * tc_log2(fmax(target, 1e-30)));
         fit->level[k - 1].b = fit->level[k - 1].c = 0;
         fit->level[k - 1].cap = (float)(2 * target);
     }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/base/rect.h"
+#include "common/base/same_math.h"
 #include "common/field/filter.h"
 #include "synthesis_rehearsal.h"
 
@@ -126,7 +127,7 @@ static tc_status mean_energy(const tc_field *field, int level, const tc_rect *bl
             return status;
         for (int64_t i = 0; i < tc_rect_area(block[n]); i++)
             if (is_useful(b, w, i % w, i / w))
-                sum += exp2(b->energy[i]), count++;
+                sum += tc_exp2(b->energy[i]), count++;
     }
     *mean_ret = sum / fmax(count, 1);
     return TC_OK;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "common/base/rect.h"
+#include "common/base/same_math.h"
 #include "common/field/filter.h"
 #include "synthesis_noise.h"
 
@@ -206,7 +207,7 @@ static float nearest(const stage *g, const tc_synthesis_fit *fit, float *value, 
     for (int n = 0; n < count; n++) {
         *value = first + (last - first) * (float)n / (float)(count - 1);
         const look l = rehearse(g, fit);
-        double log = log2(measure(&l) / target), step = (last - first) / (count - 1);
+        double log = tc_log2(measure(&l) / target), step = (last - first) / (count - 1);
         if (fabs(log) < best)
             best = fabs(log), at = *value;
         if (n > 0 && before * log < 0) { /* it lies between */
