@@ -103,6 +103,7 @@ int main(void)
     snprintf(cache, sizeof cache, "%s/cache", made_folder());
     setenv("XDG_CACHE_HOME", cache, 1);
     setenv("LP_NUM_THREADS", "2", 1); /* of OpenGL in software: each takes memory */
+    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
     if (strstr(given, "sanitize") || strstr(given, "thread")) {
         extreme_skipped("40,000 x 20,000 pixels", "sanitizers take memory of their own");
         made_folder_remove();
