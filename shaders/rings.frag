@@ -17,6 +17,12 @@ const float UPRIGHT = 0.01;
 layout(binding = 3) uniform sampler2DArray voids_map;
 #endif
 
+// Metres above z_base, as vertices have it.
+float mesh_height()
+{
+    return v_terrain.x + surface[1].y + surface[1].z;
+}
+
 // Unit, in the eye's axes: east, north, up.
 vec3 view_ray()
 {
@@ -78,8 +84,8 @@ struct Charted {
 // The ground's place, in the eye's axes.
 vec3 from_eye(vec3 s)
 {
-    float above = v_terrain.x - surface[1].z, radius = surface[1].x + above;
-    return vec3(radius * s.y, -radius * s.x, above - surface[1].y - radius * s.z);
+    float radius = surface[1].x + surface[1].y + v_terrain.x;
+    return vec3(radius * s.y, -radius * s.x, v_terrain.x - radius * s.z);
 }
 
 // A way there, metres in the eye's axes, as one of directions around p, in the frame of the viewer's meridian.
@@ -108,7 +114,7 @@ Charted look(int chart, vec3 s, float across)
     float share;
     vec2 place = map_chart(chart, s, 0.0, share), t;
     Charted c;
-    c.height = v_terrain.x;
+    c.height = mesh_height();
     c.known = share >= 1.0;
 #ifdef IMAGERY
     c.place = place;
@@ -279,7 +285,7 @@ float surface_haze()
     float away = haze.w / NEARNESS * sqrt(1.0 + dot(across, across));
     vec3 s = direction_seen(), up = vec3(s.y, -s.x, 1.0 - s.z);
     float steep = max(-dot(view, up), 0.0), path = min(away, thickness / (steep + 0.035));
-    float d = path / (0.018 * radius) * exp(-max(v_terrain.x - heights.x, 0.0) / thickness);
+    float d = path / (0.018 * radius) * exp(-max(mesh_height() - heights.x, 0.0) / thickness);
     return d * d;
 }
 #endif

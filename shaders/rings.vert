@@ -4,7 +4,7 @@
 // surface of the cell that it is in, so that centimetres next to the eye are exact on a planet.
 layout(location = 0) in vec4 in_vertex; // s_x, s_y, h, w
 INTERPOLATED out vec3 v_direction; // (s_x, s_y, h)
-INTERPOLATED out vec2 v_terrain;   // metres above z_base, ring coordinate
+INTERPOLATED out vec2 v_terrain;   // metres above the eye, ring coordinate
 
 // Height on a chart above the chart's height below the viewer.
 bool chart_height(int chart, vec3 s, float w, float shift, out float height)
@@ -107,7 +107,7 @@ vec3 surface_vertex()
         }
         float height = height_by(s, its_w, shift_of(its_w, float(k > 0 ? level + 1 : level)));
         direction += part * s;
-        terrain += part * vec2(surface[1].z + height, its_w);
+        terrain += part * vec2(height - surface[1].y, its_w);
         position += part * position_of(s, height);
     }
     v_direction = direction;
@@ -120,7 +120,7 @@ vec3 surface_vertex()
     vec3 s = in_vertex.xyz;
     float height = height_by(s, in_vertex.w, shift_of(in_vertex.w, 0.0));
     v_direction = s;
-    v_terrain = vec2(surface[1].z + height, in_vertex.w);
+    v_terrain = vec2(height - surface[1].y, in_vertex.w);
     return position_of(s, height);
 }
 #endif

@@ -1,11 +1,21 @@
 // square.frag - the ground at a fragment, for planar/square.c (ground.glsl).
-#if defined(NORMALS) || defined(LEVEL_COLOURS)
+#if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED)
+#define PLACED
 INTERPOLATED in vec4 v_terrain; // square.glsl
 #else
 INTERPOLATED in float v_height;
 #endif
-#if defined(MULTISAMPLED) && (defined(NORMALS) || defined(LEVEL_COLOURS))
-flat in int v_level;
+#ifdef MULTISAMPLED
+flat in vec4 v_corner;
+flat in vec3 v_more;
+
+// Of a triangle that is edge on, a sample may lie outside by the rounding of its corners, and what is interpolated many
+// cells beside it, or anything: there a corner's is taken. A triangle is one cell wide.
+bool beside()
+{
+    vec2 way = abs(v_terrain.yz - v_corner.yz);
+    return !(max(way.x, way.y) < 1.25);
+}
 #endif
 #ifdef IMAGERY
 INTERPOLATED in vec2 v_plane;
@@ -17,12 +27,12 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 in float v_void;
 #endif
 
-#if defined(NORMALS) || defined(LEVEL_COLOURS)
+#ifdef PLACED
 // The layer that the vertices read.
 float level()
 {
 #ifdef MULTISAMPLED
-    return float(v_level);
+    return v_corner.w;
 #else
     return floor(0.5 * v_terrain.w);
 #endif
@@ -33,13 +43,14 @@ float level()
 // The layer's normal and the coarser one's, by the same alpha as the heights.
 vec3 normal(float level)
 {
-    float alpha = clamp(v_terrain.w - 2.0 * level - 0.5, 0.0, 1.0);
 #ifdef MULTISAMPLED
-    // A pixel's middle may lie outside the triangle that covers some of its samples, far outside a thin one: no further
-    // than the window, beyond which the map holds what was there before.
+    float alpha = clamp(v_terrain.w, 0.0, 1.0);
+    // No further than the window, beyond which the map holds what was there before.
     vec4 w = window[int(level)];
-    vec2 place = (2.0 * (w.xy + clamp(v_terrain.yz, vec2(0.0), w.zw)) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
+    vec2 at = clamp(v_more.xy + (beside() ? v_corner.yz : v_terrain.yz), vec2(0.0), w.zw);
+    vec2 place = (2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
 #else
+    float alpha = clamp(v_terrain.w - 2.0 * level - 0.5, 0.0, 1.0);
     vec2 place = v_terrain.yz;
 #endif
     vec4 n = textureLod(normals_map, vec3(place, level), 0.0);
@@ -52,7 +63,7 @@ vec3 normal(float level)
 // At the pixel's middle, also where samples are shaded: lines are that of a triangle's plane, which goes on beside it.
 float rise()
 {
-#if defined(NORMALS) || defined(LEVEL_COLOURS)
+#ifdef PLACED
     return interpolateAtOffset(v_terrain, vec2(0.0)).x;
 #else
     return interpolateAtOffset(v_height, vec2(0.0));
@@ -63,15 +74,17 @@ float rise()
 Ground surface_ground()
 {
     Ground g;
-#if defined(NORMALS) || defined(LEVEL_COLOURS)
-    g.height = v_terrain.x;
+#ifdef MULTISAMPLED
+    float above = beside() ? v_corner.x : v_terrain.x;
+#elif defined(PLACED)
+    float above = v_terrain.x;
 #else
-    g.height = v_height;
+    float above = v_height;
 #endif
 #ifdef CONTOURS
-    g.rise = rise();
-    g.height = (g.rise + eye.y) + eye.x;
+    g.rise = above = rise();
 #endif
+    g.height = (above + eye.y) + eye.x;
     g.colour = vec4(0.0);
 #ifdef NORMALS
     g.normal = normal(level());
@@ -80,9 +93,9 @@ Ground surface_ground()
 #endif
 #ifdef IMAGERY
 #ifdef NORMALS
-    Footprint f = footprint_of(vec3(v_plane, g.height - eye.x - eye.y), g.normal);
+    Footprint f = footprint_of(vec3(v_plane, above), g.normal);
 #else
-    Footprint f = footprint_of(vec3(v_plane, g.height - eye.x - eye.y), vec3(0.0, 0.0, 1.0));
+    Footprint f = footprint_of(vec3(v_plane, above), vec3(0.0, 0.0, 1.0));
 #endif
     g.colour = image_colour(image_at(0, v_plane, f.longer.xy, f.shorter.xy));
 #endif
@@ -103,16 +116,14 @@ float surface_datum()
 #endif
 
 #ifdef HAZE
-// Distance d from the depth that is there anyway: (d / L)^2. Of a triangle without area, which is not shaded where its
-// samples are, it is that of a corner.
-#if defined(MULTISAMPLED) && defined(CLOSERS)
-flat in float v_depth;
-#endif
+// Distance d from the depth that is there anyway: (d / L)^2. A triangle without area is not shaded where its samples are.
 float surface_haze()
 {
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
 #if defined(MULTISAMPLED) && defined(CLOSERS)
-    float r = haze.w / v_depth;
+    float r = haze.w / v_more.z;
+#elif defined(MULTISAMPLED)
+    float r = haze.w / (beside() ? v_more.z : NEARNESS);
 #else
     float r = haze.w / NEARNESS;
 #endif

@@ -12,21 +12,21 @@ layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres abov
 layout(binding = 3) uniform sampler2DArray voids_map;
 out float v_void;
 #endif
-// A height: metres above z_base; where there are CONTOURS, above the eye, which keeps more digits.
-#if defined(NORMALS) || defined(LEVEL_COLOURS)
-INTERPOLATED out vec4 v_terrain; // x: a height; y, z: place in the normal map
-                                // (multisampled: in samples from the window's first); w: 2 level + 0.5 + alpha
+// What is interpolated is relative to the eye, and small near it: drivers have little more than half of a float's digits
+// left of it where a triangle begins at the near plane and ends at a skyline.
+#if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED)
+#define PLACED
+INTERPOLATED out vec4 v_terrain; // x: metres above the eye; y, z: place in the normal map; w: 2 level + 0.5 + alpha
+                                // (multisampled: y, z: samples from the viewer's; w: alpha)
 #else
-INTERPOLATED out float v_height;
+INTERPOLATED out float v_height; // above the eye
 #endif
 #ifdef IMAGERY
 INTERPOLATED out vec2 v_plane; // metres east and north of the eye
 #endif
-#if defined(MULTISAMPLED) && (defined(NORMALS) || defined(LEVEL_COLOURS))
-flat out int v_level;
-#endif
-#if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
-flat out float v_depth; // of the corner, as NEARNESS would have it
+#ifdef MULTISAMPLED
+flat out vec4 v_corner; // x, y, z: v_terrain's at a corner; w: level
+flat out vec3 v_more;   // x, y: the viewer's place in samples from the window's first; z: NEARNESS at the corner
 #endif
 
 int block_layer()
@@ -39,8 +39,8 @@ int block_layer()
 }
 
 // texel: in the level's height window; plane: metres east and north of the eye; cell: place in the level's window in
-// samples, for normals; alpha: 0 this level's height, 1 the coarser level's.
-void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
+// samples, for normals; c: from the viewer's; alpha: 0 this level's height, 1 the coarser level's.
+void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out vec2 c, out float alpha)
 {
     int at = 3 * block_layer();
     vec4 start = layer[at], rate = layer[at + 1], rest = layer[at + 2];
@@ -57,13 +57,13 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
     cut_at_edge(high, low, whole[0]);
     plane = vec2(high) * (HIGH * surface[0].xy) + (vec2(low) * surface[0].xy - surface[0].zw);
     cell = vec2(origin) + vec2(high - first_high) * (HIGH * rest.y) + vec2(low - first_low) * rest.y;
-    vec2 c = vec2(high) * (HIGH * rest.y) + vec2(low) * rest.y;
+    c = vec2(high) * (HIGH * rest.y) + vec2(low) * rest.y;
 #else
     ivec2 origin = ivec2(in_instance.z & 0xffff, in_instance.z >> 16);
     ivec2 place = min(in_instance.xy + (in_vertex << shift), whole[0].xy);
     plane = vec2(place) * surface[0].xy - surface[0].zw;
     cell = vec2(origin) + vec2(place - in_instance.xy) * rest.y;
-    vec2 c = vec2(place) * rest.y;
+    c = vec2(place) * rest.y;
 #endif
     texel = origin + in_vertex;
     vec4 ramp = vec4(start.x - c.x, c.x - start.y, start.z - c.y, c.y - start.w) * rate;
@@ -73,38 +73,30 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out float alpha)
 vec3 surface_vertex()
 {
     ivec2 texel;
-    vec2 plane, cell;
+    vec2 plane, cell, c;
     float alpha;
-    map_vertex(texel, plane, cell, alpha);
+    map_vertex(texel, plane, cell, c, alpha);
     ivec3 at = ivec3(texel & WINDOW_MASK, block_layer());
     vec2 z = texelFetch(heights_map, at, 0).rg;
     precise float height = (1.0 - alpha) * z.x + alpha * z.y;
     precise float above = (height - eye.x) - eye.y;
-#ifdef CONTOURS
     float told = ((1.0 - alpha) * (z.x - eye.x) + alpha * (z.y - eye.x)) - eye.y;
-#else
-    float told = height;
-#endif
 #ifdef HOLES
     v_void = texelFetch(voids_map, at, 0).r;
 #endif
-#if defined(NORMALS) || defined(LEVEL_COLOURS)
+#ifdef PLACED
     const float size = float(WINDOW_MASK + 1);
+    float level = float(block_layer());
 #ifdef MULTISAMPLED
-    vec2 place = mod(cell - window[block_layer()].xy, 2.0 * size);
+    vec4 corner = view_projection * vec4(plane, above, 1.0);
+    v_terrain = vec4(told, c, alpha);
+    v_corner = vec4(told, c, level);
+    v_more = vec3(mod(cell - window[block_layer()].xy, 2.0 * size) - c, corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0);
 #else
-    vec2 place = (2.0 * cell + 0.5) * (0.5 / size);
+    v_terrain = vec4(told, (2.0 * cell + 0.5) * (0.5 / size), 2.0 * level + 0.5 + alpha);
 #endif
-#ifdef MULTISAMPLED
-    v_level = block_layer();
-#endif
-    v_terrain = vec4(told, place, 2.0 * float(block_layer()) + 0.5 + alpha);
 #else
     v_height = told;
-#endif
-#if defined(MULTISAMPLED) && defined(CLOSERS) && defined(HAZE)
-    vec4 corner = view_projection * vec4(plane, above, 1.0);
-    v_depth = corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0;
 #endif
 #ifdef IMAGERY
     v_plane = plane;
