@@ -74,12 +74,13 @@ float rise()
 Ground surface_ground()
 {
     Ground g;
-#ifdef MULTISAMPLED
-    float above = beside() ? v_corner.x : v_terrain.x;
-#elif defined(PLACED)
+#ifdef PLACED
     float above = v_terrain.x;
 #else
     float above = v_height;
+#endif
+#ifdef MULTISAMPLED
+    above = beside() ? v_corner.x : above;
 #endif
 #ifdef CONTOURS
     g.rise = above = rise();
@@ -120,13 +121,15 @@ float surface_datum()
 float surface_haze()
 {
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
-#if defined(MULTISAMPLED) && defined(CLOSERS)
-    float r = haze.w / v_more.z;
-#elif defined(MULTISAMPLED)
-    float r = haze.w / (beside() ? v_more.z : NEARNESS);
+    float nearness = NEARNESS;
+#ifdef MULTISAMPLED
+#ifdef CLOSERS
+    nearness = v_more.z;
 #else
-    float r = haze.w / NEARNESS;
+    nearness = beside() ? v_more.z : nearness;
 #endif
+#endif
+    float r = haze.w / nearness;
     return r * r * (1.0 + dot(across, across));
 }
 #endif

@@ -426,6 +426,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                            .extent = 2 * map->body.radius,
                            .field = map->chart[0].field,
                            .n = window_size(s, options->n),
+                           .shaded_n = options->n,
                            .most_throttle = options->throttle ? RINGS_STAGES : 0,
                            .throttled_stage = options->throttle,
                            .view_bytes = sizeof(rings_view),

@@ -1,8 +1,8 @@
 /* drape.c - which windows of colours a view wants, and where they lie relative to it.
  *
- * Windows have four texels to a sample of the surface's along a side, up to the size that windows may have: at the
- * distances where a level begins its texels are then about a pixel. A level is wanted where any ground may be so near
- * that it shows: pixels there are no larger than two of its texels. */
+ * Windows have four texels to a sample that shading calls for along a side, up to the size that windows may have: at
+ * the distances where a level begins its texels are then about a pixel. A level is wanted where any ground may be so
+ * near that it shows: pixels there are no larger than two of its texels. */
 #include "drape.h"
 
 #include <math.h>
@@ -25,7 +25,7 @@ static const double NEARER = 2;
 static int window_size(const tc_surface *surface)
 {
     enum { LEAST = 255 };
-    int n = DENSER * (surface->n + 1) - 1;
+    int n = DENSER * ((surface->shaded_n ? surface->shaded_n : surface->n) + 1) - 1;
     return n < LEAST ? LEAST : n > TC_CLIPMAP_MAX_N ? TC_CLIPMAP_MAX_N : n;
 }
 

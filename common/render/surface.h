@@ -170,6 +170,7 @@ struct tc_surface {
     tc_geometry geometry;
     const tc_field *field; /* of chart 0 */
     int n;                 /* size of the windows */
+    int shaded_n;          /* of those that shading alone would call for; 0: n */
     int draw_capacity;     /* the most draws that a frame can have */
     double most_throttle;  /* that frames can have; 0: none. With more of it there are never more triangles, and heights
                             * pass over evenly */
