@@ -5,7 +5,7 @@
 folder=$1 library=$2
 here=${0%/*}
 # What packing takes; the rest of the core would be compiled for nothing.
-core=$(make -s --no-print-directory print-core | tr ' ' '\n' | grep -E '^common/(base|field|codec|chart|packed)/') || exit 1
+core=$(make -s --no-print-directory print-core | tr ' ' '\n' | grep -E '^common/(base|field|synthesis|codec|chart|packed)/') || exit 1
 mkdir -p "$folder" || exit 1
 
 build() { # NAME COMPILER FLAG...
