@@ -16,9 +16,26 @@ bool beside()
     vec2 way = abs(v_terrain.yz - v_corner.yz);
     return !(max(way.x, way.y) < 1.25);
 }
+
+// Samples from the viewer's.
+vec2 place_seen()
+{
+    return beside() ? v_corner.yz : v_terrain.yz;
+}
 #endif
 #ifdef IMAGERY
+#ifdef MULTISAMPLED
+vec2 plane_seen() // metres east and north of the eye, as in square.glsl
+{
+    return place_seen() / layer[3 * int(v_corner.w) + 2].y * surface[0].xy - surface[0].zw;
+}
+#else
 INTERPOLATED in vec2 v_plane;
+vec2 plane_seen()
+{
+    return v_plane;
+}
+#endif
 #endif
 #ifdef NORMALS
 layout(binding = 2) uniform sampler2DArray normals_map;
@@ -44,10 +61,10 @@ float level()
 vec3 normal(float level)
 {
 #ifdef MULTISAMPLED
-    float alpha = clamp(v_terrain.w, 0.0, 1.0);
+    float alpha = beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
     // No further than the window, beyond which the map holds what was there before.
     vec4 w = window[int(level)];
-    vec2 at = clamp(v_more.xy + (beside() ? v_corner.yz : v_terrain.yz), vec2(0.0), w.zw);
+    vec2 at = clamp(v_more.xy + place_seen(), vec2(0.0), w.zw);
     vec2 place = (2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
 #else
     float alpha = clamp(v_terrain.w - 2.0 * level - 0.5, 0.0, 1.0);
@@ -83,7 +100,10 @@ Ground surface_ground()
     above = beside() ? v_corner.x : above;
 #endif
 #ifdef CONTOURS
-    g.rise = above = rise();
+    g.rise = rise();
+#ifdef MULTISAMPLED
+    g.rise = beside() ? v_corner.x : g.rise;
+#endif
 #endif
     g.height = (above + eye.y) + eye.x;
     g.colour = vec4(0.0);
@@ -93,12 +113,13 @@ Ground surface_ground()
     g.fall = g.normal.xy / max(g.normal.z, 1e-3);
 #endif
 #ifdef IMAGERY
+    vec2 plane = plane_seen();
 #ifdef NORMALS
-    Footprint f = footprint_of(vec3(v_plane, above), g.normal);
+    Footprint f = footprint_of(vec3(plane, above), g.normal);
 #else
-    Footprint f = footprint_of(vec3(v_plane, above), vec3(0.0, 0.0, 1.0));
+    Footprint f = footprint_of(vec3(plane, above), vec3(0.0, 0.0, 1.0));
 #endif
-    g.colour = image_colour(image_at(0, v_plane, f.longer.xy, f.shorter.xy));
+    g.colour = image_colour(image_at(0, plane, f.longer.xy, f.shorter.xy));
 #endif
 #ifdef LEVEL_COLOURS
     g.level = level();

@@ -4,7 +4,7 @@
 // Positions come from one integer, the vertex's place in samples of the finest level relative to the viewer's sample,
 // by the same expression in every level: a vertex that two levels share is bit-identical in both (no cracks).
 //
-// All that the fragment shader needs goes into one vector: on a software renderer each one more costs 4 % of a frame.
+// What is interpolated goes into one vector: on a software renderer each one more costs 4 % of a frame.
 layout(location = 0) in ivec2 in_vertex; // of the static geometry
 layout(location = 1) in ivec4 in_instance; // its block: instance() in square.c
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
@@ -21,7 +21,7 @@ INTERPOLATED out vec4 v_terrain; // x: metres above the eye; y, z: place in the 
 #else
 INTERPOLATED out float v_height; // above the eye
 #endif
-#ifdef IMAGERY
+#if defined(IMAGERY) && !defined(MULTISAMPLED)
 INTERPOLATED out vec2 v_plane; // metres east and north of the eye
 #endif
 #ifdef MULTISAMPLED
@@ -98,7 +98,7 @@ vec3 surface_vertex()
 #else
     v_height = told;
 #endif
-#ifdef IMAGERY
+#if defined(IMAGERY) && !defined(MULTISAMPLED)
     v_plane = plane;
 #endif
     return vec3(plane, above);

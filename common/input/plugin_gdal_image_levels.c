@@ -21,7 +21,7 @@ enum {
     PART = 1 << 22,              /* pixels that are decoded for a part, at most */
     VRT_PART = 1024,             /* pixels a side in which a VRT is read */
     GDAL_CACHE = 64 << 20,       /* bytes */
-    LEAST_GDAL_CACHE = 24 << 20, /* while levels are made, which needs no block twice */
+    LEAST_GDAL_CACHE = 24 << 20, /* while levels are made from parts that are read once */
     MOST_GDAL_CACHE = 512 << 20
 };
 
@@ -202,7 +202,8 @@ static tc_status from_cache(tc_gdal_image *g, tc_image_rows *rows, int first, in
     return status;
 }
 
-/* Rows are read some at a time: no row of blocks should be decoded twice for that. Parts are read once anyway. */
+/* Rows are read some at a time: no row of blocks should be decoded twice for that. Parts need none, unless they are of
+ * a picture so wide that they are read several times (image_levels.c). */
 static void keep_a_row_of_blocks(tc_gdal_image *g, bool parts)
 {
     int w, h;

@@ -152,7 +152,7 @@ static void nothing_jitters(void **state)
     for (int k = 0; k < steps; k++) {
         /* Over a sample of the grid on the way, from one cell into the next. */
         tc_camera c = {.x = 40 * 2 * M_PI / 4096 + (k - steps / 2) * 0.8e-3 / radius,
-                       .y = 0.7 + k * 0.6e-3 / radius,
+                       .y = 0.7 + (k + 500 - steps / 2) * 0.6e-3 / radius,
                        .heading = 0.5,
                        .pitch = -1.2,
                        .fov = M_PI / 2,

@@ -16,6 +16,7 @@
 
 #include "common/base/clock.h"
 #include "common/base/rect.h"
+#include "common/field/field.h"
 #include "common/imagery/imagery.h"
 #include "common/render/drape.h"
 #include "tests/support/draped.h"
@@ -175,6 +176,25 @@ static void see_all(world *w)
     }
 }
 
+/* All of the colours on all levels, as far as they are kept, so that what is kept of them grows no more. */
+static void see_all_colours(const world *w)
+{
+    enum { SIDE = 256 };
+    static uint8_t texels[SIDE * SIDE][4];
+    for (int k = 0; k < w->map->charts; k++) {
+        const tc_field *colours = tc_imagery_field(w->imagery, k);
+        for (int l = 1; l <= tc_field_info(colours)->levels; l++) {
+            const tc_level size = tc_field_level(colours, l);
+            for (int64_t y = 0; y < size.height; y += SIDE)
+                for (int64_t x = 0; x < size.width; x += SIDE) {
+                    tc_rect r = tc_rect_intersect((tc_rect){x, y, x + SIDE, y + SIDE},
+                                                  (tc_rect){0, 0, size.width, size.height});
+                    must(tc_field_read_samples(colours, l, r, texels, NULL, SIDE), &(tc_error){.text = "no colours"});
+                }
+        }
+    }
+}
+
 /* ---- Looking ----------------------------------------------------------------------------------------------------- */
 
 static void look(world *w, const char *broken)
@@ -243,8 +263,15 @@ static void *ask(void *context)
     asker *a = context;
     const tc_chart *c = &a->map->chart[0];
     const tc_level finest = tc_field_level(c->field, tc_field_info(c->field)->levels);
-    const double z_base = tc_field_info(c->field)->z_base, low = z_base + tc_field_info(c->field)->z_min,
-                 high = z_base + tc_field_info(c->field)->z_max;
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < a->map->charts; k++) {
+        const tc_field *field = a->map->chart[k].field;
+        const int l = tc_field_info(field)->levels;
+        const tc_level size = tc_field_level(field, l);
+        const tc_range range = tc_field_range(field, l, (tc_rect){0, 0, size.width, size.height});
+        low = fmin(low, tc_field_info(field)->z_base + (double)range.lo);
+        high = fmax(high, tc_field_info(field)->z_base + (double)range.hi);
+    }
     test_random r = {9};
     for (; !a->stop; a->asked++, usleep(2000)) {
         double z, x = c->x0 + test_random_unit(&r) * (double)(finest.width - 1) * c->dx,
@@ -263,7 +290,7 @@ static int soak(const tc_context *context, bool planet, int64_t frames)
     asker a = {.map = w.map};
     pthread_t thread;
     double resident[TENTHS + 1] = {0}, most = 0, start = tc_clock_ms(), checking = 0;
-    see_all(&w);
+    see_all(&w), see_all_colours(&w);
     if (pthread_create(&thread, NULL, ask, &a))
         exit(99);
     for (int tenth = 1; tenth <= TENTHS; tenth++) {
