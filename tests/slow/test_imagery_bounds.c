@@ -63,7 +63,7 @@ static void locate(tc_image *image, int count, double *x, double *y)
 /* Their own imagery, with bounds or asked everywhere. */
 static tc_imagery *over(const tc_map *map, int count, bool globe, bool bounds)
 {
-    tc_image *images[MOST];
+    tc_image *images[MOST] = {NULL};
     tc_imagery *imagery = NULL;
     tc_error error = {0};
     for (int k = 0; k < count; k++) {
