@@ -5,7 +5,7 @@
  * level does, whatever lies below. Heights are the same with or without. */
 #include "synthesis_chain.h"
 
-#include <string.h>
+#include <assert.h>
 
 #include "common/base/rect.h"
 #include "synthesis_noise.h"
@@ -94,8 +94,9 @@ typedef struct ladder {
     size_t floats;     /* that are taken */
 } ladder;
 
-/* What the heights of a rectangle depend on; what may be made for them; what must be, since it is not kept. */
-typedef enum which { DEPENDS, MAY, MUST } which;
+/* What a ladder is for: to know all that heights of a rectangle depend on; what making them takes where nothing of it
+ * is kept; to make them. */
+typedef enum purpose { DEPENDS, MOST, MAKE } purpose;
 
 /* What of the level below that of made depends on. */
 static void step_down(int k, tc_rect made, ladder *l)
@@ -108,30 +109,40 @@ static void step_down(int k, tc_rect made, ladder *l)
     l->rung[k - 1].around = tc_synthesis_needs(made, TC_COARSE_REACH);
 }
 
-/* From level m + count down as far as is needed. */
-static void descend(const tc_chain *c, int count, tc_rect rect, which what, ladder *l)
+/* What rung k takes: all that is needed of its level is made, in whole blocks where these are kept. */
+static void take_rung(const tc_chain *c, int k, ladder *l)
+{
+    rung *r = &l->rung[k];
+    tc_rect have = tc_chain_within(c, k, r->around);
+    r->made = l->keeps ? samples_of(c, k, blocks_of(have)) : have;
+    r->patch.rect = tc_rect_around(r->around, r->made);
+    r->patch.stride = r->patch.rect.x1 - r->patch.rect.x0;
+    l->floats += (size_t)tc_rect_area(r->patch.rect);
+}
+
+/* Gives it its place in scratch and copies what is kept there: only the rest is made then. False where there is none,
+ * so that nothing is needed of the levels below. */
+static bool place_rung(const tc_chain *c, int k, ladder *l)
+{
+    rung *r = &l->rung[k];
+    r->patch.z = l->scratch, l->scratch += tc_rect_area(r->patch.rect);
+    tc_rect missing = find_blocks(c, k, tc_chain_within(c, k, r->around), &r->patch);
+    if (l->keeps)
+        r->made = samples_of(c, k, missing);
+    return !tc_rect_empty(missing);
+}
+
+/* From level m + count down as far as is needed: to the data, unless all that a level between must give is kept. */
+static void descend(const tc_chain *c, int count, tc_rect rect, purpose what_for, ladder *l)
 {
     const int64_t few = SIDE * SIDE; /* of single places less is made, since others may be far away */
-    l->keeps = what != DEPENDS && c->kept && tc_rect_area(rect) >= few;
+    l->keeps = what_for != DEPENDS && c->kept && tc_rect_area(rect) >= few;
     step_down(count, rect, l);
     for (l->lowest = count - 1; l->lowest > 0; l->lowest--) {
-        const int k = l->lowest;
-        rung *r = &l->rung[k];
-        tc_rect have = tc_chain_within(c, k, r->around);
-        r->made = l->keeps ? samples_of(c, k, blocks_of(have)) : have;
-        if (what != DEPENDS) {
-            tc_rect all = tc_rect_around(r->around, r->made);
-            r->patch = (tc_patch){l->scratch, all.x1 - all.x0, all};
-            l->floats += (size_t)tc_rect_area(all);
-        }
-        if (what == MUST) {
-            l->scratch += tc_rect_area(r->patch.rect);
-            tc_rect missing = find_blocks(c, k, have, &r->patch);
-            if (tc_rect_empty(missing))
-                break;
-            r->made = l->keeps ? samples_of(c, k, missing) : have;
-        }
-        step_down(k, r->made, l);
+        take_rung(c, l->lowest, l);
+        if (what_for == MAKE && !place_rung(c, l->lowest, l))
+            break;
+        step_down(l->lowest, l->rung[l->lowest].made, l);
     }
     l->base = l->lowest > 0 ? (tc_rect){0, 0, 0, 0} : l->rung[0].around;
     if (!c->fit.none)
@@ -149,15 +160,38 @@ tc_rect tc_chain_depends(const tc_chain *c, int k, tc_rect rect)
 tc_rect tc_chain_reads(const tc_chain *c, int k, tc_rect rect)
 {
     ladder l = {0};
-    descend(c, k, rect, MAY, &l);
+    descend(c, k, rect, MOST, &l);
     return l.base;
 }
 
 size_t tc_chain_scratch(const tc_chain *c, int k, tc_rect rect)
 {
     ladder l = {0};
-    descend(c, k, rect, MAY, &l);
+    descend(c, k, rect, MOST, &l);
     return l.floats;
+}
+
+/* The same of a rectangle that lies worst, without those that are cut by sides, or made without blocks: theirs are
+ * smaller. Rectangles of level m that come from upper levels lie within those of the lowest one. */
+size_t tc_chain_room(int levels, int64_t side)
+{
+    _Static_assert(TC_COARSE_REACH <= SIDE / 2, "where what is needed for blocks begins");
+    const int64_t reach = tc_max64(TC_COARSE_REACH, TC_AMPLITUDE_REACH + TC_ENERGY_REACH);
+    size_t most = 0;
+    for (int count = 1; count <= levels; count++) {
+        /* Anything begins at any sample, of any block, */
+        int64_t cells = side / 2 + 1, first = SIDE - 1, floats = 0;
+        for (int k = count - 1; k > 0; k--) {
+            int64_t made = (first + cells + 2 * TC_COARSE_REACH + SIDE - 1) / SIDE * SIDE;
+            floats += made * made;
+            /* and blocks at even ones: their cells where blocks of the coarser level do or half way between. */
+            cells = made / 2, first = SIDE - TC_COARSE_REACH;
+        }
+        const int64_t base = cells + 2 * reach, amplitude = cells + 2 * TC_AMPLITUDE_REACH;
+        floats += base * base + 4 * amplitude * amplitude;
+        most = (size_t)tc_max64((int64_t)most, floats);
+    }
+    return most + tc_synthesis_scratch();
 }
 
 /* ---- Making it --------------------------------------------------------------------------------------------------- */
@@ -221,7 +255,8 @@ tc_ready tc_chain_make(const tc_chain *c, int count, tc_rect rect, float *z, ptr
                        float *scratch, tc_status *status_ret)
 {
     ladder l = {.scratch = scratch};
-    descend(c, count, rect, MUST, &l);
+    descend(c, count, rect, MAKE, &l);
+    assert(l.floats <= c->room);
     tc_patch base = {l.scratch, l.base.x1 - l.base.x0, l.base};
     l.scratch += tc_rect_area(l.base);
     if (!tc_rect_empty(l.base)) {

@@ -15,6 +15,7 @@ typedef struct tc_chain {
     tc_synthesis_share share;
     float lowest, highest;
     tc_kept *kept; /* of levels that others were made from; NULL: nothing is */
+    size_t room;   /* floats of scratch that it is given */
 } tc_chain;
 
 /* The part of a rectangle that lies within level m + k. */
@@ -25,8 +26,10 @@ tc_rect tc_chain_within(const tc_chain *c, int k, tc_rect rect);
 tc_rect tc_chain_depends(const tc_chain *c, int k, tc_rect rect);
 tc_rect tc_chain_reads(const tc_chain *c, int k, tc_rect rect);
 
-/* Floats of scratch for that. */
+/* Floats of scratch for that; and for any rectangle of at most side x side samples of levels m + 1 .. m + levels,
+ * wherever it lies: which is the room that tc_chain_make() is to have. */
 size_t tc_chain_scratch(const tc_chain *c, int k, tc_rect rect);
+size_t tc_chain_room(int levels, int64_t side);
 
 /* Writes heights of level m + k, k >= 1. TC_COMING only where it must not wait for the data. */
 tc_ready tc_chain_make(const tc_chain *c, int k, tc_rect rect, float *z, ptrdiff_t stride, bool wait, float *scratch,

@@ -45,6 +45,7 @@ typedef struct energy_flow {
     tc_rows samples, raw[2], three[2];
     float nine[TC_ROW_PITCH];
 } energy_flow;
+_Static_assert(2 * DETAIL + 1 <= TC_ROWS_KEPT, "rows of samples");
 _Static_assert(sizeof(energy_flow) <= TC_ENERGY_ROWS * TC_ROW_PITCH * sizeof(float), "scratch");
 
 /* z: rows j - 3 .. j + 3. */

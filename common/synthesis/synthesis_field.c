@@ -84,19 +84,6 @@ static tc_rect void_rect(int k, tc_rect rect)
                      tc_floor_shift(rect.y1 - 1, k) + 2};
 }
 
-/* Floats of any rectangle of a block's size: of one somewhat larger, since what is rounded on the way to level m
- * depends on the place. */
-static size_t memory_for_any(const synthesis_field *p)
-{
-    enum { LARGER = 32 };
-    size_t most = 0;
-    for (int k = 1; k <= p->head.info.levels - p->chain.data; k++) {
-        size_t needed = tc_chain_scratch(&p->chain, k, (tc_rect){-1, -1, BLOCK + LARGER, BLOCK + LARGER});
-        most = needed > most ? needed : most;
-    }
-    return most;
-}
-
 static tc_status read_block(synthesis_field *p, int k, tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride,
                             bool wait, tc_ready *how)
 {
@@ -283,7 +270,8 @@ tc_status tc_synthesis_create(tc_field *field, int levels, const tc_synthesis_fi
                           size.spacing_x / 2, size.spacing_y / 2};
     tc_field_set_levels(&p->head, size);
     p->head.info.synthesised = levels;
-    p->arena_bytes = sizeof(arena) + memory_for_any(p) * sizeof(float);
+    c->room = tc_chain_room(levels, BLOCK);
+    p->arena_bytes = sizeof(arena) + c->room * sizeof(float);
     *field_ret = &p->head;
     return TC_OK;
 }

@@ -6,6 +6,9 @@
 
 #include "common/base/simd.h"
 
+/* What is done of a row at once, and somewhat more that is looked at beside it. */
+_Static_assert(((TC_ROW_CELLS + 4 + 31) & ~31) + 4 <= TC_ROW_PITCH, "cells of a row");
+
 void tc_flats_begin(tc_flats *f, int64_t cells)
 {
     f->cells = cells;

@@ -19,6 +19,14 @@ tc_rect tc_synthesis_needs(tc_rect fine, int reach)
                      tc_floor_shift(fine.x1 - 1, 1) + 1 + reach, tc_floor_shift(fine.y1 - 1, 1) + 1 + reach};
 }
 
+/* A row `times` rows beyond an edge, in the straight line from the row before it. */
+static inline void beyond_row(const float *restrict edge, const float *restrict inner, float times, int64_t count,
+                              float *restrict row)
+{
+    for (int64_t i = 0; i < count; i++)
+        row[i] = edge[i] + times * (edge[i] - inner[i]);
+}
+
 void tc_extend_beyond(const tc_patch *p, int64_t width, int64_t height, bool wraps)
 {
     int64_t x0 = wraps ? p->rect.x0 : tc_max64(p->rect.x0, 0), x1 = wraps ? p->rect.x1 : tc_min64(p->rect.x1, width);
@@ -36,9 +44,7 @@ void tc_extend_beyond(const tc_patch *p, int64_t width, int64_t height, bool wra
         if (j >= y0 && j < y1)
             continue;
         const float *edge = tc_patch_at(p, p->rect.x0, j < y0 ? y0 : y1 - 1), *inner = edge + (j < y0 ? step : -step);
-        float times = (float)(j < y0 ? y0 - j : j - y1 + 1), *row = tc_patch_at(p, p->rect.x0, j);
-        for (int64_t i = 0; i < w; i++)
-            row[i] = edge[i] + times * (edge[i] - inner[i]);
+        beyond_row(edge, inner, (float)(j < y0 ? y0 - j : j - y1 + 1), w, tc_patch_at(p, p->rect.x0, j));
     }
 }
 
@@ -62,13 +68,6 @@ static inline void odd_row(const float *restrict d, const float *restrict p, con
         float v = tc_predict(p[i], q[i], r[i], s[i]);
         odd[i] = d ? d[i] + v : v;
     }
-}
-
-static inline void beyond_row(const float *restrict edge, const float *restrict inner, float times, int64_t count,
-                              float *restrict row)
-{
-    for (int64_t i = 0; i < count; i++)
-        row[i] = edge[i] + times * (edge[i] - inner[i]);
 }
 
 /* Evens and odds of a finer row, from what of it is low and high along x: both from cell i0 - 1 on, with two more
@@ -103,6 +102,8 @@ enum {
     BEYOND = TC_COARSE_REACH - AROUND,         /* samples beyond these that details depend on */
     FINE = 2 * (TC_ROW_CELLS - 2 * AROUND - 1) /* columns of heights that are made at once */
 };
+/* While details reach AROUND rows further, and samples three more for these, the row before is still looked at. */
+_Static_assert(1 + 1 + AROUND + 3 <= TC_ROWS_KEPT, "rows of samples");
 
 typedef struct flow {
     const tc_level_recipe *recipe;
@@ -118,6 +119,14 @@ typedef struct flow {
     float line_low[TC_ROW_PITCH], line_high[TC_ROW_PITCH], even[TC_ROW_PITCH], odd[TC_ROW_PITCH];
     float under_even[TC_ROW_PITCH], under_odd[TC_ROW_PITCH], line[2 * TC_ROW_PITCH];
 } flow;
+
+/* What is taken of scratch before may be an odd number of floats: one more than a flow has, to begin at an even one. */
+_Static_assert(_Alignof(flow) <= 2 * sizeof(float) && sizeof(flow) % sizeof(float) == 0, "scratch");
+
+static inline flow *flow_in(float *scratch)
+{
+    return (flow *)(scratch + ((uintptr_t)scratch % _Alignof(flow) != 0));
+}
 
 size_t tc_synthesis_scratch(void)
 {
@@ -265,7 +274,7 @@ static inline void make_level(const tc_level_recipe *r, const tc_patch *coarse, 
 {
     for (int64_t x = rect.x0; x < rect.x1; x += FINE)
         make_columns(r, coarse, (tc_rect){x, rect.y0, tc_min64(x + FINE, rect.x1), rect.y1}, z + (x - rect.x0), stride,
-                     (flow *)scratch);
+                     flow_in(scratch));
 }
 
 TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void make_level_avx2(const tc_level_recipe *r,

@@ -7,6 +7,7 @@ enum { FORM = 1 }; /* of what follows: how noise is made, and which numbers ther
 
 /* Numbers one after the other, and what they lie between. */
 typedef struct row {
+    const char *name;
     size_t at; /* in the struct */
     int count;
     bool wide; /* double, else float */
@@ -18,28 +19,34 @@ static size_t size_of(const row *r)
     return r->wide ? sizeof(double) : sizeof(float);
 }
 
-#define ROW(member, many, is_wide, low, high)                                                                          \
-    {                                                                                                                  \
-        offsetof(tc_synthesis_fit, member), many, is_wide, low, high                                                   \
-    }
-static const row rows[] = {ROW(energy_floor, 1, false, 0, 1e20),
-                           ROW(slope_floor, 1, false, 0, 1e20),
-                           ROW(band[0], TC_DETAIL_BANDS, false, 0, 1e6),
-                           ROW(curvature[0], 1, false, -1, 1),
-                           ROW(curvature[1], 1, false, -4, 4),
-                           ROW(spread, 1, false, -0.5, 1.5),
-                           ROW(smear, 1, false, -1, 1),
-                           ROW(peak, 1, false, 0, 1),
-                           ROW(spacing, 1, true, 0, 1e20),
-                           ROW(rms[0], 3, true, 0, 1e20),
-                           ROW(ratio, 1, true, 0, 1e6),
-                           ROW(anisotropy, 1, true, 0, 1e20),
-                           ROW(kurtosis, 1, true, 0, 1e20)};
+#define ROWS_OF_FIT(ROW)                                                                                               \
+    ROW("energy floor", energy_floor, 1, false, 0, 1e20)                                                               \
+    ROW("slope floor", slope_floor, 1, false, 0, 1e20)                                                                 \
+    ROW("noise of a band", band[0], TC_DETAIL_BANDS, false, 0, 1e6)                                                    \
+    ROW("share of the second difference", curvature[0], 1, false, -1, 1)                                               \
+    ROW("share of the sixth difference", curvature[1], 1, false, -4, 4)                                                \
+    ROW("spread", spread, 1, false, -0.5, 1.5)                                                                         \
+    ROW("smear", smear, 1, false, -1, 1)                                                                               \
+    ROW("peak", peak, 1, false, 0, 1)                                                                                  \
+    ROW("spacing", spacing, 1, true, 0, 1e20)                                                                          \
+    ROW("rms", rms[0], 3, true, 0, 1e20)                                                                               \
+    ROW("ratio", ratio, 1, true, 0, 1e6)                                                                               \
+    ROW("anisotropy", anisotropy, 1, true, 0, 1e20)                                                                    \
+    ROW("kurtosis", kurtosis, 1, true, 0, 1e20)
+#define ROWS_OF_LEVEL(ROW)                                                                                             \
+    ROW("a of a level", level[0].a, 1, false, -300, 300)                                                               \
+    ROW("b of a level", level[0].b, 1, false, 0, 4)                                                                    \
+    ROW("c of a level", level[0].c, 1, false, 0, 8)                                                                    \
+    ROW("cap of a level", level[0].cap, 1, false, 0, 1e20)
 
-/* Of a level: a, b, c, cap. */
-static const row level_rows[] = {ROW(level[0].a, 1, false, -300, 300), ROW(level[0].b, 1, false, 0, 4),
-                                 ROW(level[0].c, 1, false, 0, 8), ROW(level[0].cap, 1, false, 0, 1e20)};
-#undef ROW
+#define AS_ROW(name, member, count, wide, least, most)                                                                 \
+    {name, offsetof(tc_synthesis_fit, member), count, wide, least, most},
+static const row rows[] = {ROWS_OF_FIT(AS_ROW)};
+static const row level_rows[] = {ROWS_OF_LEVEL(AS_ROW)};
+
+#define AS_BYTES(name, member, count, wide, least, most) +(count) * ((wide) ? 8 : 4)
+_Static_assert(TC_SYNTHESIS_BYTES == 2 + 1 ROWS_OF_FIT(AS_BYTES) + TC_SYNTHESIS_MOST * (0 ROWS_OF_LEVEL(AS_BYTES)),
+               "bytes of a fit");
 
 enum {
     ROWS = sizeof rows / sizeof *rows,
@@ -63,19 +70,25 @@ static double number_at(const row *r, const uint8_t *at)
     return memcpy(&narrow, at, sizeof narrow), (double)narrow;
 }
 
-bool tc_synthesis_can_put(const tc_synthesis_fit *fit)
+bool tc_synthesis_can_put(const tc_synthesis_fit *fit, tc_synthesis_number *beyond_ret)
 {
     const float least = 1e-30f; /* of what logarithms are taken of */
-    bool good = fit->none || (fit->energy_floor >= least && fit->slope_floor >= least);
     for (int n = 0; n < ALL_ROWS; n++) {
         size_t from;
         const row *r = row_of(n, &from);
+        const bool floor =
+            r->at == offsetof(tc_synthesis_fit, energy_floor) || r->at == offsetof(tc_synthesis_fit, slope_floor);
+        tc_synthesis_number number = {r->name, 0, floor && !fit->none ? (double)least : r->least, r->most};
         for (int i = 0; i < r->count; i++) {
-            const double v = number_at(r, (const uint8_t *)fit + from + r->at + (size_t)i * size_of(r));
-            good &= v >= r->least && v <= r->most; /* false of what is no number */
+            number.value = number_at(r, (const uint8_t *)fit + from + r->at + (size_t)i * size_of(r));
+            if (number.value >= number.least && number.value <= number.most) /* false of what is no number */
+                continue;
+            if (beyond_ret)
+                *beyond_ret = number;
+            return false;
         }
     }
-    return good;
+    return true;
 }
 
 void tc_synthesis_put(const tc_synthesis_fit *fit, tc_byte_writer *w)
@@ -116,5 +129,5 @@ tc_status tc_synthesis_get(const uint8_t *bytes, size_t size, tc_synthesis_fit *
         }
     }
     fit_ret->none = none != 0;
-    return none <= 1 && !r.failed && r.at == r.end && tc_synthesis_can_put(fit_ret) ? TC_OK : TC_ERR_FORMAT;
+    return none <= 1 && !r.failed && r.at == r.end && tc_synthesis_can_put(fit_ret, NULL) ? TC_OK : TC_ERR_FORMAT;
 }

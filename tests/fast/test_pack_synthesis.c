@@ -159,6 +159,42 @@ static void files_are_the_same_otherwise(void **state)
         free(bytes[n]);
 }
 
+static bool tell_done(void *context, double done)
+{
+    *(double *)context = done;
+    return true;
+}
+
+/* Heights that a file holds, but whose fit it does not: that is found before levels are made, and said by name. */
+static void a_fit_beyond_all_is_refused_early(void **state)
+{
+    (void)state;
+    packing p = {.width = 300, .height = 257, .mode = TC_PACK_RMS, .error = 1e10};
+    const float raised = 1e12F;
+    double done[2] = {0, 0};
+    for (int n = 0; n < 2; n++) {
+        tc_pack_terrain terrain = packing_terrain(&p);
+        tc_pack_options options = packing_options(&p);
+        options.synthesis_fit = n == 0, options.progress = tell_done, options.progress_context = &done[n];
+        uint8_t *voids;
+        float *z = packing_heights(&p, &voids);
+        for (int64_t i = 0; i < p.width * p.height; i++)
+            z[i] *= raised;
+        tc_packer *packer;
+        tc_pack_result result;
+        tc_error error = {TC_OK, ""};
+        assert_int_equal(tc_packer_create(made_path("beyond.tclip"), &terrain, &options, &packer, NULL), TC_OK);
+        assert_int_equal(tc_packer_put(packer, (tc_rect){0, 0, p.width, p.height}, z, NULL, p.width, NULL), TC_OK);
+        const double put = done[n];
+        assert_int_equal(tc_packer_finish(packer, &result, &error), n == 0 ? TC_ERR_UNSUPPORTED : TC_OK);
+        assert_true(n == 0 ? done[n] == put && strstr(error.text, ": fit for synthesis: energy floor: expected 1e-30 "
+                                                                  "to 1e+20, found ")
+                           : done[n] > put);
+        tc_packer_destroy(packer);
+        free(z), free(voids);
+    }
+}
+
 /* ---- Heights ----------------------------------------------------------------------------------------------------- */
 
 /* All heights of all levels from `from` on; the caller's to free. */
@@ -302,6 +338,7 @@ int main(void)
         cmocka_unit_test(the_fit_is_that_of_the_heights),
         cmocka_unit_test(odd_terrains_have_one),
         cmocka_unit_test(files_are_the_same_otherwise),
+        cmocka_unit_test(a_fit_beyond_all_is_refused_early),
         cmocka_unit_test(heights_are_those_of_the_source),
         cmocka_unit_test(cut_files_fit_anew),
         cmocka_unit_test(planets_have_one),

@@ -279,6 +279,8 @@ tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
     int32_t bound = 0, lattice = 1;
     if (!status)
         status = set_unit(p, &bound, &lattice, error);
+    if (!status && p->options.synthesis_fit) /* before what takes long, since it may fail */
+        status = tc_pack_synthesis(p, error);
     if (!status)
         status = tc_pack_cascade(p, error);
     if (!status)
@@ -291,8 +293,6 @@ tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *e
     bool planet = p->container.info.terrain.radius > 0;
     tc_packer *cap[TC_CAP_CHARTS] = {NULL, NULL};
     tc_status status = tc_pack_all_levels(p, error);
-    if (!status && p->options.synthesis_fit)
-        status = tc_pack_synthesis(p, error);
     if (!status && planet)
         status = tc_pack_caps(p, cap, error);
     if (!status)

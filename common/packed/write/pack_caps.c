@@ -91,7 +91,7 @@ static tc_status give_rows(const tc_packer *p, tc_caps *caps, const cap_memory m
         int64_t end = tc_min64(y + rows, y1);
         status = tc_pack_source_rows(p, y, end, z, error);
         if (!status && some)
-            status = tc_pack_mask_rows(p, p->container.levels, y, end, voids, w, error);
+            status = tc_pack_mask(p, p->container.levels, (tc_rect){0, y, w, end}, voids, w, error);
         if (!status && (status = tc_caps_put(caps, y, end - y, z, voids)))
             tc_fail(error, status, "%s: its polar caps cannot be made: %s", p->path, tc_status_text(status));
         for (int n = 0; n < TC_CAPS; n++)
@@ -148,7 +148,7 @@ static tc_pack_options options_of(tc_packer *p)
     o.error = fmax(error, least);
     if (o.max_error > 0)
         o.max_error = fmax(o.max_error, least);
-    o.lattice = 0, o.price_lossless = false;
+    o.lattice = 0, o.price_lossless = false, o.synthesis_fit = false; /* caps go by the planet's */
     o.progress = keep_on;
     o.progress_context = p;
     return o;

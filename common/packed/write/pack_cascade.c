@@ -41,19 +41,18 @@ tc_status tc_pack_truth(const tc_packer *p, int l, tc_rect rect, int32_t *z, ptr
     return status;
 }
 
-tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, ptrdiff_t stride,
-                            tc_error *error)
+tc_status tc_pack_mask(const tc_packer *p, int l, tc_rect rect, uint8_t *voids, ptrdiff_t stride, tc_error *error)
 {
-    int64_t width = p->container.info.terrain.width, w = p->container.level[l - 1].width;
-    int k = p->container.levels - l;
+    const int k = p->container.levels - l;
     if (k == 0)
-        return tc_spool_read(&p->mask, (tc_rect){0, y0, width, y1}, voids, stride, error);
-    uint8_t *row = malloc((size_t)width);
+        return tc_spool_read_round(&p->mask, rect, voids, stride, error);
+    const int64_t w = rect.x1 - rect.x0, run = ((w - 1) << k) + 1, x = rect.x0 * ((int64_t)1 << k);
+    uint8_t *row = malloc((size_t)run);
     tc_status status = row ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    for (int64_t y = y0; y < y1 && !status; y++) {
-        status = tc_spool_read(&p->mask, (tc_rect){0, y << k, width, (y << k) + 1}, row, width, error);
+    for (int64_t y = rect.y0; y < rect.y1 && !status; y++) {
+        status = tc_spool_read_round(&p->mask, (tc_rect){x, y << k, x + run, (y << k) + 1}, row, run, error);
         for (int64_t i = 0; i < w && !status; i++)
-            voids[(y - y0) * stride + i] = row[i << k];
+            voids[(y - rect.y0) * stride + i] = row[i << k];
     }
     free(row);
     return status;
@@ -211,6 +210,6 @@ tc_status tc_pack_cascade(tc_packer *p, tc_error *error)
     tc_status status =
         tc_pack_truth(p, c->base, (tc_rect){0, 0, base->width, base->height}, c->base_z, base->width, error);
     if (!status && c->voids > 0)
-        status = tc_pack_mask_rows(p, c->base, 0, base->height, c->base_void, base->width, error);
+        status = tc_pack_mask(p, c->base, (tc_rect){0, 0, base->width, base->height}, c->base_void, base->width, error);
     return status;
 }

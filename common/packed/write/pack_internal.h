@@ -90,9 +90,9 @@ double tc_detail_bin(int bin);
 /* Adds a plane's details to a histogram. */
 void tc_pack_count(const tc_plane *band, tc_detail_histogram *histogram);
 
-/* Void mask of level l over rows y0 .. y1 - 1, whole width. */
-tc_status tc_pack_mask_rows(const tc_packer *p, int l, int64_t y0, int64_t y1, uint8_t *voids, ptrdiff_t stride,
-                            tc_error *error);
+/* Void mask of level l over rect, of which columns may stick out where the level wraps: a sample is void where that of
+ * the finest level in its place is. Only where there are voids. */
+tc_status tc_pack_mask(const tc_packer *p, int l, tc_rect rect, uint8_t *voids, ptrdiff_t stride, tc_error *error);
 
 static inline float tc_pack_metres(const tc_container *c, int32_t k)
 {

@@ -126,7 +126,7 @@ static void load_chunk(void *context, int64_t n)
             ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, load->stride, &error)
         : load->what == LOAD_SOURCE
             ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
-            : tc_pack_mask_rows(s->p, s->coding->l, y0, y1, (uint8_t *)load->to + at, load->stride, &error);
+            : tc_pack_mask(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (uint8_t *)load->to + at, load->stride, &error);
     if (!status)
         return;
     pthread_mutex_lock(&load->mutex);

@@ -204,7 +204,7 @@ tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret,
         if (y % rows == 0)
             status = tc_pack_source_rows(p, y, tc_min64(y + rows, h), z, error);
         if (y % rows == 0 && masked && !status)
-            status = tc_pack_mask_rows(p, p->container.levels, y, tc_min64(y + rows, h), voids, w, error);
+            status = tc_pack_mask(p, p->container.levels, (tc_rect){0, y, w, tc_min64(y + rows, h)}, voids, w, error);
         double row_sum = 0, row_square = 0;
         for (int64_t i = y % rows * w; i < (y % rows + 1) * w && !status; i++)
             if (!isnan(z[i]) && !(masked && voids[i])) {

@@ -1,7 +1,5 @@
 /* pack_synthesis.c - how a terrain's detail goes on below its samples, fitted to the heights as they were given: the
  * packed ones have lost some of it. Only what the fit looks at is filtered, so that no pyramid of floats is needed. */
-#include <math.h>
-
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/field/filter.h"
@@ -53,33 +51,16 @@ static tc_status heights(given *g, int l, tc_rect rect, float *z, ptrdiff_t stri
     return status;
 }
 
-/* Whether samples of level l over rect are void: those of the finest level in the same places are. */
-static tc_status voids_of(given *g, int l, tc_rect rect, uint8_t *voids, ptrdiff_t stride)
-{
-    const tc_container *c = &g->p->container;
-    const int k = c->levels - l;
-    const int64_t w = rect.x1 - rect.x0, run = ((w - 1) << k) + 1;
-    uint8_t *row = malloc((size_t)run);
-    tc_status status = row ? TC_OK : TC_ERR_MEMORY;
-    for (int64_t y = rect.y0; y < rect.y1 && !status; y++) {
-        const int64_t x = rect.x0 * ((int64_t)1 << k);
-        tc_rect at = {x, y << k, x + run, (y << k) + 1};
-        memset(row, 0, (size_t)run);
-        if (c->voids > 0)
-            status = tc_spool_read_round(&g->p->mask, at, row, run, &g->why);
-        for (int64_t i = 0; i < w && !status; i++)
-            voids[(y - rect.y0) * stride + i] = row[i << k];
-    }
-    free(row);
-    return status;
-}
-
 static tc_status given_read(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
                             ptrdiff_t stride)
 {
     given *g = (given *)field;
     tc_status status = samples ? heights(g, level, rect, samples, stride) : TC_OK;
-    return !status && voids ? voids_of(g, level, rect, voids, stride) : status;
+    if (!status && voids && g->p->container.voids > 0)
+        status = tc_pack_mask(g->p, level, rect, voids, stride, &g->why);
+    for (int64_t j = 0; voids && g->p->container.voids == 0 && j < rect.y1 - rect.y0; j++)
+        memset(voids + j * stride, 0, (size_t)(rect.x1 - rect.x0));
+    return status;
 }
 
 tc_status tc_pack_synthesis(tc_packer *p, tc_error *error)
@@ -94,9 +75,10 @@ tc_status tc_pack_synthesis(tc_packer *p, tc_error *error)
     if (status)
         return g.why.status ? tc_fail(error, g.why.status, "%s: %s", p->path, g.why.text)
                             : tc_fail(error, status, "%s: not enough memory", p->path);
-    if (!tc_synthesis_can_put(&fit))
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: heights up to %g m are beyond what a fit of their detail holds",
-                       p->path, fmax(fabs((double)p->z_min), fabs((double)p->z_max)));
+    tc_synthesis_number beyond;
+    if (!tc_synthesis_can_put(&fit, &beyond))
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: fit for synthesis: %s: expected %g to %g, found %g", p->path,
+                       beyond.name, beyond.least, beyond.most, beyond.value);
     c->synthesis = malloc(sizeof fit);
     if (!c->synthesis)
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
