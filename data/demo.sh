@@ -27,7 +27,7 @@ picture() {
 picture terrain -16000,176000,90000,145,-41 --fov 66
 picture ridge 88500,74500,2457,118,-3 --fov 45
 picture gullies 80000,80000,1250,125,-6 --fov 60 --synthesis auto
-picture map 80000,66000,6500,40,-30 --fov 60 --shade height --contours 50
+picture contours 80000,66000,6500,40,-30 --fov 60 --shade height --contours 50
 picture coast 112000,103000,1556,200,-7 --fov 45
 picture levels 80000,80000,4207,125,-10 --fov 60 --n 127 --level-colours
 picture wireframe 80000,80000,4207,125,-14 --fov 60 --n 63 --wireframe --background 0c1420
