@@ -234,7 +234,7 @@ $(O)/tests/make-picture: $(OBJ)/tests/cli/make_picture.o
 	$(Q)$(CC) $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
 
 # Runs a program and tells what it took.
-$(O)/tests/used: $(OBJ)/tests/cli/used.o
+$(O)/tests/used: $(OBJ)/tests/cli/used.o $(OBJ)/tests/support/process.o
 	@mkdir -p $(@D)
 	$(LINK)
 

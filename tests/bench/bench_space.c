@@ -16,6 +16,7 @@
 #include "tests/support/flat_data.h"
 #include "tests/support/made_files.h"
 #include "tests/support/measure.h"
+#include "tests/support/process.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrain_files.h"
 
@@ -28,24 +29,14 @@ typedef struct held {
     double resident_start, resident_context, resident_view;
 } held;
 
-static double resident(void)
-{
-    long pages = 0;
-    FILE *f = fopen("/proc/self/statm", "r");
-    if (!f || fscanf(f, "%*s %ld", &pages) != 1)
-        exit(99);
-    fclose(f);
-    return (double)pages * (double)sysconf(_SC_PAGESIZE);
-}
-
 /* Draws the packed terrain from 500 m above its middle. */
 static int draw(const char *path)
 {
-    held h = {.resident_start = resident()};
+    held h = {.resident_start = process_resident()};
     tc_context *context = scene_context();
     if (!context)
         return 1;
-    h.resident_context = resident();
+    h.resident_context = process_resident();
     tc_field *field = terrain_open(path);
     int finest = tc_field_info(field)->levels;
     tc_level top = tc_field_level(field, finest);
@@ -59,7 +50,7 @@ static int draw(const char *path)
     terrain_must(tc_field_height(field, c.x, c.y, &c.z), &(tc_error){.text = "the ground cannot be read"});
     c.z += tc_field_info(field)->z_base + 500;
     scene_draw(&s, &c, true);
-    h.resident_view = resident();
+    h.resident_view = process_resident();
     tc_memory_stats m;
     size_t heights, normals;
     tc_renderer_memory(s.renderer, &m);

@@ -1,26 +1,11 @@
 /* used.c - used OUT COMMAND...: runs a command and writes into OUT what it took: "MB MB", the most memory it had at
  * once and what it read from files. Ends as the command does. */
-#include <stdint.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* Bytes that a process has read, which has ended but is not waited for yet; -1: unknown. */
-static long long bytes_read(pid_t process)
-{
-    char name[64], line[80];
-    long long bytes = -1;
-    snprintf(name, sizeof name, "/proc/%ld/io", (long)process);
-    FILE *file = fopen(name, "r");
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "rchar: %lld", &bytes) == 1)
-            break;
-    if (file)
-        fclose(file);
-    return bytes;
-}
+#include "tests/support/process.h"
 
 int main(int argc, char **argv)
 {
@@ -37,7 +22,7 @@ int main(int argc, char **argv)
     int status;
     if (process < 0 || waitid(P_PID, (id_t)process, &ended, WEXITED | WNOWAIT) != 0)
         return 99;
-    long long bytes = bytes_read(process);
+    long long bytes = (long long)process_bytes_read(process);
     if (wait4(process, &status, 0, &used) != process)
         return 99;
     FILE *out = fopen(argv[1], "w");

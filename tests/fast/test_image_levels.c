@@ -20,6 +20,7 @@
 #include "common/base/rect.h"
 #include "common/input/image.h"
 #include "tests/support/loading.h"
+#include "tests/support/process.h"
 
 typedef uint8_t rgba[4];
 
@@ -308,20 +309,6 @@ static void forget(void)
     VSIRmdirRecursive(cache_folder());
 }
 
-/* Bytes that this process has read from files. */
-static int64_t bytes_read(void)
-{
-    long long bytes = -1;
-    char line[80];
-    FILE *file = fopen("/proc/self/io", "r");
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "rchar: %lld", &bytes) == 1)
-            break;
-    if (file)
-        fclose(file);
-    return bytes;
-}
-
 static tc_image *large_in_memory(void)
 {
     static tc_image *image;
@@ -354,10 +341,10 @@ static void check_large(const char *path, int in_cache)
     tc_image *image = open_large(path);
     assert_int_equal(cached(), in_cache);
     image->close(image);
-    int64_t before = bytes_read();
+    int64_t before = process_bytes_read(getpid());
     image = open_large(path);
-    if (bytes_read() - before > 200000)
-        fail_msg("opening it again reads %lld bytes", (long long)(bytes_read() - before));
+    if (process_bytes_read(getpid()) - before > 200000)
+        fail_msg("opening it again reads %lld bytes", (long long)(process_bytes_read(getpid()) - before));
     has_levels(image);
     image->close(image);
     assert_int_equal(cached(), in_cache);
@@ -388,9 +375,9 @@ static void nothing_is_read_twice(void **state)
         assert_int_equal(stat(path, &about), 0);
         forget();
         GDALSetCacheMax64(3 << 20);
-        int64_t before = bytes_read();
+        int64_t before = process_bytes_read(getpid());
         tc_image *image = open_large(path);
-        int64_t bytes = bytes_read() - before;
+        int64_t bytes = process_bytes_read(getpid()) - before;
         GDALSetCacheMax64(usual);
         image->close(image);
         if ((double)bytes > 1.1 * (double)about.st_size + 5e5) /* and the heads of what was made */

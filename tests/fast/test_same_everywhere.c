@@ -43,60 +43,27 @@ static double two(const char *name, double x, double y)
 }
 
 /* They stand before the library's own for all that is linked into this program. */
-double sin(double x)
-{
-    return one("sin", x);
-}
-
-double cos(double x)
-{
-    return one("cos", x);
-}
-
-double tan(double x)
-{
-    return one("tan", x);
-}
-
-double atan(double x)
-{
-    return one("atan", x);
-}
-
-double exp(double x)
-{
-    return one("exp", x);
-}
-
-double exp2(double x)
-{
-    return one("exp2", x);
-}
-
-double log(double x)
-{
-    return one("log", x);
-}
-
-double log2(double x)
-{
-    return one("log2", x);
-}
-
-double atan2(double y, double x)
-{
-    return two("atan2", y, x);
-}
-
-double hypot(double x, double y)
-{
-    return two("hypot", x, y);
-}
-
-double pow(double x, double y)
-{
-    return two("pow", x, y);
-}
+#define ONE(name)                                                                                                      \
+    double name(double x)                                                                                              \
+    {                                                                                                                  \
+        return one(#name, x);                                                                                          \
+    }
+#define TWO(name)                                                                                                      \
+    double name(double x, double y)                                                                                    \
+    {                                                                                                                  \
+        return two(#name, x, y);                                                                                       \
+    }
+ONE(sin)
+ONE(cos)
+ONE(tan)
+ONE(atan)
+ONE(exp)
+ONE(exp2)
+ONE(log)
+ONE(log2)
+TWO(atan2)
+TWO(hypot)
+TWO(pow)
 
 /* ---- A planet ---------------------------------------------------------------------------------------------------- */
 

@@ -15,6 +15,7 @@
 #include "common/view/flight.h"
 #include "common/view/flight_path.h"
 #include "common/app/stats.h"
+#include "tests/support/process.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 #include "tests/wrapped/allocations.h"
@@ -31,17 +32,6 @@ enum { SIZE = 1025, SPACING = 30, N = 63, WIDTH = 160, HEIGHT = 120, FINER = 5 }
 static long long calls(void)
 {
     return allocations.asked + allocations.freed;
-}
-
-/* Bytes of this process that lie in memory. */
-static long long resident_bytes(void)
-{
-    long long size = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    assert_non_null(file);
-    assert_int_equal(fscanf(file, "%lld %lld", &size, &resident), 2);
-    fclose(file);
-    return resident * sysconf(_SC_PAGESIZE);
 }
 
 /* ---- Flying ----------------------------------------------------------------------------------------------------- */
@@ -177,7 +167,7 @@ static void resident_set_stays_flat(void **state)
         long long after[11] = {0};
         for (int thousand = 1; thousand <= thousands[k]; thousand++) {
             fly(&s, stats, 1000 * (thousand - 1), 1000 * thousand);
-            after[thousand] = resident_bytes();
+            after[thousand] = (long long)process_resident();
         }
         printf("resident set%s: %.2f MiB after 1000 frames, %.2f after 5000, %.2f after %d\n", k ? ", synthesised" : "",
                (double)after[1] / (1 << 20), (double)after[5] / (1 << 20), (double)after[thousands[k]] / (1 << 20),

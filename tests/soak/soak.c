@@ -23,6 +23,7 @@
 #include "tests/support/made_files.h"
 #include "tests/support/packed_map.h"
 #include "tests/support/planet_scene.h"
+#include "tests/support/process.h"
 #include "tests/support/regions.h"
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
@@ -64,16 +65,6 @@ static void must(tc_status status, const tc_error *error)
         fprintf(stderr, "soak: %s\n", error->text);
         exit(99);
     }
-}
-
-static double resident_bytes(void)
-{
-    long long size = 0, resident = 0;
-    FILE *file = fopen("/proc/self/statm", "r");
-    if (!file || fscanf(file, "%lld %lld", &size, &resident) != 2)
-        exit(99);
-    fclose(file);
-    return (double)resident * (double)sysconf(_SC_PAGESIZE);
 }
 
 /* ---- Worlds ------------------------------------------------------------------------------------------------------ */
@@ -289,7 +280,7 @@ static int soak(const tc_context *context, bool planet, int64_t frames)
     world w = world_open(context, planet);
     asker a = {.map = w.map};
     pthread_t thread;
-    double resident[TENTHS + 1] = {0}, most = 0, start = tc_clock_ms(), checking = 0;
+    double resident[TENTHS + 1] = {0}, start = tc_clock_ms(), checking = 0;
     see_all(&w), see_all_colours(&w);
     if (pthread_create(&thread, NULL, ask, &a))
         exit(99);
@@ -302,8 +293,7 @@ static int soak(const tc_context *context, bool planet, int64_t frames)
                 checking += tc_clock_ms() - before;
             }
         }
-        resident[tenth] = resident_bytes();
-        most = fmax(most, resident[tenth]);
+        resident[tenth] = process_resident();
     }
     a.stop = true;
     pthread_join(thread, NULL);
