@@ -191,16 +191,16 @@ static tc_status read_cap(const place *p, const tc_chart *cap, double longitude,
     int like = levels - p->map->synthesised + missing; /* as far apart as the map's finest samples in the file */
     int level = (int)tc_clamp64(like - (int)lrint(log2(p->stride_y)), 1, levels);
     double x, y, spacing = ldexp(cap->dx, levels - level);
-    cap->class->from_place(longitude * degree, latitude * degree, &x, &y);
+    cap->class->from_place(cap, longitude * degree, latitude * degree, &x, &y);
     return read_mesh(p, cap->field, level, (x - cap->x0) / spacing, (y - cap->y0) / spacing, z_ret);
 }
 
 /* The chart that has all of the height there, if it is none but the first; else NULL. */
 static const tc_chart *chart_over(const place *p, double latitude)
 {
-    double sine = sin(latitude * 3.141592653589793 / 180);
+    const double normal[3] = {0, 0, sin(latitude * 3.141592653589793 / 180)}; /* caps look at no more */
     for (int k = 1; k < p->map->charts; k++)
-        if (p->map->chart[k].class->share(sine) >= 1)
+        if (p->map->chart[k].class->share(&p->map->chart[k], normal) >= 1)
             return &p->map->chart[k];
     return NULL;
 }

@@ -48,7 +48,8 @@ void tc_rings_map(const rings_view *view, int chart, double s_x, double s_y, dou
 
 void tc_rings_weights(const rings_view *view, double s_x, double h, double weight_ret[TC_MAX_CHARTS])
 {
-    tc_map_shares(tc_rings_of(view)->map, view->cos_theta + rise(view, s_x, h), weight_ret);
+    const double normal[3] = {0, 0, view->cos_theta + rise(view, s_x, h)}; /* caps look at no more */
+    tc_map_shares(tc_rings_of(view)->map, normal, weight_ret);
 }
 
 double tc_rings_passed(const rings_view *view, int stage, double w)

@@ -1,4 +1,4 @@
-/* chart.c - the charts of a globe: a grid of longitude and latitude, and the caps laid over it. */
+/* chart.c - what charts have in common; a grid of longitude and latitude, and the caps laid over it. */
 #include "chart.h"
 
 #include <math.h>
@@ -13,13 +13,37 @@ tc_chart tc_chart_over(const tc_chart_class *class, tc_field *field, int self, d
     const tc_terrain_info *info = tc_field_info(field);
     int64_t width = tc_field_level(field, info->levels).width;
     tc_chart c = {.class = class, .field = field, .x0 = x0, .y0 = y0, .dx = dx, .dy = dy, .wraps = info->wraps_x};
+    c.face = class->seam ? self : 0;
     for (int side = 0; side < TC_SIDES; side++)
-        c.side[side] = (tc_seam){.chart = -1};
+        c.side[side] = class->seam ? class->seam(self, side, width - 1) : (tc_seam){.chart = -1};
     if (c.wraps) {
         c.side[TC_WEST] = (tc_seam){.chart = self, .m = {1, 0, 0, 1}, .dx = width};
         c.side[TC_EAST] = (tc_seam){.chart = self, .m = {1, 0, 0, 1}, .dx = -width};
     }
     return c;
+}
+
+tc_chart tc_chart_face(const tc_chart_class *class, tc_field *field, int face)
+{
+    double cells = (double)(tc_field_level(field, tc_field_info(field)->levels).width - 1);
+    return tc_chart_over(class, field, face, 0, 0, 1 / cells, 1 / cells);
+}
+
+int64_t tc_chart_cells(int64_t least)
+{
+    int halvings = 0;
+    while (tc_ceil_shift(least, halvings) > TC_MOST_CELLS)
+        halvings++;
+    return tc_ceil_shift(least, halvings) << halvings;
+}
+
+tc_status tc_chart_mesh_height(const tc_chart *c, int level, double x, double y, bool *there_ret, double *z_ret)
+{
+    tc_level size = tc_field_level(c->field, level);
+    double u, v;
+    tc_chart_samples(c, level, x, y, &u, &v);
+    *there_ret = u >= -1 && u <= (double)size.width && v >= -1 && v <= (double)size.height;
+    return *there_ret ? tc_field_mesh_height(c->field, level, u, v, z_ret) : TC_OK;
 }
 
 /* Bilinear; at the sides that of the nearest sample. There is none outside, by more than a sample. */
@@ -44,14 +68,15 @@ static tc_status bilinear_height(const tc_chart *c, int level, double x, double 
 
 /* ---- Longitude and latitude -------------------------------------------------------------------------------------- */
 
-static void same(double x, double y, double *x_ret, double *y_ret)
+static void same(const tc_chart *c, double x, double y, double *x_ret, double *y_ret)
 {
+    (void)c;
     *x_ret = x, *y_ret = y;
 }
 
-static double sine_of_latitude(double x, double y)
+static double sine_of_latitude(const tc_chart *c, double x, double y)
 {
-    (void)x;
+    (void)c, (void)x;
     return tc_sine(y);
 }
 
@@ -64,50 +89,60 @@ const tc_chart_class tc_chart_lonlat = {.name = "lonlat",
 
 /* ---- Caps -------------------------------------------------------------------------------------------------------- */
 
-static void from_place(double longitude, double latitude, double *x_ret, double *y_ret)
+static void from_place(const tc_chart *c, double longitude, double latitude, double *x_ret, double *y_ret)
 {
+    (void)c;
     double r = 2 * tan((M_PI / 2 - latitude) / 2);
     *x_ret = r * cos(longitude), *y_ret = r * sin(longitude);
 }
 
-static void to_place(double x, double y, double *longitude_ret, double *latitude_ret)
+static void to_place(const tc_chart *c, double x, double y, double *longitude_ret, double *latitude_ret)
 {
+    (void)c;
     *longitude_ret = atan2(y, x);
     *latitude_ret = M_PI / 2 - 2 * atan(0.5 * hypot(x, y));
 }
 
-static void from_southern(double longitude, double latitude, double *x_ret, double *y_ret)
+static void from_southern(const tc_chart *c, double longitude, double latitude, double *x_ret, double *y_ret)
 {
-    from_place(longitude, -latitude, x_ret, y_ret);
+    from_place(c, longitude, -latitude, x_ret, y_ret);
 }
 
-static void to_southern(double x, double y, double *longitude_ret, double *latitude_ret)
+static void to_southern(const tc_chart *c, double x, double y, double *longitude_ret, double *latitude_ret)
 {
-    to_place(x, y, longitude_ret, latitude_ret);
+    to_place(c, x, y, longitude_ret, latitude_ret);
     *latitude_ret = -*latitude_ret;
 }
 
 /* The radius is 2 tan of half the angle from the pole. */
-static double sine(double x, double y)
+static double sine(const tc_chart *c, double x, double y)
 {
+    (void)c;
     const double r2 = x * x + y * y;
     return (4 - r2) / (4 + r2);
 }
 
-static double southern_sine(double x, double y)
+static double southern_sine(const tc_chart *c, double x, double y)
 {
-    return -sine(x, y);
+    return -sine(c, x, y);
 }
 
-static double share(double sine)
+static double share_above(double height)
 {
     const double lo = TC_CAP_BLEND_START_SINE, hi = TC_CAP_BLEND_END_SINE;
-    return fmin(fmax((sine - lo) / (hi - lo), 0), 1);
+    return fmin(fmax((height - lo) / (hi - lo), 0), 1);
 }
 
-static double southern_share(double sine)
+static double share(const tc_chart *c, const double normal[3])
 {
-    return share(-sine);
+    (void)c;
+    return share_above(normal[2]);
+}
+
+static double southern_share(const tc_chart *c, const double normal[3])
+{
+    (void)c;
+    return share_above(-normal[2]);
 }
 
 const tc_chart_class tc_chart_north_cap = {.name = "north cap",

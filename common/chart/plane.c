@@ -54,8 +54,9 @@ const tc_body_class tc_plane_body = {.name = "plane",
 
 /* ---- The chart --------------------------------------------------------------------------------------------------- */
 
-static void same(double x, double y, double *x_ret, double *y_ret)
+static void same(const tc_chart *c, double x, double y, double *x_ret, double *y_ret)
 {
+    (void)c;
     *x_ret = x, *y_ret = y;
 }
 

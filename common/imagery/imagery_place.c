@@ -42,17 +42,17 @@ static double come_round(const tc_layer *layer, double px)
 
 void tc_layer_find(const tc_map *map, tc_layer *layer, int chart, int count, double *x, double *y)
 {
-    const tc_chart_class *class = map->chart[chart].class, *base = map->chart[0].class;
+    const tc_chart *c = &map->chart[chart], *base = &map->chart[0];
     const double *t = map->georef.transform, w = (double)layer->image->level[0].width,
                  h = (double)layer->image->level[0].height;
     for (int i = 0; i < count; i++) {
         double a, b;
-        class->to_place(x[i], y[i], &a, &b);
+        c->class->to_place(c, x[i], y[i], &a, &b);
         if (layer->around) {
             x[i] = (a / (2 * M_PI) + 0.5) * w, y[i] = (0.5 - b / M_PI) * h;
             continue;
         }
-        base->from_place(a, b, &a, &b);
+        base->class->from_place(base, a, b, &a, &b);
         to_corner(map, &a, &b);
         if (layer->image->find)
             x[i] = t[0] + a * t[1] + b * t[2], y[i] = t[3] + a * t[4] + b * t[5];
@@ -67,7 +67,7 @@ void tc_layer_find(const tc_map *map, tc_layer *layer, int chart, int count, dou
 
 void tc_layer_locate(const tc_map *map, tc_layer *layer, int chart, int count, double *x, double *y)
 {
-    const tc_chart_class *class = map->chart[chart].class, *base = map->chart[0].class;
+    const tc_chart *c = &map->chart[chart], *base = &map->chart[0];
     const double *t = map->georef.transform, w = (double)layer->image->level[0].width,
                  h = (double)layer->image->level[0].height, determinant = t[1] * t[5] - t[2] * t[4];
     if (layer->image->locate)
@@ -83,9 +83,9 @@ void tc_layer_locate(const tc_map *map, tc_layer *layer, int chart, int count, d
             else
                 a = a / w * (double)map->width, b = b / h * (double)map->height;
             from_corner(map, &a, &b);
-            base->to_place(a, b, &a, &b);
+            base->class->to_place(base, a, b, &a, &b);
         }
-        class->from_place(a, b, &x[i], &y[i]);
+        c->class->from_place(c, a, b, &x[i], &y[i]);
     }
 }
 

@@ -72,11 +72,6 @@ tc_status tc_map_check_grid(const char *name, const tc_grid *grid, const tc_body
 
 /* ---- Heights ----------------------------------------------------------------------------------------------------- */
 
-static double share_of(const tc_chart *c, double sine)
-{
-    return c->class->share ? c->class->share(sine) : 0;
-}
-
 static bool larger(const tc_field *field, int level, int64_t most)
 {
     const tc_level size = tc_field_level(field, level);
@@ -84,35 +79,36 @@ static bool larger(const tc_field *field, int level, int64_t most)
 }
 
 /* What lies under all others has what they leave. */
-void tc_map_shares(const tc_map *map, double sine, double *share_ret)
+void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret)
 {
     share_ret[0] = 1;
-    for (int k = 1; k < map->charts; k++)
-        share_ret[0] -= share_ret[k] = share_of(&map->chart[k], sine);
+    for (int k = 1; k < map->charts; k++) {
+        const tc_chart *c = &map->chart[k];
+        share_ret[0] -= share_ret[k] = c->class->share ? c->class->share(c, normal) : 0;
+    }
 }
 
 /* Of the finest levels, or of those of at most `most` samples a side. */
 static tc_status height(const tc_map *map, int64_t most, double x, double y, double *z_ret)
 {
-    double z_base = tc_field_info(map->chart[0].field)->z_base, sine = sin(y), z = 0, share = 1;
-    for (int k = 1; k < map->charts; k++)
-        share -= share_of(&map->chart[k], sine);
+    const double place[3] = {x, y, 0};
+    double z_base = tc_field_info(map->chart[0].field)->z_base, z = 0, share[TC_MAP_CHARTS], normal[3];
+    map->body.class->normal(&map->body, place, normal);
+    tc_map_shares(map, normal, share);
     for (int k = 0; k < map->charts; k++) {
         const tc_chart *c = &map->chart[k];
         int level = tc_field_info(c->field)->levels;
         double u, v, part = -z_base; /* where there is none, that of the body */
         bool there = false;
-        if (k > 0)
-            share = share_of(c, sine);
-        if (share <= 0)
+        if (share[k] <= 0)
             continue;
         while (level > 1 && larger(c->field, level, most))
             level--;
-        c->class->from_place(x, y, &u, &v);
+        c->class->from_place(c, x, y, &u, &v);
         tc_status status = c->class->height(c, level, u, v, &there, &part);
         if (status)
             return status;
-        z += share * part;
+        z += share[k] * part;
     }
     *z_ret = z + z_base;
     return TC_OK;
@@ -134,7 +130,7 @@ bool tc_map_has_ground(const tc_map *map, double x, double y)
     int finest = tc_field_info(c->field)->levels;
     const tc_level size = tc_field_level(c->field, finest);
     double u, v;
-    c->class->from_place(x, y, &x, &y);
+    c->class->from_place(c, x, y, &x, &y);
     tc_chart_samples(c, finest, x, y, &u, &v);
     return map->body.class->solid ||
            (u >= 0 && u <= (double)(size.width - 1) && v >= 0 && v <= (double)(size.height - 1));

@@ -23,7 +23,7 @@ struct tc_map {
     struct tc_map_noise *noise;  /* of them, one a chart */
 };
 
-enum { TC_MAP_CHARTS = 3 }; /* at most */
+enum { TC_MAP_CHARTS = 6 }; /* at most */
 
 /* A map without charts, with room for so many: fields that are put into them become its own. NULL: no memory. */
 tc_map *tc_map_create(tc_body body, int charts);
@@ -37,8 +37,9 @@ tc_map *tc_map_flat(tc_field *field);
 /* TC_ERR_FORMAT for a grid's heights, with that at which its voids are shown, that leave the body no surface. */
 tc_status tc_map_check_grid(const char *name, const tc_grid *grid, const tc_body *body, tc_error *error);
 
-/* Shares of the charts, one each, in the height at a place, by the sine of its latitude. */
-void tc_map_shares(const tc_map *map, double sine, double *share_ret);
+/* Shares of the charts, one each, in the height at a place, by its unit normal. Where all charts but the first are caps
+ * only normal[2], the sine of the latitude, is looked at. */
+void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret);
 
 /* Height at a place of levels that every kind of field has at hand: nothing is read or decoded. */
 enum { TC_ROUGH_SIZE = 250 };

@@ -11,8 +11,7 @@
 
 struct tc_map_noise {
     const tc_map *map;
-    const tc_chart_class *class;
-    double x0, y0, dx, dy; /* of the data's finest level */
+    tc_chart chart; /* with the spacing of the data's finest level */
 };
 
 /* Where charts share a place each one's noise is its own, of which a mean would have less: 1 / the root of the sum of
@@ -22,14 +21,15 @@ static float noise_share(const void *context, double i, double j)
     const double degree = M_PI / 180, least = (TC_CAP_BLEND_START - 0.01) * degree,
                  most = (TC_CAP_BLEND_END + 0.01) * degree;
     const struct tc_map_noise *n = context;
-    const double x = n->x0 + i * n->dx, y = n->y0 + j * n->dy;
-    if (n->class == &tc_chart_lonlat && (fabs(y) < least || fabs(y) > most)) /* most of a globe: no sine is needed */
+    const tc_chart *c = &n->chart;
+    const double x = c->x0 + i * c->dx, y = c->y0 + j * c->dy;
+    if (c->class == &tc_chart_lonlat && (fabs(y) < least || fabs(y) > most)) /* most of a globe: no sine is needed */
         return 1;
-    const double sine = n->class->sine(x, y);
-    if (fabs(sine) <= TC_CAP_BLEND_START_SINE || fabs(sine) >= TC_CAP_BLEND_END_SINE)
+    const double normal[3] = {0, 0, c->class->sine(c, x, y)}; /* caps look at no more */
+    if (fabs(normal[2]) <= TC_CAP_BLEND_START_SINE || fabs(normal[2]) >= TC_CAP_BLEND_END_SINE)
         return 1;
     double share[TC_MAP_CHARTS], sum = 0;
-    tc_map_shares(n->map, sine, share);
+    tc_map_shares(n->map, normal, share);
     for (int k = 0; k < n->map->charts; k++)
         sum += share[k] * share[k];
     return (float)(1 / sqrt(sum));
@@ -54,7 +54,7 @@ static tc_status add_levels(tc_map *map, int k, int levels, const tc_synthesis_f
     if (finest.width < 2 && finest.height < 2)
         return TC_OK;
     tc_synthesis_share share = {NULL, NULL};
-    if (map->charts > 1)
+    if (map->charts > 1 && c->class->sine)
         share = (tc_synthesis_share){noise_share, &map->noise[k]};
     tc_field *field = c->field;
     c->field = NULL;
@@ -91,8 +91,7 @@ tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
     if (status == TC_OK && !(map->noise = calloc((size_t)map->charts, sizeof *map->noise)))
         status = tc_fail(error, TC_ERR_MEMORY, "synthesis: not enough memory");
     for (int k = 0; k < map->charts && status == TC_OK; k++) {
-        const tc_chart *c = &map->chart[k];
-        map->noise[k] = (struct tc_map_noise){map, c->class, c->x0, c->y0, c->dx, c->dy};
+        map->noise[k] = (struct tc_map_noise){map, map->chart[k]};
         status = add_levels(map, k, levels, &fit, error);
     }
     if (status == TC_OK)

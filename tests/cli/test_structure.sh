@@ -90,7 +90,8 @@ names() { # REGEX WHAT: no identifier and no string of common/ matches
     [ -z "$wrong" ] || fail "$2:
 $wrong"
 }
-names '\<rings|\<tc_(square|hex|cube)_|"(square|hex|cube)' 'common/ names a scheme'
+names '\<rings|\<tc_(square|hex|cube)_|"square' 'common/ names a scheme'
+names '^common/([^c]|c[^h]).*"(hex|cube)' 'common/ names a scheme' # charts and atlases of them are data, with names
 names '(if|while) *\(.*[>.](is_)?(sphere|planet|globe)\b|[>.](is_)?sphere *(\?|&&|\|\|)|[(!] *(is_)?sphere\b' \
     'common/ asks whether a body is a sphere'
 # The core draws nothing and opens no plugin.
