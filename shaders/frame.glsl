@@ -15,6 +15,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 pixel[3];         // view axes: right and up by lens.zw, forward
     vec4 beyond;           // x: depth where nothing is, in clip space
     vec4 contours;         // x: 1 / metres between lines, y: number of the one at the eye, modulo 5, z: those metres
+    vec4 body[BODY_VECTORS]; // of a globe: body_*.glsl
     ivec4 whole[SURFACE_INTEGERS]; // the surface's own, integers
     ivec4 image_stack[CHARTS]; // of imagery: x: layer of shift 0; y, z: finest and coarsest shift
     vec4 image_scale[CHARTS];  // x, y: finest texels per unit of a place

@@ -45,6 +45,32 @@ static void beside(const tc_body *body, const double from[3], const double way[3
     place_ret[2] = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - body->radius;
 }
 
+static void offset(const tc_body *body, const double place[3], const double d[3], double offset_ret[3])
+{
+    for (int i = 0; i < 3; i++)
+        offset_ret[i] = (body->radius + place[2]) * d[i];
+}
+
+static void curvature(const tc_body *body, double latitude, double *meridian_ret, double *parallel_ret)
+{
+    (void)latitude;
+    *meridian_ret = *parallel_ret = body->radius;
+}
+
+static void curvatures(const tc_body *body, double *least_ret, double *most_ret)
+{
+    *least_ret = *most_ret = body->radius;
+}
+
+static void uniforms(const tc_body *body, const double eye[3], double reference, float body_ret[TC_BODY_VECTORS][4])
+{
+    memset(body_ret, 0, sizeof(float[TC_BODY_VECTORS][4]));
+    body_ret[0][1] = (float)cos(eye[1]), body_ret[0][2] = (float)sin(eye[1]);
+    body_ret[1][0] = (float)(body->radius + reference);
+    body_ret[1][1] = (float)(eye[2] - reference);
+    body_ret[1][2] = (float)reference;
+}
+
 /* They must not reach the centre, nor a radius beyond the sphere, nor be none. */
 static tc_status check_relief(const tc_body *body, const char *name, double z_min, double z_max, tc_error *error)
 {
@@ -67,11 +93,21 @@ const tc_body_class tc_sphere_body = {.name = "sphere",
                                       .place = place_of,
                                       .axes = axes,
                                       .beside = beside,
+                                      .glsl = "body_sphere.glsl",
+                                      .offset = offset,
+                                      .curvature = curvature,
+                                      .curvatures = curvatures,
+                                      .uniforms = uniforms,
                                       .check_relief = check_relief,
                                       .solid = true,
                                       .describe = describe};
 
 tc_body tc_body_of(double radius)
 {
-    return (tc_body){radius > 0 ? &tc_sphere_body : &tc_plane_body, radius};
+    return (tc_body){radius > 0 ? &tc_sphere_body : &tc_plane_body, radius, 0};
+}
+
+tc_body tc_body_flattened(double radius, double flattening)
+{
+    return radius > 0 && flattening > 0 ? (tc_body){&tc_ellipsoid_body, radius, flattening} : tc_body_of(radius);
 }

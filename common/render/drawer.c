@@ -31,7 +31,7 @@ static const tc_scheme *find_scheme(const tc_map *map, const char *name)
 {
     for (const tc_scheme *const *list = tc_scheme_lists; *list; list++)
         for (const tc_scheme *s = *list; s->name; s++)
-            if (strcmp(s->body->name, map->body.class->name) == 0 && (!name || strcmp(s->name, name) == 0))
+            if (tc_body_is(map->body.class, s->body) && (!name || strcmp(s->name, name) == 0))
                 return s;
     return NULL;
 }

@@ -79,6 +79,7 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     double eye = sight->camera.z - info->z_base;
     memcpy(u->view_projection, sight->matrix, sizeof u->view_projection);
     memcpy(u->surface, frame->surface, sizeof u->surface);
+    memcpy(u->body, frame->body, sizeof u->body);
     memcpy(u->layer, frame->layer, sizeof u->layer);
     memcpy(u->whole, frame->integers, sizeof u->whole);
     set_windows(u, view->windows, layers);

@@ -24,6 +24,7 @@ typedef struct tc_frame_uniforms {
     float pixel[3][4];
     float beyond[4];
     float contours[4];
+    float body[TC_BODY_VECTORS][4];
     int32_t whole[TC_SURFACE_INTEGERS][4];
     int32_t image_stack[TC_MAX_CHARTS][4];
     float image_scale[TC_MAX_CHARTS][4];

@@ -53,8 +53,9 @@ void tc_scene_frame_defines(char text[TC_FRAME_DEFINES])
 {
     snprintf(text, TC_FRAME_DEFINES,
              "#define LAYERS %d\n#define LAYER_VECTORS %d\n#define SURFACE_VECTORS %d\n#define SURFACE_INTEGERS %d\n"
-             "#define CHARTS %d\n#define MAP_END %d.0\n",
-             TC_MAX_LAYERS, TC_LAYER_VECTORS, TC_SURFACE_VECTORS, TC_SURFACE_INTEGERS, TC_MAX_CHARTS, TC_DRAPE_END);
+             "#define CHARTS %d\n#define BODY_VECTORS %d\n#define MAP_END %d.0\n",
+             TC_MAX_LAYERS, TC_LAYER_VECTORS, TC_SURFACE_VECTORS, TC_SURFACE_INTEGERS, TC_MAX_CHARTS, TC_BODY_VECTORS,
+             TC_DRAPE_END);
 }
 
 /* Those before the lines of a scene. */

@@ -107,6 +107,8 @@ typedef struct tc_frame {
     int levels_beyond; /* beyond the horizon */
     float layer[TC_MAX_LAYERS][TC_LAYER_VECTORS][4];
     float surface[TC_SURFACE_VECTORS][4];
+    float body[TC_BODY_VECTORS]
+              [4]; /* what the class of the map's body makes of the eye (body.h); a plane's is not told */
     int32_t integers[TC_SURFACE_INTEGERS][4];
 } tc_frame;
 

@@ -209,7 +209,7 @@ static void rays_end_at_a_planets_first_ground(void **state)
         for (int k = 1; k <= STEPS; k++) {
             double s = got * k / STEPS, p[3];
             const double e[3] = {s * d[0], s * d[1], s * d[2]};
-            tc_view_place(&c, &(tc_body){&tc_sphere_body, a->body.radius}, e, p);
+            tc_view_place(&c, &(tc_body){&tc_sphere_body, a->body.radius, 0}, e, p);
             assert_int_equal(planet_atlas_height(a, p[0], p[1], &ground), TC_OK);
             if (k == STEPS)
                 assert_float_equal(p[2], ground, 1e-3 + 1e-9 * s);

@@ -153,7 +153,7 @@ static void perspective(const tc_camera *c, tc_depth depth, double near, double 
         m[10] = near / (far - near), m[14] = far * near / (far - near);
 }
 
-static const tc_body flat_body = {&tc_plane_body, 0}, large_body = {&tc_sphere_body, 1e7};
+static const tc_body flat_body = {&tc_plane_body, 0, 0}, large_body = {&tc_sphere_body, 1e7, 0};
 
 /* The view matrix of a camera; over a planet in its body's axes. */
 static void look_from(const tc_camera *c, double radius, double m[16])

@@ -66,7 +66,7 @@ static double clearance(const planet_truth *t, const tc_camera *c, const double 
     double scale = tc_camera_pixel_scale(c), least = INFINITY, far = 2 * (radius + c->z), step = 0.02, at = 0;
     for (double s = 0.1; s < far; s *= 1 + step) {
         double p[3], z, e[3] = {s * d[0], s * d[1], s * d[2]};
-        tc_view_place(c, &(tc_body){&tc_sphere_body, radius}, e, p);
+        tc_view_place(c, &(tc_body){&tc_sphere_body, radius, 0}, e, p);
         if (p[2] > relief && (least < 0 || d[2] > 0))
             break;
         planet_truth_height((void *)t, p[0], p[1], &z);
@@ -75,7 +75,7 @@ static double clearance(const planet_truth *t, const tc_camera *c, const double 
     }
     for (double s = at * (1 - step); s < at * (1 + step); s += at * step / 50) {
         double p[3], z, e[3] = {s * d[0], s * d[1], s * d[2]};
-        tc_view_place(c, &(tc_body){&tc_sphere_body, radius}, e, p);
+        tc_view_place(c, &(tc_body){&tc_sphere_body, radius, 0}, e, p);
         planet_truth_height((void *)t, p[0], p[1], &z);
         least = fmin(least, (p[2] - z) / s * scale);
     }
@@ -131,10 +131,11 @@ static void nothing_marks_a_place(void **state)
                     const tc_truth function = {planet_truth_height, &truth[k]}, data = {planet_atlas_height, planet[k]};
                     double near = at.surface->near_plane;
                     assert_int_equal(
-                        tc_view_error_add(&c, near, &(tc_body){&tc_sphere_body, radius}, depth, &function, &one),
+                        tc_view_error_add(&c, near, &(tc_body){&tc_sphere_body, radius, 0}, depth, &function, &one),
                         TC_OK);
                     assert_int_equal(
-                        tc_view_error_add(&c, near, &(tc_body){&tc_sphere_body, radius}, depth, &data, &finest), TC_OK);
+                        tc_view_error_add(&c, near, &(tc_body){&tc_sphere_body, radius, 0}, depth, &data, &finest),
+                        TC_OK);
                     compare_silhouette(&truth[k], &c, depth, &s);
                     free(depth);
                 }
@@ -179,7 +180,7 @@ static void the_test_finds_errors(void **state)
     float *depth = planet_depth(&at, &c);
     tc_error_stats stats;
     assert_int_equal(tc_error_stats_init(&stats), TC_OK);
-    assert_int_equal(tc_view_error_add(&c, at.surface->near_plane, &(tc_body){&tc_sphere_body, radius}, depth,
+    assert_int_equal(tc_view_error_add(&c, at.surface->near_plane, &(tc_body){&tc_sphere_body, radius, 0}, depth,
                                        &(tc_truth){turned, &truth[1]}, &stats),
                      TC_OK);
     printf("globe error: against one turned by 0.02 degrees: 99.9 %% %.2f px\n",

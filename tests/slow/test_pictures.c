@@ -205,7 +205,7 @@ static void drawn_depth_is_the_surface(void **state)
             double p[3], z;
             if (depth[i] == 0)
                 continue;
-            tc_view_unproject(&c, s.surface->near_plane, &(tc_body){&tc_plane_body, 0}, i % WIDTH + 0.5,
+            tc_view_unproject(&c, s.surface->near_plane, &(tc_body){&tc_plane_body, 0, 0}, i % WIDTH + 0.5,
                               i / WIDTH + 0.5, depth[i], p);
             if (!scene_height(&s, &c, &options.frame, p[0], p[1], &z))
                 continue; /* a pixel on the very rim */

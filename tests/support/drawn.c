@@ -63,7 +63,7 @@ void drawn_depths(scene *s, const tc_camera *camera, const tc_frame_options *opt
             continue;
         }
         double x = (double)(i % camera->width) + 0.5, y = (double)(i / camera->width) + 0.5;
-        tc_view_unproject(camera, s->surface->near_plane, &(tc_body){&tc_plane_body, 0}, x, y, depth[i], p);
+        tc_view_unproject(camera, s->surface->near_plane, &(tc_body){&tc_plane_body, 0, 0}, x, y, depth[i], p);
         if (!scene_height(s, camera, options, p[0], p[1], &z))
             continue; /* on the very rim */
         double d = hypot(hypot(p[0] - camera->x, p[1] - camera->y), p[2] - camera->z);

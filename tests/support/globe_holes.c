@@ -89,7 +89,7 @@ static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *
     bool above = c->z > s->z_hi, below = false;
     for (double t = from; t < to && !(above && below); t += fmin(0.002 * t, 1e-3 * (to - from))) {
         double p[3], from_eye[3] = {t * d[0], t * d[1], t * d[2]}, z;
-        tc_view_place(c, &(tc_body){&tc_sphere_body, radius}, from_eye, p);
+        tc_view_place(c, &(tc_body){&tc_sphere_body, radius, 0}, from_eye, p);
         if (!s->head.height(view, p[0], p[1], &z))
             continue;
         above = above || p[2] > z + margin * t;

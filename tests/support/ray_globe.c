@@ -132,7 +132,7 @@ static point at(const ray *r, double s)
 {
     point p = {.s = s};
     const double e[3] = {s * r->d[0], s * r->d[1], s * r->d[2]};
-    tc_view_place(r->camera, &(tc_body){&tc_sphere_body, r->g->radius}, e, p.place);
+    tc_view_place(r->camera, &(tc_body){&tc_sphere_body, r->g->radius, 0}, e, p.place);
     return p;
 }
 
