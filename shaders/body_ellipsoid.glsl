@@ -19,6 +19,11 @@ vec3 body_offset(vec3 d)
     return body_place(d, 0.0, 0.0);
 }
 
+vec3 body_departure(vec3 d)
+{
+    return body_offset(d) - (body[2].w + body[1].z) * d;
+}
+
 vec3 body_slope(vec3 p, vec3 t)
 {
     float e2 = body[0].w, w = sqrt(1.0 - e2 * p.z * p.z);

@@ -7,6 +7,8 @@
 //                                   whose normal is that much another: metres in the eye's axes, without cancellation
 //     vec3  body_place(vec3 d, float z, float up)  relative to the eye: the place z above the reference height, which
 //                                   were it the viewer's would be `up` above the eye
+//     vec3  body_departure(vec3 d)  how far the place on the body is from that on a sphere through the foot point, of the
+//                                   equator's radius
 //     vec3  body_slope(vec3 p, vec3 t)  a slope or a way along the ground at normal p as it would be on a sphere of the
 //                                   equator's radius: by radians that normals turn. z of p and t is along the axis
 //     vec3  body_met(vec3 view)     normal at height 0 where the ray from the eye meets the body, or is nearest to it
@@ -24,6 +26,11 @@ vec3 body_place(vec3 d, float z, float up)
 {
     float radius = body[1].x + z;
     return vec3(radius * d.xy, up + radius * d.z);
+}
+
+vec3 body_departure(vec3 d)
+{
+    return vec3(0.0);
 }
 
 vec3 body_slope(vec3 p, vec3 t)

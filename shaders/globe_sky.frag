@@ -5,12 +5,9 @@ layout(location = 0) out vec4 colour;
 void main()
 {
     vec3 d = v_ray * inversesqrt(dot(v_ray, v_ray));
-    float eye_radius = surface[1].x + surface[1].y, radius = surface[1].x - surface[1].z, thickness = AIR_THICKNESS * radius;
     // Lowest point of the ray: the eye, or where it passes the planet.
-    float along = max(-d.z, 0.0) * eye_radius;
-    float lowest = d.z >= 0.0 ? eye_radius - radius
-                              : eye_radius * sqrt(max(1.0 - d.z * d.z, 0.0)) - radius;
-    vec3 up = normalize(vec3(0.0, 0.0, eye_radius) + along * d);
+    vec3 up;
+    float lowest = body_lowest(d, up), thickness = AIR_THICKNESS * body_radius();
     float depth = 3.5 * exp(-max(lowest, 0.0) / thickness) / (max(d.z, 0.0) + 0.035);
     float thick = 1.0 - exp(-0.035 * depth), rising = max(d.z, 0.0);
     vec3 inside = mix(haze.rgb, zenith.rgb, rising * (rising + 1.2) / (rising * rising + 1.2 * rising + 0.25));

@@ -31,18 +31,14 @@ vec3 view_ray()
 }
 
 // Direction of the ground that is seen. Of faces that are edge on, at the globe's limb, a sample may lie outside by the
-// rounding of its place, and what is interpolated many degrees beside them: there it is where the ray meets the sphere,
+// rounding of its place, and what is interpolated many degrees beside them: there it is where the ray meets the body,
 // or comes nearest to it.
 vec3 direction_seen()
 {
     vec3 s = v_direction;
     if (length(fwidth(s)) < EDGE_ON)
         return s;
-    vec3 view = view_ray();
-    float eye_radius = surface[1].x + surface[1].y, radius = surface[1].x - surface[1].z;
-    float middle = -view.z * eye_radius, aside = eye_radius * sqrt(max(1.0 - view.z * view.z, 0.0));
-    float inside = sqrt(max((radius - aside) * (radius + aside), 0.0));
-    vec3 up = normalize(vec3(0.0, 0.0, eye_radius) + max(middle - inside, 0.0) * view);
+    vec3 up = body_met(view_ray());
     return vec3(-up.y, up.x, 1.0 - up.z);
 }
 
@@ -85,15 +81,15 @@ struct Charted {
 vec3 from_eye(vec3 s)
 {
     float radius = surface[1].x + surface[1].y + v_terrain.x;
-    return vec3(radius * s.y, -radius * s.x, v_terrain.x - radius * s.z);
+    return vec3(radius * s.y, -radius * s.x, v_terrain.x - radius * s.z) + body_departure(vec3(s.y, -s.x, -s.z));
 }
 
 // A way there, metres in the eye's axes, as one of directions around p, in the frame of the viewer's meridian.
-vec3 on_sphere(vec3 p, vec3 v)
+vec3 turned_by(vec3 p, vec3 v)
 {
     float ct = surface[0].x, st = surface[0].y;
     vec3 d = vec3(st * v.z - ct * v.y, v.x, st * v.y + ct * v.z) / surface[1].x;
-    return d - p * dot(p, d);
+    return body_slope(p, d - p * dot(p, d));
 }
 
 // How a chart's place at direction p, in the frame of the viewer's meridian, changes with it by d.
@@ -234,12 +230,13 @@ Ground surface_ground()
         slope += share * slope_at(p, chart, there.slope);
 #endif
     }
-    g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the sphere
+    g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the body
 #ifdef NORMALS
     g.up = eye_axes(p);
+    slope = body_slope(p, slope);
     g.normal = normalize(eye_axes(p - slope));
-    // Slopes are along the sphere, places along the ground.
-    float radius = surface[1].x - surface[1].z;
+    // Slopes are along the body, places along the ground.
+    float radius = body_radius();
     g.fall = fall_of(p, slope) * (radius / (radius + g.height));
 #endif
 #if defined(LIT) && defined(CLIMATE)
@@ -253,7 +250,7 @@ Ground surface_ground()
 #else
     Footprint f = footprint_of(from_eye(s), eye_axes(p));
 #endif
-    vec3 longer = on_sphere(p, f.longer), shorter = on_sphere(p, f.shorter);
+    vec3 longer = turned_by(p, f.longer), shorter = turned_by(p, f.shorter);
     vec4 image = vec4(0.0);
     for (int chart = rest > 0.0 ? 0 : cap; chart < 3 && known; chart = chart == 0 && rest < 1.0 ? cap : 3)
         image += (chart == 0 ? rest : 1.0 - rest) * image_at(chart, places[chart], chart_step(chart, p, longer),
@@ -279,7 +276,7 @@ float surface_datum()
 // The way through air that thins out with height: to the terrain, or from where the air begins.
 float surface_haze()
 {
-    float radius = surface[1].x - surface[1].z, thickness = AIR_THICKNESS * radius;
+    float radius = body_radius(), thickness = AIR_THICKNESS * radius;
     vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
     vec3 view = view_ray();
     float away = haze.w / NEARNESS * sqrt(1.0 + dot(across, across));

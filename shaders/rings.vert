@@ -46,8 +46,7 @@ float height_by(vec3 s, float w, float shift)
 // Relative to the eye.
 vec3 position_of(vec3 s, float height)
 {
-    float radius = surface[1].x + height;
-    return vec3(radius * s.y, -radius * s.x, (height - surface[1].y) - radius * s.z);
+    return body_place(vec3(s.y, -s.x, -s.z), height, height - surface[1].y);
 }
 
 #ifdef THROTTLED

@@ -60,23 +60,18 @@ static void cosine(double from, double to, double out[2])
     }
 }
 
-/* East, north and up of an eye at longitude and latitude, from the planet's middle. */
-static void local_axes(const tc_camera *c, double axes[3][3])
-{
-    double sl = sin(c->x), cl = cos(c->x), sp = sin(c->y), cp = cos(c->y);
-    double rows[3][3] = {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
-    memcpy(axes, rows, sizeof rows);
-}
-
 /* Culls for another camera than is drawn. */
 static void freeze(assembly *a, const tc_camera *drawn, const tc_camera *culled)
 {
-    double from[3][3], to[3][3], way[3];
-    local_axes(drawn, from);
-    local_axes(culled, to);
+    const tc_body *body = &a->s->map->body;
+    const double here[3] = {drawn->x, drawn->y, drawn->z}, there[3] = {culled->x, culled->y, culled->z};
+    double from[3][3], to[3][3], p[3], q[3], way[3];
+    body->class->axes(body, here, from);
+    body->class->axes(body, there, to);
+    body->class->position(body, here, p);
+    body->class->position(body, there, q);
     for (int i = 0; i < 3; i++)
-        way[i] = (a->view->radius + a->view->z_eye) * from[2][i] -
-                 (a->view->radius + a->view->z_eye + culled->z - drawn->z) * to[2][i];
+        way[i] = p[i] - q[i];
     a->frozen = true;
     for (int i = 0; i < 3; i++) {
         a->eye[i] = to[i][0] * way[0] + to[i][1] * way[1] + to[i][2] * way[2];
@@ -101,23 +96,27 @@ static void turn_box(const assembly *a, double lo[3], double hi[3])
 }
 
 /* A level from angle inner to outer around the foot point, between two heights: how far it reaches from the axis
- * through the viewer, and up and down from the eye. */
+ * through the viewer, and up and down from the eye; and how far to any side it may be elsewhere. */
 typedef struct band {
-    double across[2], up[2];
+    double across[2], up[2], aside;
 } band;
 
+/* A body whose radii of curvature are all within two bounds is a ball of the least one and a body whose radii are
+ * within 0 and their difference, each of whose places is added to the ball's of the same normal. */
 static band band_of(const rings_view *v, double inner, double outer, double lo, double hi)
 {
+    const double more = v->most - v->least;
     double sine[2] = {fmin(sin(inner), sin(outer)),
                       inner <= M_PI / 2 && outer >= M_PI / 2 ? 1 : fmax(sin(inner), sin(outer))};
-    double radius[2] = {fmax(v->radius + lo, 0), v->radius + hi};
+    double radius[2] = {fmax(v->least + lo, 0), v->least + hi};
     double h[2] = {2 * pow(sin(inner / 2), 2), 2 * pow(sin(outer / 2), 2)}, z[2] = {lo, hi};
-    band b = {.up = {INFINITY, -INFINITY}};
+    band b = {.up = {INFINITY, -INFINITY}, .aside = more * outer};
     multiply(sine, radius, b.across);
     for (int k = 0; k < 4; k++) {
-        double value = (z[k & 1] - v->z_eye) - (v->radius + z[k & 1]) * h[k >> 1];
+        double value = (z[k & 1] - v->z_eye) - (v->least + z[k & 1]) * h[k >> 1];
         b.up[0] = fmin(b.up[0], value), b.up[1] = fmax(b.up[1], value);
     }
+    b.up[0] -= more * fmax(h[0], h[1]);
     return b;
 }
 
@@ -129,7 +128,8 @@ static bool visible(const assembly *a, const band *b, const rings_sector *sector
         return true;
     multiply(b->across, sector->south, x);
     multiply(b->across, sector->east, y);
-    double box_lo[3] = {y[0], -x[1], b->up[0]}, box_hi[3] = {y[1], -x[0], b->up[1]};
+    double box_lo[3] = {y[0] - b->aside, -x[1] - b->aside, b->up[0]};
+    double box_hi[3] = {y[1] + b->aside, -x[0] + b->aside, b->up[1]};
     for (int i = 0; i < 3; i++) { /* what float makes of it */
         double slack = fabs(box_lo[i]) > fabs(box_hi[i]) ? 1e-5 * fabs(box_lo[i]) : 1e-5 * fabs(box_hi[i]);
         box_lo[i] -= slack, box_hi[i] += slack;
@@ -282,6 +282,9 @@ static void rings_draws(const tc_view *head, const tc_layers *layers, tc_frame *
         }
     }
     set_uniforms(frame, &view, layers);
+    const tc_body *body = &s->map->body;
+    const double eye[3] = {head->camera.x, head->camera.y, head->camera.z};
+    body->class->uniforms(body, eye, head->camera.z - view.z_eye + view.z, frame->body);
     frame->strip_draws = a.count, frame->list_draws = 0;
     frame->triangles = a.triangles, frame->triangles_unculled = a.triangles_unculled;
     frame->one_sided = !options->two_sided && !tc_ground_voids(tc_rings_clipmap(&view, 0), 1) && view.z_eye > view.z;
@@ -386,10 +389,11 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                                            .outside = "beyond the horizon or outside the view",
                                            .charts = true};
     static const char *const defines[] = {"CLIMATE", "RELIEF " TEXT_OF(RELIEF), "APRON " TEXT_OF(RINGS_APRON), NULL};
-    static const char *const vertex_parts[] = {"rings_ch06.glsl", "stack.glsl", "rings.glsl", "rings.vert", NULL};
-    static const char *const fragment_parts[] = {"rings_ch06.glsl", "stack.glsl", "rings.glsl",
-                                                 "air.glsl",        "rings.frag", NULL};
-    static const char *const sky_parts[] = {"air.glsl", "globe_sky.frag", NULL};
+    const char *const body = map->body.class->glsl;
+    const rings_parts parts = {
+        .vertex = {"rings_ch06.glsl", body, "stack.glsl", "rings.glsl", "rings.vert"},
+        .fragment = {"rings_ch06.glsl", body, "stack.glsl", "rings.glsl", "air.glsl", "rings.frag"},
+        .sky = {"air.glsl", body, "globe_sky.frag"}};
     int n_phi = options->n_phi ? options->n_phi : 512;
     if (n_phi < TC_RINGS_LEAST_N_PHI || n_phi > TC_RINGS_MOST_N_PHI || n_phi % 32 != 0)
         return tc_fail(error, TC_ERR_USAGE, "--n: expected a multiple of 32 from %d to %d, found %d",
@@ -406,6 +410,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
         return tc_fail(error, TC_ERR_MEMORY, "rings: not enough memory");
     bool ch06 = options->scheme == TC_RINGS_CH06;
     s->map = map;
+    s->parts = parts;
     s->scheme = options->scheme;
     s->outside = -tc_field_info(map->chart[0].field)->z_base;
     s->geometry = (rings_geometry){
@@ -418,9 +423,9 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
     s->head = (tc_surface){.name = ch06 ? "rings-ch06" : "rings",
                            .words = &words,
                            .defines = defines,
-                           .vertex_parts = vertex_parts + !ch06,
-                           .fragment_parts = fragment_parts + !ch06,
-                           .sky_parts = sky_parts,
+                           .vertex_parts = s->parts.vertex + !ch06,
+                           .fragment_parts = s->parts.fragment + !ch06,
+                           .sky_parts = s->parts.sky,
                            .own_haze = true,
                            .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
                            .extent = 2 * map->body.radius,

@@ -78,8 +78,9 @@ typedef struct rings_view {
     tc_view head;
     double theta, sin_theta, cos_theta; /* colatitude */
     double cos_lambda, sin_lambda;
-    double z_eye;  /* metres above z_base */
-    double radius; /* metres, of what heights are above: z_base added */
+    double z_eye;       /* metres above z_base */
+    double radius;      /* metres, at the equator of what heights are above: z_base added */
+    double least, most; /* radii of curvature anywhere of what heights are above */
     rings_place place[TC_MAX_CHARTS];
     /* A part of a globe, or one without caps: chart 0 has sides then, finest samples relative to the viewer; x of them
      * is none's where the chart wraps. south, north: that one is the pole, to within a sample, beyond which heights go
@@ -103,9 +104,15 @@ typedef struct rings_sector {
     double south[2], east[2];
 } rings_sector;
 
+/* Parts of shaders, each list ended by NULL. The first one of those for vertices and fragments is CH06's alone. */
+typedef struct rings_parts {
+    const char *vertex[7], *fragment[8], *sky[4];
+} rings_parts;
+
 typedef struct rings_surface {
     tc_surface head;
     const tc_map *map;
+    rings_parts parts;
     tc_rings_scheme scheme;
     rings_geometry geometry;
     rings_sector sector[RINGS_SECTORS];

@@ -193,8 +193,21 @@ static mesh_part part_of(const rings_view *view, int i)
     return (mesh_part){i, ldexp(M_PI, -i), 0.5, i, 1, g->m};
 }
 
-/* Vertex of the mesh that is drawn once stages before `stage` have left theirs out, from the planet's middle: on its
- * way to where the next stage has it, or to the middle of its neighbours there. */
+/* How far the body's place of a direction around the viewer is from that of a sphere through the foot point, of the
+ * radius that it has at the equator; in the frame of the viewer. */
+static void departure(const rings_view *view, double s_x, double s_y, double h, double p[3])
+{
+    const tc_body *body = &tc_rings_of(view)->map->body;
+    const double place[3] = {view->head.camera.x, view->head.camera.y, 0}, d[3] = {s_y, -s_x, -h};
+    double offset[3];
+    body->class->offset(body, place, d, offset);
+    p[0] = -(offset[1] - body->radius * d[1]);
+    p[1] = offset[0] - body->radius * d[0];
+    p[2] = offset[2] - body->radius * d[2];
+}
+
+/* Vertex of the mesh that is drawn once stages before `stage` have left theirs out, from the middle of that sphere: on
+ * its way to where the next stage has it, or to the middle of its neighbours there. */
 static void mesh_vertex(const rings_view *view, const mesh_part *part, int row, int column, int stage, double p[3])
 {
     const rings_geometry *g = &tc_rings_of(view)->geometry;
@@ -204,7 +217,8 @@ static void mesh_vertex(const rings_view *view, const mesh_part *part, int row, 
     double passed = stage < RINGS_STAGES ? tc_rings_passed(view, stage, w) : 0;
     if (passed < 1) {
         double r = view->radius + tc_rings_height(view, sx, sy, h, w, stage);
-        p[0] = r * sx, p[1] = r * sy, p[2] = r * (1 - h);
+        departure(view, sx, sy, h, p);
+        p[0] += r * sx, p[1] += r * sy, p[2] += r * (1 - h);
     }
     if (passed <= 0)
         return;
@@ -218,7 +232,7 @@ static void mesh_vertex(const rings_view *view, const mesh_part *part, int row, 
         p[i] = (passed < 1 ? (1 - passed) * p[i] : 0) + passed * 0.5 * (a[i] + b[i]);
 }
 
-/* Where the ray from the middle along d meets the triangle's plane; *inside_ret: at least this far within, in shares of
+/* Where the ray from the origin along d meets the triangle's plane; *inside_ret: at least this far within, in shares of
  * its corners. */
 static double meet(const double d[3], const double a[3], const double b[3], const double c[3], double *inside_ret)
 {
@@ -235,10 +249,10 @@ static double meet(const double d[3], const double a[3], const double b[3], cons
     return 1 / sum;
 }
 
-/* Radius at which the ray from the middle along d meets a cell's triangles, or would if they were larger; how far
- * inside of them. A row above 0 or beyond the part's last is another part's. */
-static double meet_cell(const rings_view *view, const double d[3], mesh_part part, int row, int column,
-                        double *inside_ret)
+/* Distance from `from` at which the ray from there along d meets a cell's triangles, or would if they were larger;
+ * how far inside of them. A row above 0 or beyond the part's last is another part's. */
+static double meet_cell(const rings_view *view, const double d[3], const double from[3], mesh_part part, int row,
+                        int column, double *inside_ret)
 {
     double p[4][3], in[2];
     *inside_ret = -INFINITY;
@@ -248,8 +262,11 @@ static double meet_cell(const rings_view *view, const double d[3], mesh_part par
         part = part_of(view, part.i + (row < 0 ? -1 : 1));
         row = row < 0 ? part.last - 1 : 0;
     }
-    for (int k = 0; k < 4; k++)
+    for (int k = 0; k < 4; k++) {
         mesh_vertex(view, &part, row + (k & 1), column + (k >> 1), 0, p[k]);
+        for (int i = 0; i < 3; i++)
+            p[k][i] -= from[i];
+    }
     bool middle = part.i > view->finest && row + 1 == part.last;
     double r0 = meet(d, p[0], p[1], p[2], &in[0]);
     double r1 = middle ? (in[1] = -INFINITY, 0) : meet(d, p[1], p[3], p[2], &in[1]);
@@ -268,19 +285,21 @@ bool tc_rings_drawn_height(const tc_view *head, double x, double y, double *z_re
     double h = 2 * (sp * sp + cos(y) * cos(camera->y) * sl * sl);
     double sy = cos(y) * sin(dlon), sx = -(sin(dlat) + 2 * sin(camera->y) * cos(y) * sl * sl);
     double theta = 2 * asin(fmin(1, sqrt(h / 2))), phi = atan2(sy, sx);
-    double d[3] = {sx, sy, 1 - h};
+    double d[3] = {sx, sy, 1 - h}, middle[3]; /* where all heights along this normal are counted from */
+    departure(view, sx, sy, h, middle);
     if (phi < 0)
         phi += 2 * M_PI;
     int column = (int)fmin(floor(phi / (2 * M_PI) * g->n_phi), g->n_phi - 1);
     int i = theta > 0 ? (int)fmax(0, fmin(floor(log2(M_PI / theta)), 1000)) : 1000;
     mesh_part part = part_of(view, i);
     int row = (int)fmin(fmax(floor((1 - theta / part.edge) * part.last / part.depth), 0), part.last - 1);
-    double inside, r = meet_cell(view, d, part, row, column, &inside);
-    /* What has passed over is not where it was: at most a row and, inside the disc, some columns beside. */
+    double inside, r = meet_cell(view, d, middle, part, row, column, &inside);
+    /* What has passed over is not where it was: at most a row and, inside the disc, some columns beside. And next to an
+     * edge of a large cell a normal may come through the mesh beside it. */
     enum { BESIDE = 1 << RINGS_STAGES };
-    for (int k = 1; k < 3 * (2 * BESIDE + 1) && view->throttled && inside < 0; k++) {
+    for (int k = 1; k < 3 * (2 * BESIDE + 1) && inside < (view->throttled ? 0 : -1e-9); k++) {
         int rows = k % 3 == 0 ? 0 : k % 3 == 1 ? -1 : 1, across = (k / 3 + 1) / 2 * (k / 3 & 1 ? 1 : -1);
-        double its, there = meet_cell(view, d, part, row + rows, (column + across + g->n_phi) % g->n_phi, &its);
+        double its, there = meet_cell(view, d, middle, part, row + rows, (column + across + g->n_phi) % g->n_phi, &its);
         if (its > inside)
             inside = its, r = there;
     }

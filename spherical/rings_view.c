@@ -93,6 +93,8 @@ static void place(rings_view *v)
     double z_base = tc_field_info(s->head.field)->z_base;
     v->theta = M_PI / 2 - camera->y;
     v->radius = s->map->body.radius + z_base;
+    s->map->body.class->curvatures(&s->map->body, &v->least, &v->most);
+    v->least += z_base, v->most += z_base;
     v->z_eye = camera->z - z_base;
     v->sin_theta = fmax(cos(camera->y), 0), v->cos_theta = sin(camera->y);
     v->detail = finer_detail(s, camera->y);
@@ -373,16 +375,17 @@ void tc_rings_bounds(const rings_view *v, int i, double *lo_ret, double *hi_ret)
 
 /* ---- Levels ----------------------------------------------------------------------------------------------------- */
 
-/* Angle at which a sphere of ground so high, or the mesh's chords below it, is seen edge-on from a place so high. */
+/* Angle by which normals turn up to where a body of ground so high, or the mesh's chords below it, is seen edge-on from
+ * a place so high. A line of sight touches what is as curved everywhere as a ball of the body's least radius no farther
+ * away, by that angle, than it touches the ball; chords lie below it as those of one of the most. */
 static double edge_on(const rings_view *v, double ground, double place)
 {
     const rings_geometry *g = &tc_rings_of(v)->geometry;
     double step = fmax(M_PI / g->n_phi, M_PI / (8 * g->m));
     if (tc_rings_of(v)->head.most_throttle > 0) /* or that of the last stage as far away as the horizon can be */
-        step *=
-            fmax(1, ldexp(acos(fmin(1, (v->radius + tc_rings_of(v)->z_lo) / (v->radius + v->z_eye))), RINGS_STAGES));
+        step *= fmax(1, ldexp(acos(fmin(1, (v->least + tc_rings_of(v)->z_lo) / (v->least + v->z_eye))), RINGS_STAGES));
     double sag = cos(fmin(step, M_PI / 2));
-    double low = fmax((v->radius + ground) * sag, 0), high = v->radius + place;
+    double low = fmax((v->most + ground) * sag - (v->most - v->least), 0), high = v->least + place;
     return acos(fmin(1, low / fmax(high, low)));
 }
 
@@ -446,7 +449,7 @@ static void set_levels(rings_view *v, bool wait)
             read = true;
         }
         bounds(v, v->finest, v->range[v->finest], &lo, &hi);
-        double step = angle * v->radius * fmax(0.5 / g->m, 2 * M_PI / g->n_phi);
+        double step = angle * v->most * fmax(0.5 / g->m, 2 * M_PI / g->n_phi);
         if (step * scale <= v->z_eye - hi)
             break;
     }
@@ -486,7 +489,7 @@ static void set_fronts(rings_view *v, double throttle, bool wait)
     v->throttled = throttle > 0;
     if (!v->throttled)
         return;
-    double height = fmax(height_above_ground(v, wait), LEAST), radius = v->radius + v->z_eye - height;
+    double height = fmax(height_above_ground(v, wait), LEAST), radius = v->least + v->z_eye - height;
     double step = fmax(0.5 / g->m, 2 * M_PI / g->n_phi) * tc_camera_pixel_scale(&v->head.camera);
     double inner = log2(M_PI * radius * step / height) + 2; /* beyond the disc of the finest ring: equation 8 */
     double outer = log2(M_PI / acos(radius / (radius + height))) - 2;
