@@ -66,11 +66,12 @@ typedef struct tc_rect {
 
 /* Where a grid lies on the Earth or another body; zero where the file does not say. */
 typedef struct tc_georef {
-    bool known;          /* the file had a geotransform */
-    bool geographic;     /* its unit is degrees */
-    double transform[6]; /* GDAL's geotransform of the file: corner-based, rows north to south, file units */
-    double semi_major;   /* metres; 0 unknown. Tells Earth from other bodies */
-    char *crs_wkt;       /* coordinate system; NULL none; owned by the grid */
+    bool known;                /* the file had a geotransform */
+    bool geographic;           /* its unit is degrees */
+    double transform[6];       /* GDAL's geotransform of the file: corner-based, rows north to south, file units */
+    double semi_major;         /* metres; 0 unknown. Tells Earth from other bodies */
+    double inverse_flattening; /* 0: a sphere, or unknown */
+    char *crs_wkt;             /* coordinate system; NULL none; owned by the grid */
 } tc_georef;
 
 /* A rectangle of heights held in memory. */
@@ -238,7 +239,8 @@ typedef enum tc_sample_type {
 typedef struct tc_pack_terrain {
     int64_t width, height;       /* samples of the finest level */
     bool wraps_x;                /* column `width` is column 0 */
-    double radius;               /* metres, of the planet that this is on; 0: a flat terrain */
+    double radius;               /* metres, of the planet that this is on, at its equator; 0: a flat terrain */
+    double flattening;           /* of the planet, at least 0 and below 1; 0: a sphere */
     double spacing_x, spacing_y; /* metres */
     double z_base;               /* metres; heights given and read are above it */
     tc_georef georef;            /* of the whole; crs_wkt is copied. Its transform runs rows north to south */
@@ -371,6 +373,11 @@ typedef struct tc_map tc_map;
  * that is not as above, TC_ERR_FORMAT for heights that the radius is too small for, TC_ERR_MEMORY. */
 tc_status tc_map_build(tc_grid *grid, double radius, int threads, tc_map **map_ret, tc_error *error);
 
+/* The same of a planet that is an ellipsoid of revolution, with geodetic latitudes: heights are above it, along its
+ * normal. semi_major: metres, above 0, at the equator; flattening: at least 0, a sphere, and below 1. */
+tc_status tc_map_build_ellipsoid(tc_grid *grid, double semi_major, double flattening, int threads, tc_map **map_ret,
+                                 tc_error *error);
+
 /* Opens a packed terrain or planet with all its charts; reads their heads only. A file that was cut short opens with
  * the levels that are whole, and without caps where the head of one is missing. The second one from any bytes, which it
  * closes also where it fails. */
@@ -379,8 +386,10 @@ tc_status tc_map_open_bytes(const char *name, const tc_byte_source *source, cons
                             tc_map **map_ret, tc_error *error);
 void tc_map_destroy(tc_map *map);
 
-/* Metres; 0: a flat terrain. */
+/* Metres, at the equator; 0: a flat terrain. */
 double tc_map_radius(const tc_map *map);
+/* 0: a sphere, or a flat terrain. */
+double tc_map_flattening(const tc_map *map);
 
 /* How many charts there are, and the field of one, 0 or above and below that; it lives as long as the map. Chart 0 is
  * the source's own grid. */
@@ -388,7 +397,7 @@ int tc_map_charts(const tc_map *map);
 const tc_field *tc_map_field(const tc_map *map, int chart);
 
 /* Height of the finest levels at a place, metres (z_base included). Of a flat terrain on its mesh of triangles, outside
- * it that of the nearest border point; of a planet bilinear, and that of the sphere where it has none. */
+ * it that of the nearest border point; of a planet bilinear, and 0 where it has none. */
 tc_status tc_map_height(const tc_map *map, double x, double y, double *z_ret);
 
 /* Adds levels finer than the data, made of what the terrain's own levels tell of its detail: samples half as far apart

@@ -92,6 +92,7 @@ static bool is_planet(const facts *f)
 static void print_planet_json(const facts *f)
 {
     print_key("radius_m", f->packed->terrain.radius);
+    print_key("flattening", f->packed->terrain.flattening);
     printf("  \"charts\": [");
     for (int c = 0; c < f->map->charts; c++) {
         const tc_field *chart = f->map->chart[c].field;
@@ -188,8 +189,9 @@ static void print_place(const facts *f)
 
 static void print_planet(const facts *f)
 {
-    printf("  planet         radius %.10g m, %s\n", f->packed->terrain.radius,
-           f->packed->terrain.wraps_x ? "once around" : "a part of it");
+    char about[64] = "";
+    f->map->body.class->describe(&f->map->body, about, sizeof about);
+    printf("  planet         %s, %s\n", about, f->packed->terrain.wraps_x ? "once around" : "a part of it");
     for (int c = 1; c < f->map->charts; c++) {
         const tc_field *chart = f->map->chart[c].field;
         const tc_pack_terrain *t = &tc_field_packed_info(chart)->terrain;

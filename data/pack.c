@@ -35,7 +35,8 @@ struct arguments {
     const char **inputs;
     int count;
     const char *output, *atlas;
-    double rms, max_error, radius; /* 0: not given */
+    double rms, max_error; /* 0: not given */
+    tc_globe_choice globe;
     bool lossless, synthesis_fit, planet, json, quiet, verbose;
     tc_pack_codec codec;
     int threads;
@@ -95,9 +96,13 @@ static const tc_option table[] = {
     {.help = "Planets"},
     TC_SWITCH(struct arguments, planet, 0, "planet",
               "the inputs go around a globe: polar caps are packed too, and the levels of detail join at its seam"),
+    {0, "ellipsoid", "NAME", TC_EXPECTED_ELLIPSOID,
+     "that heights are above: wgs84, A,1/F (metres, inverse flattening) or sphere (by the coordinate system, else a "
+     "sphere)",
+     tc_read_ellipsoid, offsetof(struct arguments, globe)},
     {0, "radius", "M", "metres, 1 or more",
-     "of the planet (the semi-major axis of the coordinate system, else 6371000)", read_radius,
-     offsetof(struct arguments, radius)},
+     "of a sphere instead (the semi-major axis of the coordinate system, else 6371000)", read_radius,
+     offsetof(struct arguments, globe.radius)},
     {0, "atlas", "NAME", "lonlat, hex or cube", "lonlat: as the inputs are; hex, cube: not in this version (lonlat)",
      read_atlas, offsetof(struct arguments, atlas)},
 
@@ -147,8 +152,12 @@ static tc_status check_together(const struct arguments *a, tc_error *error)
     if (a->codec == TC_CODEC_LH04 && (a->max_error > 0 || a->lossless))
         return tc_fail(error, TC_ERR_USAGE, "--codec: expected lifting with %s, found lh04, which keeps --rms only",
                        a->lossless ? "--lossless" : "--max-error");
-    if (a->radius > 0 && !a->planet)
-        return tc_fail(error, TC_ERR_USAGE, "--radius: expected --planet with it, found none");
+    const char *globe = tc_globe_given(&a->globe);
+    if (globe && !a->planet)
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected --planet with it, found none", globe);
+    tc_status status = tc_globe_check(&a->globe, error);
+    if (status != TC_OK)
+        return status;
     if (a->planet && a->source.spacing > 0)
         return tc_fail(error, TC_ERR_USAGE, "--spacing: expected none for a planet: its samples lie in degrees");
     if (a->atlas && strcmp(a->atlas, "lonlat") != 0)
@@ -369,7 +378,7 @@ static tc_status run(struct arguments *a, tc_error *error)
         status = tc_mosaic_open(a->inputs, a->count, &a->source, &mosaic, error);
     tc_planet_input planet;
     if (status == TC_OK && a->planet)
-        status = tc_planet_input_settle(mosaic, a->inputs[0], &a->source, a->radius, a->lossless, &planet, error);
+        status = tc_planet_input_settle(mosaic, a->inputs[0], &a->source, &a->globe, a->lossless, &planet, error);
     if (status == TC_OK)
         status = pack(a, mosaic, a->planet ? &planet : NULL, &progress, error);
     tc_mosaic_close(mosaic);

@@ -15,8 +15,9 @@
 
 /* ---- Settling --------------------------------------------------------------------------------------------------- */
 
-tc_status tc_planet_input_settle(tc_mosaic *mosaic, const char *path, const tc_source_options *options, double radius,
-                                 bool lossless, tc_planet_input *input_ret, tc_error *error)
+tc_status tc_planet_input_settle(tc_mosaic *mosaic, const char *path, const tc_source_options *options,
+                                 const tc_globe_choice *globe, bool lossless, tc_planet_input *input_ret,
+                                 tc_error *error)
 {
     const double degree = 3.141592653589793 / 180;
     tc_planet_input in = {.mosaic = mosaic, .path = path, .terrain = *tc_mosaic_terrain(mosaic)};
@@ -24,7 +25,8 @@ tc_status tc_planet_input_settle(tc_mosaic *mosaic, const char *path, const tc_s
     tc_status status = tc_planet_place_raster(path, options, t->width, t->height, &t->georef, true, &in.place, error);
     if (status != TC_OK)
         return status;
-    t->radius = tc_planet_radius(&t->georef, radius);
+    const tc_body body = tc_globe_body(globe, &t->georef, options);
+    t->radius = body.radius, t->flattening = body.flattening;
     if (in.place.width != in.place.columns) {
         if (lossless)
             return tc_fail(error, TC_ERR_UNSUPPORTED,
@@ -193,7 +195,7 @@ tc_status tc_planet_input_read(const tc_planet_input *in, const char *scratch, t
     if (status == TC_OK && r.rows.file >= 0)
         status = give_gathered(&r, error);
     double base = in->terrain.z_base;
-    const tc_body body = tc_body_of(in->terrain.radius);
+    const tc_body body = tc_body_flattened(in->terrain.radius, in->terrain.flattening);
     if (status == TC_OK && r.low <= r.high)
         status = body.class->check_relief(&body, in->path, base + (double)r.low, base + (double)r.high, error);
     tc_row_resampler_destroy(r.resampler);

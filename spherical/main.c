@@ -1,4 +1,4 @@
-/* main.c - planet-viewer: a planet, or a part of one, on a sphere. */
+/* main.c - planet-viewer: a planet, or a part of one, on a globe. */
 #include "rings.h"
 
 #include "common/app/options.h"
@@ -36,8 +36,14 @@ int main(int argc, char **argv)
         {0, "steps", "M", "an even number of 4..128",
          "steps outwards in a level of rings (as long as those around, N / 12.6, at most 128)", read_steps,
          offsetof(tc_options, steps)},
-        {0, "radius", "M", "metres of 0.001..1e12", "of the sphere (by the file's coordinate system, else the Earth's)",
-         read_radius, offsetof(tc_options, radius)},
+        {0, "ellipsoid", "NAME", TC_EXPECTED_ELLIPSOID,
+         "that heights are above: wgs84, A,1/F (metres, inverse flattening) or sphere (by the file's coordinate "
+         "system, "
+         "else a sphere)",
+         tc_read_ellipsoid, offsetof(tc_options, globe)},
+        {0, "radius", "M", "metres of 0.001..1e12",
+         "of a sphere instead (by the file's coordinate system, else the Earth's mean radius)", read_radius,
+         offsetof(tc_options, globe.radius)},
     };
     static const tc_viewer_program program = {
         .name = "planet-viewer",

@@ -28,12 +28,14 @@ static const struct way *way_of(const tc_body_class *body)
     return &ways[0];
 }
 
-tc_status tc_load_build(tc_grid *grid, double radius, const tc_source_options *source, const tc_load_options *options,
-                        double start, tc_map **map_ret, tc_error *error)
+tc_status tc_load_build(tc_grid *grid, const tc_body *body, const tc_source_options *source,
+                        const tc_load_options *options, double start, tc_map **map_ret, tc_error *error)
 {
     double read = tc_clock_ms();
     tc_map *map;
-    tc_status status = tc_map_build(grid, radius, options->threads, &map, error);
+    tc_status status = body->radius > 0
+                           ? tc_map_build_ellipsoid(grid, body->radius, body->flattening, options->threads, &map, error)
+                           : tc_map_build(grid, 0, options->threads, &map, error);
     if (status != TC_OK)
         return status;
     map->voids = source->voids;

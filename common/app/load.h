@@ -3,21 +3,22 @@
 #define TC_LOAD_H
 
 #include "common/input/source.h"
+#include "globe_choice.h"
 #include "common/map/map.h"
 
 /* Zero is the default. */
 typedef struct tc_load_options {
-    const tc_body_class *body; /* what it is to lie on; NULL: as the file says. Only packed planets say a sphere */
-    double radius;             /* metres, of a sphere; 0: of the file's coordinate system, else the Earth's */
+    const tc_body_class *body; /* what it is to lie on; NULL: as the file says. Only packed planets say a globe */
+    tc_globe_choice globe;     /* of what is to lie on one */
     bool whole;                /* it must go around a globe */
     int threads;               /* that build the levels; 0: as many as there are processors */
 } tc_load_options;
 
 /* Opens; *map_ret is destroyed with tc_map_destroy(). A packed file has its scale, its nodata and, as a planet, its
- * radius from when it was packed: options for them are refused with TC_ERR_USAGE. No library is loaded for one. Other
+ * body from when it was packed: options for them are refused with TC_ERR_USAGE. No library is loaded for one. Other
  * errors are those of tc_grid_load().
  *
- * On a sphere: files that go around the globe may begin at any longitude, repeat their first column at the end and have
+ * On a globe: files that go around the globe may begin at any longitude, repeat their first column at the end and have
  * rows on the poles or half a row from them; they are resampled along longitude where their width cannot be halved
  * often enough. Others, packed flat terrains in degrees too, become a part of the globe. A raster without georeference
  * that is twice as wide as high is taken for the whole globe. source->spacing must be 0 (errors of planet_place.h). */
@@ -51,10 +52,10 @@ tc_status tc_load_globe(const char *path, const tc_source_options *source, const
                         tc_map **map_ret, tc_error *error);
 
 /* A map of a grid that was read from `start` on (tc_clock_ms); takes the grid over as tc_map_build() does. */
-tc_status tc_load_build(tc_grid *grid, double radius, const tc_source_options *source, const tc_load_options *options,
-                        double start, tc_map **map_ret, tc_error *error);
+tc_status tc_load_build(tc_grid *grid, const tc_body *body, const tc_source_options *source,
+                        const tc_load_options *options, double start, tc_map **map_ret, tc_error *error);
 
-/* What else a packed file needs to be shown on a sphere. */
+/* What else a packed file needs to be shown on a globe. */
 tc_status tc_load_onto_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
                              tc_map *map, tc_error *error);
 

@@ -9,5 +9,6 @@ tc_status tc_load_flat(const char *path, const tc_source_options *source, const 
     double start = tc_clock_ms();
     tc_grid grid;
     tc_status status = tc_grid_load(path, source, &grid, error);
-    return status ? status : tc_load_build(&grid, 0, source, options, start, map_ret, error);
+    const tc_body plane = tc_body_of(0);
+    return status ? status : tc_load_build(&grid, &plane, source, options, start, map_ret, error);
 }

@@ -150,7 +150,7 @@ tc_status tc_load_globe(const char *path, const tc_source_options *source, const
 {
     if (source->spacing > 0)
         return tc_fail(error, TC_ERR_USAGE, "--spacing: expected none for a planet: its samples lie in degrees");
-    tc_status status = tc_planet_check_radius(options->radius, error);
+    tc_status status = tc_globe_check(&options->globe, error);
     if (status == TC_OK)
         status = tc_is_folder(path) ? TC_OK : check_place(path, source, options->whole, error);
     if (status != TC_OK)
@@ -166,7 +166,7 @@ tc_status tc_load_globe(const char *path, const tc_source_options *source, const
     if (status == TC_OK)
         status = settle(path, source, options->whole, options->threads, &grid, error);
     if (status == TC_OK) {
-        body = tc_body_of(tc_planet_radius(&grid.georef, options->radius));
+        body = tc_globe_body(&options->globe, &grid.georef, source);
         status = tc_map_check_grid(path, &grid, &body, error);
     }
     if (status != TC_OK) {
@@ -175,22 +175,22 @@ tc_status tc_load_globe(const char *path, const tc_source_options *source, const
     }
     if (grid.georef.semi_major <= 0)
         grid.georef.semi_major = body.radius; /* tells the body */
-    return tc_load_build(&grid, body.radius, source, options, start, map_ret, error);
+    return tc_load_build(&grid, &body, source, options, start, map_ret, error);
 }
 
 tc_status tc_load_onto_globe(const char *path, const tc_source_options *source, const tc_load_options *options,
                              tc_map *map, tc_error *error)
 {
-    tc_status status = tc_planet_check_radius(options->radius, error);
+    tc_status status = tc_globe_check(&options->globe, error);
     if (status != TC_OK)
         return status;
+    const char *given = tc_globe_given(&options->globe);
     if (tc_map_radius(map) > 0)
-        return options->radius > 0
-                   ? tc_fail(error, TC_ERR_USAGE,
-                             "--radius: expected none for %s, a packed planet: it was settled when packing", path)
-                   : TC_OK;
+        return given ? tc_fail(error, TC_ERR_USAGE,
+                               "%s: expected none for %s, a packed planet: it was settled when packing", given, path)
+                     : TC_OK;
     bool gap;
-    status = tc_map_onto_globe(map, path, tc_planet_radius(&map->georef, options->radius), &gap, error);
+    status = tc_map_onto_globe(map, path, tc_globe_body(&options->globe, &map->georef, source), &gap, error);
     if (status == TC_OK && gap) /* its levels do not go round, and it has no caps */
         tc_say(source, true,
                "%s: packed flat: around the globe it has a gap where its sides meet, and at the poles holes; pack it "

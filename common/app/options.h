@@ -5,6 +5,7 @@
 #include "common/terraclip.h"
 #include "common/window/clipmap.h"
 #include "arguments.h"
+#include "globe_choice.h"
 #include "common/gl/context.h"
 #include "common/view/flight.h"
 #include "common/render/renderer.h"
@@ -39,7 +40,7 @@ typedef struct tc_options {
     int n, levels;            /* of the clipmap; 0: not given */
     const tc_scheme *scheme;  /* NULL: not given */
     int steps;                /* outwards in a level; 0: not given */
-    double radius;            /* metres, of a sphere; 0: not given */
+    tc_globe_choice globe;
     const tc_viewer_program *program;
     tc_scene_options scene; /* without holes */
 } tc_options;

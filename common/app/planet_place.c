@@ -10,21 +10,7 @@
 #include "common/chart/lonlat.h"
 #include "common/input/source_internal.h"
 
-static const double earth_radius = 6371000;
-
 enum { MOST_RESAMPLED = 4 }; /* times the columns that there are: higher maps would take any amount of memory */
-
-double tc_planet_radius(const tc_georef *georef, double radius)
-{
-    return radius > 0 ? radius : georef->semi_major > 0 ? georef->semi_major : earth_radius;
-}
-
-tc_status tc_planet_check_radius(double radius, tc_error *error)
-{
-    if (!(radius >= 0) || !isfinite(radius))
-        return tc_fail(error, TC_ERR_USAGE, "--radius: expected metres above 0, found %g", radius);
-    return TC_OK;
-}
 
 /* Whether a transform that no coordinate system explains can be one of degrees. */
 static bool fits_globe(const double t[6], int64_t width, int64_t height)

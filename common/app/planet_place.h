@@ -19,11 +19,4 @@ typedef struct tc_planet_place {
 tc_status tc_planet_place_raster(const char *path, const tc_source_options *options, int64_t width, int64_t height,
                                  const tc_georef *georef, bool whole, tc_planet_place *place_ret, tc_error *error);
 
-/* The radius of the planet that a file is a map of: `radius` where above 0, else the semi-major axis of its coordinate
- * system, else the Earth's mean radius. */
-double tc_planet_radius(const tc_georef *georef, double radius);
-
-/* TC_ERR_USAGE for a radius that is neither 0 (the file's) nor a finite one above. */
-tc_status tc_planet_check_radius(double radius, tc_error *error);
-
 #endif

@@ -207,6 +207,7 @@ void tc_settle_georef(const tc_raster_info *raster, const tc_source_options *opt
             georef->geographic = degrees;
             memcpy(georef->transform, t, sizeof t);
             georef->semi_major = raster->semi_major;
+            georef->inverse_flattening = raster->inverse_flattening;
             if (degrees && !quiet)
                 tc_say(options, guessed,
                        "%s: %.9g x %.9g degrees become %.6g x %.6g m at the mean latitude of %.4f degrees",

@@ -70,6 +70,11 @@ tc_status tc_map_check_grid(const char *name, const tc_grid *grid, const tc_body
     return body->class->check_relief(body, name, grid->z_base + low, grid->z_base + high, error);
 }
 
+double tc_map_flattening(const tc_map *map)
+{
+    return map->body.flattening;
+}
+
 /* ---- Heights ----------------------------------------------------------------------------------------------------- */
 
 static bool larger(const tc_field *field, int level, int64_t most)

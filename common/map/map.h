@@ -1,5 +1,5 @@
 /* map.h - a map: heights on a body, as charts. A flat terrain is one chart on a plane; a planet is a grid of longitude
- * and latitude on a sphere, with polar caps laid over it where it reaches both poles. */
+ * and latitude on a globe, with polar caps laid over it where it reaches both poles. */
 #ifndef TC_MAP_H
 #define TC_MAP_H
 
@@ -48,9 +48,9 @@ tc_status tc_map_rough_height(const tc_map *map, double x, double y, double *z_r
 /* Whether there is ground at a place: beside a flat terrain there is none. */
 bool tc_map_has_ground(const tc_map *map, double x, double y);
 
-/* Makes a packed flat terrain whose georeference is in degrees a part of a globe of that radius. TC_ERR_UNSUPPORTED
+/* Makes a packed flat terrain whose georeference is in degrees a part of that globe. TC_ERR_UNSUPPORTED
  * where it is not. *gap_ret: it goes around the globe, where its levels then do not meet. */
-tc_status tc_map_onto_globe(tc_map *map, const char *name, double radius, bool *gap_ret, tc_error *error);
+tc_status tc_map_onto_globe(tc_map *map, const char *name, tc_body body, bool *gap_ret, tc_error *error);
 
 /* Tiles of all charts found damaged so far, those that cannot be read at the moment, and bytes of tiles decoded; 0 for
  * those in memory. */

@@ -114,13 +114,9 @@ static tc_status build_flat(tc_grid *grid, int threads, tc_map *map, tc_error *e
     return status;
 }
 
-tc_status tc_map_build(tc_grid *grid, double radius, int threads, tc_map **map_ret, tc_error *error)
+static tc_status build(tc_grid *grid, tc_body body, int threads, tc_map **map_ret, tc_error *error)
 {
-    if (!(radius >= 0)) {
-        tc_grid_free(grid);
-        return tc_fail(error, TC_ERR_USAGE, "planet: expected a radius above 0 m, found %g", radius);
-    }
-    tc_map *map = tc_map_create(tc_body_of(radius), 1 + TC_CAPS);
+    tc_map *map = tc_map_create(body, 1 + TC_CAPS);
     if (!map) {
         tc_grid_free(grid);
         return tc_fail(error, TC_ERR_MEMORY, "map: not enough memory");
@@ -129,7 +125,7 @@ tc_status tc_map_build(tc_grid *grid, double radius, int threads, tc_map **map_r
     map->georef = grid->georef;
     map->area_registered = grid->area_registered;
     map->georef.crs_wkt = NULL; /* the field's */
-    tc_status status = radius > 0 ? build_globe(grid, threads, map, error) : build_flat(grid, threads, map, error);
+    tc_status status = body.radius > 0 ? build_globe(grid, threads, map, error) : build_flat(grid, threads, map, error);
     tc_grid_free(grid);
     if (status != TC_OK) {
         tc_map_destroy(map);
@@ -140,4 +136,26 @@ tc_status tc_map_build(tc_grid *grid, double radius, int threads, tc_map **map_r
     map->voids = TC_VOIDS_FILL;
     *map_ret = map;
     return TC_OK;
+}
+
+tc_status tc_map_build(tc_grid *grid, double radius, int threads, tc_map **map_ret, tc_error *error)
+{
+    if (!(radius >= 0)) {
+        tc_grid_free(grid);
+        return tc_fail(error, TC_ERR_USAGE, "planet: expected a radius above 0 m, found %g", radius);
+    }
+    return build(grid, tc_body_of(radius), threads, map_ret, error);
+}
+
+tc_status tc_map_build_ellipsoid(tc_grid *grid, double semi_major, double flattening, int threads, tc_map **map_ret,
+                                 tc_error *error)
+{
+    if (!(semi_major > 0) || !(flattening >= 0 && flattening < 1)) {
+        tc_grid_free(grid);
+        return tc_fail(error, TC_ERR_USAGE,
+                       "planet: expected a semi-major axis above 0 m and a flattening of 0 or more, below 1, found %g "
+                       "and %g",
+                       semi_major, flattening);
+    }
+    return build(grid, tc_body_flattened(semi_major, flattening), threads, map_ret, error);
 }

@@ -162,13 +162,13 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     tc_status status = open_range(name, s, 0, s->source.size, 0, options, &field, error);
     if (status)
         return status;
-    double radius = options->flat ? 0 : tc_field_packed_info(field)->terrain.radius;
-    tc_map *map = tc_map_create(tc_body_of(radius), 1 + TC_CAP_CHARTS);
+    const tc_pack_terrain *t = &tc_field_packed_info(field)->terrain;
+    double radius = options->flat ? 0 : t->radius;
+    tc_map *map = tc_map_create(tc_body_flattened(radius, t->flattening), 1 + TC_CAP_CHARTS);
     if (!map) {
         tc_field_destroy(field);
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     }
-    const tc_pack_terrain *t = &tc_field_packed_info(field)->terrain;
     describe(t, options, map);
     if (radius > 0)
         status = open_planet(name, s, field, options, map, error);
@@ -212,7 +212,7 @@ tc_status tc_map_open(const char *path, const tc_open_options *options, tc_map *
 /* ---- A flat terrain as a part of a globe --------------------------------------------------------------------------
  */
 
-tc_status tc_map_onto_globe(tc_map *map, const char *name, double radius, bool *gap_ret, tc_error *error)
+tc_status tc_map_onto_globe(tc_map *map, const char *name, tc_body body, bool *gap_ret, tc_error *error)
 {
     tc_chart *c = &map->chart[0];
     const tc_terrain_info *info = tc_field_info(c->field);
@@ -222,7 +222,6 @@ tc_status tc_map_onto_globe(tc_map *map, const char *name, double radius, bool *
                        "%s: expected a terrain in longitude and latitude, or one packed with --planet, found a flat "
                        "one",
                        name);
-    const tc_body body = tc_body_of(radius);
     tc_status status = body.class->check_relief(&body, name, info->z_base + (double)info->z_min,
                                                 info->z_base + (double)info->z_max, error);
     if (status != TC_OK)

@@ -51,15 +51,33 @@ for file in area points; do
     does '' $terraclip info $file.tclip --json
     holds '"atlas": "lonlat",' stdout.txt
     holds '"radius_m": 6378137,' stdout.txt
+    holds '"flattening": 0.0033528106' stdout.txt
     holds '"chart": "south cap", "width": [0-9]+, "height": [0-9]+, "bytes": [0-9]+,' stdout.txt
     does '' $terraclip info $file.tclip
-    holds 'planet +radius 6378137 m, once around' stdout.txt
+    holds 'planet +semi-major axis 6378137 m, flattening 1/298.2572236, once around' stdout.txt
     does '' $viewer $file.tclip -o picture.png --size 96x64
 done
 does '' $terraclip pack area.tif -o moon.tclip --planet --radius 1737400 --rms 5 --json
 holds '"mode": "rms",' stdout.txt
 does '' $terraclip info moon.tclip --json
 holds '"radius_m": 1737400,' stdout.txt
+holds '"flattening": 0,' stdout.txt
+does '' $terraclip pack area.tif -o flat.tclip --planet --ellipsoid 6378137,100 --rms 5
+does '' $terraclip info flat.tclip
+holds 'planet +semi-major axis 6378137 m, flattening 1/100, once around' stdout.txt
+does '' $terraclip pack area.tif -o round.tclip --planet --ellipsoid sphere --rms 5
+does '' $terraclip pack area.tif -o as_round.tclip --planet --radius 6378137 --rms 5
+same round.tclip as_round.tclip 'a sphere, and a sphere of that radius'
+does '' $terraclip info round.tclip
+holds 'planet +radius 6378137 m' stdout.txt
+refuses 2 '--ellipsoid: expected none for flat.tclip, a packed planet' $globe flat.tclip --ellipsoid wgs84 -o out/picture.png
+refuses 2 '--radius: expected none for flat.tclip, a packed planet' $globe flat.tclip --radius 5 -o out/picture.png
+refuses 2 '--ellipsoid: expected --planet with it' $terraclip pack -o out/a.tclip area.tif --ellipsoid wgs84
+refuses 2 '--radius: expected no --ellipsoid but sphere' $pack area.tif --ellipsoid wgs84 --radius 1737400
+for body in wgs72 '' 6378137 6378137, 6378137,0 6378137,-300 6378137,1 6378137,nan -1,300 0,300 6378137,300x 6378137,300,1; do
+    refuses 2 '--ellipsoid: expected wgs84, sphere or A,1/F: metres of .* above 1 or inf, found' $pack area.tif --ellipsoid "$body"
+done
+refuses 1 'expected heights that are small beside the radii of curvature of 9.70493e-05 to 99.99 m' $pack area.tif --ellipsoid 0.99,1.01
 does 'twice|whole globe' $terraclip pack globe.png -o globe.tclip --planet --atlas lonlat
 does '' $terraclip info globe.tclip
 holds 'radius 6371000 m' stdout.txt

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "common/base/wkt.h"
 #include "common/chart/body.h"
 #include "tests/support/terrains.h"
 
@@ -248,6 +249,33 @@ static void bodies_by_numbers(void **state)
     assert_true(tc_body_is(&tc_plane_body, &tc_plane_body) && !tc_body_is(&tc_plane_body, &tc_sphere_body));
 }
 
+/* Names may say anything; words are those of WKT 1 and 2, brackets of both kinds. */
+static void coordinate_systems_tell_their_ellipsoid(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *wkt;
+        double inverse;
+    } systems[] = {
+        {"GEOGCRS[\"WGS 84\",DATUM[\"World\",ELLIPSOID[\"WGS 84\",6378137,298.257223563,LENGTHUNIT[\"metre\",1]]]]",
+         298.257223563},
+        {"GEOGCS[\"ELLIPSOID[\"\"x\"\",1,2]\",DATUM[\"d\",SPHEROID[\"Clarke \"\"1866\"\"\", 6378206.4,\n "
+         "294.978698213898]]]",
+         294.978698213898},
+        {"GEOGCS(\"m\",DATUM(\"d\",SPHEROID ( \"Moon\" , 1737400 , 0 )))", 0},
+        {"LOCAL_CS[\"terrain\",UNIT[\"metre\",1]]", 0},
+        {"ELLIPSOID[\"a\",6378137]", 0},
+        {"ELLIPSOID[\"a\",6378137,x]", 0},
+        {"ELLIPSOID[\"a\",6378137,-3]", 0},
+        {"ELLIPSOID[\"a", 0},
+        {"ELLIPSOID[", 0},
+        {"ELLIPSOID", 0},
+        {"", 0},
+    };
+    for (size_t k = 0; k < sizeof systems / sizeof *systems; k++)
+        assert_true(tc_wkt_inverse_flattening(systems[k].wkt) == systems[k].inverse);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -259,6 +287,7 @@ int main(void)
         cmocka_unit_test(curvatures_are_metres_a_radian),
         cmocka_unit_test(relief_that_leaves_no_surface),
         cmocka_unit_test(bodies_by_numbers),
+        cmocka_unit_test(coordinate_systems_tell_their_ellipsoid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

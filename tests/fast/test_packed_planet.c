@@ -527,7 +527,7 @@ static void flat_terrains_are_no_planets(void **state)
     assert_int_equal(tc_map_open(made_path("a.tclip"), NULL, &atlas, &error), TC_OK);
     assert_true(tc_map_radius(atlas) == 0 && tc_map_charts(atlas) == 1 && atlas->chart[0].class == &tc_chart_plane);
     bool gap;
-    assert_int_equal(tc_map_onto_globe(atlas, "a.tclip", 1e6, &gap, &error), TC_ERR_UNSUPPORTED);
+    assert_int_equal(tc_map_onto_globe(atlas, "a.tclip", tc_body_of(1e6), &gap, &error), TC_ERR_UNSUPPORTED);
     assert_non_null(strstr(error.text, "flat"));
     tc_map_destroy(atlas);
     assert_int_equal(tc_map_open(made_path("none.tclip"), NULL, &atlas, &error), TC_ERR_IO);

@@ -73,7 +73,7 @@ static tc_map *planet_of(const char *path, double radius, bool whole, sayings *s
     *said = (sayings){0};
     const tc_source_options options = {.say = hear, .say_context = said};
     tc_map *planet;
-    const tc_load_options load = {.body = &tc_sphere_body, .radius = radius, .whole = whole, .threads = 2};
+    const tc_load_options load = {.body = &tc_sphere_body, .globe.radius = radius, .whole = whole, .threads = 2};
     tc_error error = {0};
     if (tc_map_load(path, &options, &load, &planet, &error) != TC_OK)
         fail_msg("%s", error.text);
@@ -83,7 +83,7 @@ static tc_map *planet_of(const char *path, double radius, bool whole, sayings *s
 static void planet_refused(const char *path, double radius, bool whole, tc_status status, const char *word)
 {
     tc_map *planet = NULL;
-    const tc_load_options load = {.body = &tc_sphere_body, .radius = radius, .whole = whole, .threads = 1};
+    const tc_load_options load = {.body = &tc_sphere_body, .globe.radius = radius, .whole = whole, .threads = 1};
     tc_error error = {0};
     tc_status found = tc_map_load(path, NULL, &load, &planet, &error);
     if (found != status || !strstr(error.text, word) || strchr(error.text, '\n'))

@@ -33,7 +33,7 @@ static tc_map *part_of_globe(int n)
     assert_int_equal(fclose(file), 0);
     tc_map *map = NULL;
     tc_error error = {0};
-    const tc_load_options load = {.body = &tc_sphere_body, .radius = 6371000, .threads = 2};
+    const tc_load_options load = {.body = &tc_sphere_body, .globe.radius = 6371000, .threads = 2};
     if (tc_map_load(path, &(tc_source_options){.lonlat = true}, &load, &map, &error) != TC_OK)
         fail_msg("%s", error.text);
     return map;

@@ -7,6 +7,7 @@
 
 #include "common/base/rect.h"
 #include "common/base/status.h"
+#include "common/base/wkt.h"
 #include "common/codec/entropy/binary_coder.h"
 
 enum { MOST_MODEL = UINT16_MAX };
@@ -197,6 +198,7 @@ static tc_status read_terrain(tc_pack_terrain *t, tc_byte_reader *r)
             return TC_ERR_MEMORY;
         memcpy(t->georef.crs_wkt, wkt, length);
         t->georef.crs_wkt[length] = 0;
+        t->georef.inverse_flattening = tc_wkt_inverse_flattening(t->georef.crs_wkt);
     }
     return bad ? TC_ERR_FORMAT : TC_OK;
 }

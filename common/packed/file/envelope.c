@@ -8,7 +8,8 @@
 #include "common/base/status.h"
 #include "common/synthesis/synthesis_store.h"
 
-enum { MOST_SECTIONS = 256, SECTION_SYNTHESIS = 1 };
+enum { MOST_SECTIONS = 256, BODY_BYTES = 8 };
+enum { SECTION_SYNTHESIS = 1, SECTION_BODY, KNOWN_SECTIONS };
 
 bool tc_envelope_is(const uint8_t *bytes)
 {
@@ -118,13 +119,16 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
     tc_head_begin(w, TC_ENVELOPE_VERSION);
     tc_put(w, (uint64_t)e->bytes, 8);
     const tc_container *first = &e->chart[0].container;
-    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, first->synthesis ? 1 : 0, 2); /* sections */
+    const double flattening = first->info.terrain.flattening;
+    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, (first->synthesis ? 1 : 0) + (flattening > 0 ? 1 : 0), 2);
     for (int n = 0; n < e->charts && !status; n++)
         write_chart(&e->chart[n], size[n], w);
     if (first->synthesis) {
         tc_put(w, SECTION_SYNTHESIS, 4), tc_put(w, TC_SYNTHESIS_BYTES, 4);
         tc_synthesis_put(first->synthesis, w);
     }
+    if (flattening > 0)
+        tc_put(w, SECTION_BODY, 4), tc_put(w, BODY_BYTES, 4), tc_put_f64(w, flattening);
     tc_put_bytes(w, heads.bytes, heads.size);
     free(heads.bytes);
     return status || heads.failed ? TC_ERR_MEMORY : tc_head_seal(w, start);
@@ -245,16 +249,29 @@ static bool known_charts(const tc_envelope *e)
 
 /* A section of the head; one of a kind that this version does not know is passed over. False: there are two of a kind.
  */
-static bool read_section(tc_byte_reader *r, tc_byte_reader *synthesis_ret)
+static bool read_section(tc_byte_reader *r, tc_byte_reader section[KNOWN_SECTIONS])
 {
     const unsigned kind = (unsigned)tc_get(r, 4);
     const size_t size = (size_t)tc_get(r, 4);
     const uint8_t *bytes = tc_get_bytes(r, size);
-    if (kind != SECTION_SYNTHESIS || !bytes)
+    if (kind < SECTION_SYNTHESIS || kind >= KNOWN_SECTIONS || !bytes)
         return true;
-    bool first = !synthesis_ret->at;
-    *synthesis_ret = (tc_byte_reader){bytes, bytes + size, false};
+    bool first = !section[kind].at;
+    section[kind] = (tc_byte_reader){bytes, bytes + size, false};
     return first;
+}
+
+/* Of a planet that is no sphere. */
+static tc_status keep_body(tc_byte_reader section, tc_container *c)
+{
+    if (!section.at)
+        return TC_OK;
+    const double flattening = tc_get_f64(&section);
+    if (section.failed || section.at != section.end || !(flattening > 0 && flattening < 1) ||
+        !(c->info.terrain.radius > 0))
+        return TC_ERR_FORMAT;
+    c->info.terrain.flattening = flattening;
+    return TC_OK;
 }
 
 /* Of a later form the file counts as one without. */
@@ -281,7 +298,7 @@ static tc_status fail_damaged(const char *subject, tc_error *error)
 static tc_status read_head(const char *subject, const uint8_t *bytes, size_t head_size, tc_envelope *e, tc_error *error)
 {
     tc_byte_reader r = {bytes + TC_HEAD_FIXED, bytes + head_size, false};
-    tc_byte_reader synthesis = {NULL, NULL, false};
+    tc_byte_reader section[KNOWN_SECTIONS] = {{NULL, NULL, false}};
     table_row row[TC_MOST_CHARTS];
     e->bytes = (int64_t)tc_get(&r, 8);
     int charts = (int)tc_get(&r, 1), sections = (int)tc_get(&r, 2);
@@ -294,7 +311,7 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
         if (!read_chart(&e->chart[n], &row[n], charts, &r))
             return fail_damaged(subject, error);
     for (int s = 0; s < sections; s++)
-        if (!read_section(&r, &synthesis))
+        if (!read_section(&r, section))
             return fail_damaged(subject, error);
     for (int n = 0; n < charts; n++) {
         const uint8_t *head = tc_get_bytes(&r, row[n].head);
@@ -313,7 +330,9 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
     }
     if (r.failed || r.at != r.end || !known_charts(e))
         return fail_damaged(subject, error);
-    tc_status status = keep_synthesis(&synthesis, &e->chart[0].container);
+    tc_status status = keep_synthesis(&section[SECTION_SYNTHESIS], &e->chart[0].container);
+    if (!status)
+        status = keep_body(section[SECTION_BODY], &e->chart[0].container);
     if (!status)
         status = check(e, row, head_size);
     return status == TC_ERR_MEMORY ? tc_fail(error, status, "%s: not enough memory", subject)

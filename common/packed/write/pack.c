@@ -35,6 +35,9 @@ static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack
     tc_lonlat globe;
     if (t->radius != 0 && !(t->radius > 0 && isfinite(t->radius)))
         return tc_fail(error, TC_ERR_USAGE, "%s: expected a radius above 0 m, found %g", path, t->radius);
+    if (!(t->flattening >= 0 && t->flattening < 1) || (t->flattening > 0 && !(t->radius > 0)))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected a planet's flattening of 0 or more, below 1, found %g", path,
+                       t->flattening);
     if (t->radius > 0 && (!tc_terrain_globe(t, &globe) || globe.round != t->wraps_x))
         return tc_fail(error, TC_ERR_USAGE,
                        "%s: expected a planet's georeference, in degrees, that wraps where it goes once around", path);
@@ -256,7 +259,7 @@ static tc_status check_relief(const tc_packer *p, tc_error *error)
     double low = t->z_base + (double)p->z_min, high = t->z_base + (double)p->z_max;
     if (p->result.voids && t->voids == TC_VOIDS_CONSTANT)
         low = fmin(low, t->void_constant), high = fmax(high, t->void_constant);
-    const tc_body body = tc_body_of(t->radius);
+    const tc_body body = tc_body_flattened(t->radius, t->flattening);
     return body.class->check_relief(&body, p->path, low, high, error);
 }
 
