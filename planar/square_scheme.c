@@ -25,4 +25,4 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
     return tc_square_create(tc_map_field(map, 0), &options, surface_ret, error);
 }
 
-const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create}, {0}};
+const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL}, {0}};

@@ -57,6 +57,6 @@ static tc_status create_ch06(const tc_map *map, const tc_surface_request *reques
 }
 
 const tc_scheme tc_rings_schemes[] = {
-    {"rings", NULL, &tc_sphere_body, all_sizes, create_rings},
-    {"rings-ch06", "the paper's own map transform", &tc_sphere_body, all_sizes, create_ch06},
+    {"rings", NULL, &tc_sphere_body, all_sizes, create_rings, &tc_atlas_lonlat},
+    {"rings-ch06", "the paper's own map transform", &tc_sphere_body, all_sizes, create_ch06, &tc_atlas_lonlat},
     {0}};

@@ -4,8 +4,10 @@
 #include "common/base/clock.h"
 #include "common/base/status.h"
 #include "common/input/source_internal.h"
+#include "common/map/resample.h"
 
 #include <stdio.h>
+#include <string.h>
 #include <sys/stat.h>
 
 /* How files come onto each body; the first one's way is that of files that say nothing. */
@@ -111,6 +113,34 @@ tc_status tc_map_load_packed(const char *path, const tc_source_options *source, 
     return TC_OK;
 }
 
+/* By name: each library has tables of its own. */
+static bool same_atlas(const tc_atlas *a, const tc_atlas *b)
+{
+    return a == b || (a && b && strcmp(a->name, b->name) == 0);
+}
+
+/* Onto the charts that are asked for. */
+static tc_status lay_out(const char *path, bool packed, const tc_load_options *options, tc_map **map, tc_error *error)
+{
+    const tc_atlas *has = tc_atlas_of((*map)->chart[0].class), *wanted = options->atlas;
+    if (!wanted || same_atlas(has, wanted))
+        return TC_OK;
+    if (packed)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected a planet packed with --atlas %s, found one with --atlas %s; 'terraclip pack "
+                       "--planet --atlas %s INPUT -o FILE.tclip' makes one of the same input",
+                       path, wanted->name, has ? has->name : "none", wanted->name);
+    tc_status status = tc_resample_check(*map, path, error);
+    double start = tc_clock_ms();
+    tc_map *made;
+    if (status || (status = tc_map_resample(*map, wanted, options->threads, &made, error)))
+        return status;
+    made->build_ms += tc_clock_ms() - start;
+    tc_map_destroy(*map);
+    *map = made;
+    return TC_OK;
+}
+
 tc_status tc_map_load(const char *path, const tc_source_options *source, const tc_load_options *options,
                       tc_map **map_ret, tc_error *error)
 {
@@ -118,6 +148,15 @@ tc_status tc_map_load(const char *path, const tc_source_options *source, const t
     static const tc_load_options no_options = {0};
     source = source ? source : &no_source;
     options = options ? options : &no_options;
-    return is_packed(path) ? tc_map_load_packed(path, source, options, map_ret, error)
-                           : way_of(options->body)->load(path, source, options, map_ret, error);
+    bool packed = is_packed(path);
+    tc_map *map;
+    tc_status status = packed ? tc_map_load_packed(path, source, options, &map, error)
+                              : way_of(options->body)->load(path, source, options, &map, error);
+    if (status)
+        return status;
+    if ((status = lay_out(path, packed, options, &map, error)))
+        tc_map_destroy(map);
+    else
+        *map_ret = map;
+    return status;
 }

@@ -11,6 +11,7 @@ typedef struct tc_load_options {
     const tc_body_class *body; /* what it is to lie on; NULL: as the file says. Only packed planets say a globe */
     tc_globe_choice globe;     /* of what is to lie on one */
     bool whole;                /* it must go around a globe */
+    const tc_atlas *atlas;     /* whose charts it is to have; NULL: as it comes */
     int threads;               /* that build the levels; 0: as many as there are processors */
 } tc_load_options;
 
@@ -21,7 +22,8 @@ typedef struct tc_load_options {
  * On a globe: files that go around the globe may begin at any longitude, repeat their first column at the end and have
  * rows on the poles or half a row from them; they are resampled along longitude where their width cannot be halved
  * often enough. Others, packed flat terrains in degrees too, become a part of the globe. A raster without georeference
- * that is twice as wide as high is taken for the whole globe. source->spacing must be 0 (errors of planet_place.h). */
+ * that is twice as wide as high is taken for the whole globe. With an atlas of faces it is resampled in memory; packed
+ * planets have one atlas, and are refused for another (TC_ERR_UNSUPPORTED). source->spacing must be 0 (errors of planet_place.h). */
 tc_status tc_map_load(const char *path, const tc_source_options *source, const tc_load_options *options,
                       tc_map **map_ret, tc_error *error);
 

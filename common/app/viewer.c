@@ -42,7 +42,10 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     source.say = say;
     source.say_context = v;
     source.outputs = &v->outputs;
-    const tc_load_options load = {.body = v->program->body, .globe = v->options.globe, .threads = v->options.threads};
+    const tc_load_options load = {.body = v->program->body,
+                                  .globe = v->options.globe,
+                                  .atlas = tc_viewer_scheme(v)->atlas,
+                                  .threads = v->options.threads};
     tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
     if (status == TC_OK)
         status = tc_map_synthesise(v->map, v->options.synthesis, error);

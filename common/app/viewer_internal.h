@@ -58,6 +58,9 @@ bool tc_viewer_interactive(const tc_options *options);
  * that; in place of those that there are (viewer_scene.c). */
 tc_status tc_viewer_make_surface(tc_viewer *viewer, tc_error *error);
 
+/* The way of drawing that was asked for, or the program's first one. */
+const tc_scheme *tc_viewer_scheme(const tc_viewer *viewer);
+
 /* Draws a frame of viewer->camera. Where the frame has become so much larger or smaller that another size of the mesh
  * is called for, or the driver has no memory for it, the surface is made anew. finish: as in tc_renderer_frame(). */
 tc_status tc_viewer_frame(tc_viewer *viewer, bool finish, tc_frame_stats *frame_ret, tc_error *error);

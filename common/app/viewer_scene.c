@@ -1,7 +1,7 @@
 /* viewer_scene.c - a viewer's surface, whose size follows the frame's and what the driver has room for. */
 #include "viewer_internal.h"
 
-static const tc_scheme *scheme_of(const tc_viewer *v)
+const tc_scheme *tc_viewer_scheme(const tc_viewer *v)
 {
     return v->options.scheme ? v->options.scheme : &v->program->schemes[0];
 }
@@ -23,7 +23,7 @@ static bool halve(tc_viewer *v)
     const tc_surface_request before = request_of(v);
     v->halvings++;
     const tc_surface_request after = request_of(v);
-    return scheme_of(v)->size(&after) < scheme_of(v)->size(&before);
+    return tc_viewer_scheme(v)->size(&after) < tc_viewer_scheme(v)->size(&before);
 }
 
 static void drop(tc_viewer *v)
@@ -41,8 +41,8 @@ static tc_status make(tc_viewer *v, tc_error *error)
     tc_surface_request request = request_of(v);
     request.needs = &needs;
     drop(v); /* there may not be room for both */
-    v->surface_size = scheme_of(v)->size(&request);
-    tc_status status = scheme_of(v)->create(v->map, &request, &v->surface, error);
+    v->surface_size = tc_viewer_scheme(v)->size(&request);
+    tc_status status = tc_viewer_scheme(v)->create(v->map, &request, &v->surface, error);
     if (status == TC_OK)
         status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
     return status;
@@ -80,7 +80,7 @@ tc_status tc_viewer_frame(tc_viewer *v, bool finish, tc_frame_stats *frame_ret, 
 {
     const tc_surface_request request = request_of(v);
     tc_status status = TC_OK;
-    if (scheme_of(v)->size(&request) != v->surface_size) {
+    if (tc_viewer_scheme(v)->size(&request) != v->surface_size) {
         v->halvings = 0;
         status = tc_viewer_make_surface(v, error);
     }

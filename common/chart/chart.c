@@ -29,6 +29,11 @@ tc_chart tc_chart_face(const tc_chart_class *class, tc_field *field, int face)
     return tc_chart_over(class, field, face, 0, 0, 1 / cells, 1 / cells);
 }
 
+double tc_chart_face_spacing(double radius, int64_t cells)
+{
+    return M_PI / 2 * radius / (double)cells;
+}
+
 int64_t tc_chart_cells(int64_t least)
 {
     int halvings = 0;
@@ -80,11 +85,19 @@ static double sine_of_latitude(const tc_chart *c, double x, double y)
     return tc_sine(y);
 }
 
+static void along_parallels(const tc_chart *c, double x, double y, double *along_x_ret, double *along_y_ret,
+                            double *area_ret)
+{
+    (void)c, (void)x;
+    *along_x_ret = *area_ret = cos(y), *along_y_ret = 1;
+}
+
 const tc_chart_class tc_chart_lonlat = {.name = "lonlat",
                                         .to_place = same,
                                         .from_place = same,
                                         .period = 2 * M_PI,
                                         .sine = sine_of_latitude,
+                                        .spread = along_parallels,
                                         .height = bilinear_height};
 
 /* ---- Caps -------------------------------------------------------------------------------------------------------- */
@@ -127,6 +140,14 @@ static double southern_sine(const tc_chart *c, double x, double y)
     return -sine(c, x, y);
 }
 
+/* Conformal. */
+static void spread(const tc_chart *c, double x, double y, double *along_x_ret, double *along_y_ret, double *area_ret)
+{
+    (void)c;
+    *along_x_ret = *along_y_ret = 4 / (4 + x * x + y * y);
+    *area_ret = *along_x_ret * *along_y_ret;
+}
+
 static double share_above(double height)
 {
     const double lo = TC_CAP_BLEND_START_SINE, hi = TC_CAP_BLEND_END_SINE;
@@ -150,10 +171,12 @@ const tc_chart_class tc_chart_north_cap = {.name = "north cap",
                                            .from_place = from_place,
                                            .sine = sine,
                                            .share = share,
+                                           .spread = spread,
                                            .height = bilinear_height};
 const tc_chart_class tc_chart_south_cap = {.name = "south cap",
                                            .to_place = to_southern,
                                            .from_place = from_southern,
                                            .sine = southern_sine,
                                            .share = southern_share,
+                                           .spread = spread,
                                            .height = bilinear_height};

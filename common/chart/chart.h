@@ -48,6 +48,10 @@ typedef struct tc_chart_class {
     /* Share of the height at a place, by the unit normal there; of those laid over others (caps) its z alone, the sine
      * of the latitude, is looked at. NULL: it has what is left. */
     double (*share)(const tc_chart *chart, const double normal[3]);
+    /* On the unit sphere: how long a unit of x and one of y are there, and the area of a unit of both. NULL: a plane's.
+     */
+    void (*spread)(const tc_chart *chart, double x, double y, double *along_x_ret, double *along_y_ret,
+                   double *area_ret);
     /* What is beyond a side of chart `face` of so many cells a side. NULL: nothing, or the other end of what wraps. */
     tc_seam (*seam)(int face, int side, int64_t cells);
     /* Height of a level at chart coordinates, metres above z_base; *there_ret: there is one. */
@@ -83,8 +87,22 @@ static inline void tc_chart_samples(const tc_chart *chart, int level, double x, 
 tc_chart tc_chart_over(const tc_chart_class *class, tc_field *field, int self, double x0, double y0, double dx,
                        double dy);
 
+/* Where a chart's finest samples lie, without its field. */
+static inline tc_chart tc_chart_grid(const tc_chart *chart)
+{
+    return (tc_chart){.class = chart->class,
+                      .x0 = chart->x0,
+                      .y0 = chart->y0,
+                      .dx = chart->dx,
+                      .dy = chart->dy,
+                      .wraps = chart->wraps};
+}
+
 /* Face number `face` of a class over a field of N + 1 samples a side: sample (i, j) at (i / N, j / N). */
 tc_chart tc_chart_face(const tc_chart_class *class, tc_field *field, int face);
+
+/* Metres that samples of such a chart are said to be apart: a quarter of the equator has N cells. */
+double tc_chart_face_spacing(double radius, int64_t cells);
 
 /* A tc_chart_class.height: that of the mesh of the level's triangles; none outside, by more than a sample. */
 tc_status tc_chart_mesh_height(const tc_chart *chart, int level, double x, double y, bool *there_ret, double *z_ret);

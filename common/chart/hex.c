@@ -45,6 +45,17 @@ static void from_place(const tc_chart *c, double longitude, double latitude, dou
     *y_ret = latitude >= 0 ? t * turn : 1 - t * (1 - turn);
 }
 
+/* East by rho of the longitude, south by theta; the area is the same everywhere, a quarter of the sphere. */
+static void spread(const tc_chart *c, double x, double y, double *along_x_ret, double *along_y_ret, double *area_ret)
+{
+    (void)c;
+    bool north = x + y <= 1;
+    double t = north ? x + y : (1 - x) + (1 - y), u = north ? x : 1 - x, v = north ? y : 1 - y, root = sqrt(2 - t * t);
+    double east = M_PI / 2 * root / (t != 0 ? t : 1), south = 2 / root; /* next to the pole u and v are as t */
+    *along_x_ret = hypot(east * v, south), *along_y_ret = hypot(east * u, south);
+    *area_ret = M_PI;
+}
+
 /* Between its two meridians; on one of them that of the lower number has all of it, at the poles chart 0. */
 static double share(const tc_chart *c, const double n[3])
 {
@@ -68,5 +79,6 @@ const tc_chart_class tc_chart_hex = {.name = "hex",
                                      .to_place = to_place,
                                      .from_place = from_place,
                                      .share = share,
+                                     .spread = spread,
                                      .seam = seam,
                                      .height = tc_chart_mesh_height};

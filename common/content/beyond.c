@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/base/rect.h"
+#include "common/field/field.h"
 
 /* Steps of the slope between the last two samples to add at sample i of `size`; 0 inside. */
 static inline float steps_beyond(int64_t i, int64_t size, bool straight, float edge)
@@ -50,6 +51,10 @@ tc_status tc_read_beyond(const tc_fill *fill, int level, tc_rect rect, tc_beyond
 {
     tc_level size = tc_field_level(tc_clipmap_field(fill->clipmap), level);
     int64_t w = size.width, h = size.height;
+    if (how.straight && tc_clipmap_field(fill->clipmap)->beyond > 0) { /* the neighbours' heights are there */
+        *z_ret = buffer, *stride_ret = rect.x1 - rect.x0;
+        return tc_fill_read(fill, level, rect, buffer, NULL, *stride_ret);
+    }
     reading r = part_of(size, rect, how.wraps);
     ptrdiff_t stride = r.stride;
     tc_status status = tc_fill_read(fill, level, r.part, buffer + r.start, NULL, stride);

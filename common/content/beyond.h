@@ -7,7 +7,7 @@
 /* How heights go on beyond the level's last samples. */
 typedef struct tc_beyond {
     bool wraps;    /* in x */
-    bool straight; /* in a straight line; else all on the terrain's edge: */
+    bool straight; /* in a straight line, or as a field that goes on beyond its sides has it; else on the edge: */
     float x, y;    /* the edge lies this far beyond the last sample, 0 <= x < 1 */
 } tc_beyond;
 

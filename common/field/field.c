@@ -58,10 +58,10 @@ static tc_rect piece_at(const tc_field *field, int level, tc_rect rect)
     return (tc_rect){x, rect.y0, x + tc_min64(width - x, rect.x1 - rect.x0), rect.y1};
 }
 
-/* rect cut to what there is of the level. */
-static tc_rect cut(const tc_field *field, int level, tc_rect rect)
+/* rect cut to what there is of the level, and so many samples beyond. */
+static tc_rect cut(const tc_field *field, int level, tc_rect rect, int beyond)
 {
-    tc_rect all = level_rect(field, level);
+    tc_rect all = tc_rect_grown(level_rect(field, level), beyond);
     if (tc_field_wraps(field, level) && rect.x1 > rect.x0) {
         all.x0 = rect.x0;
         all.x1 = rect.x1 = tc_min64(rect.x1, rect.x0 + all.x1); /* once around is all */
@@ -77,7 +77,7 @@ static tc_status read_pieces(const tc_field *field, int level, tc_rect rect, voi
     char *z = samples;
     if (level < 1 || level > field->info.levels)
         return TC_ERR_USAGE;
-    bool within = tc_rect_within(rect, level_rect(field, level));
+    bool within = tc_rect_within(rect, tc_rect_grown(level_rect(field, level), field->beyond));
     if (!within && (!tc_field_wraps(field, level) || rect.y0 < 0 || rect.y1 > field->level[level - 1].height))
         return TC_ERR_USAGE;
     tc_status status = TC_OK;
@@ -133,13 +133,13 @@ tc_ready tc_field_ready(const tc_field *field, int level, tc_rect rect, tc_urgen
 {
     if (level < 1 || level > field->info.levels)
         return TC_FAILED;
-    rect = cut(field, level, rect);
+    rect = cut(field, level, rect, field->beyond);
     return !field->class->ready || tc_rect_empty(rect) ? TC_READY : field->class->ready(field, level, rect, urgency);
 }
 
 tc_range tc_field_range(const tc_field *field, int level, tc_rect rect)
 {
-    rect = level < 1 || level > field->info.levels ? (tc_rect){0, 0, 0, 0} : cut(field, level, rect);
+    rect = level < 1 || level > field->info.levels ? (tc_rect){0, 0, 0, 0} : cut(field, level, rect, 0);
     if (tc_rect_empty(rect))
         return (tc_range){field->info.z_min, field->info.z_max, INFINITY};
     return field->class->range(field, level, rect);

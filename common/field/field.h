@@ -16,7 +16,8 @@ typedef enum tc_field_sample {
 struct tc_container;
 
 /* Rectangles are not empty and lie within the level's rows; of read and read_ready also within its columns (what goes
- * round is cut into pieces before), else they may stick out of a level that wraps, by less than once around. */
+ * round is cut into pieces before), else they may stick out of a level that wraps, by less than once around. Of fields
+ * that can be read beyond their sides those of read, read_ready and ready may stick out by as much. */
 typedef struct tc_field_class {
     tc_field_sample sample;
     tc_status (*read)(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride);
@@ -37,6 +38,7 @@ enum { TC_MAX_FIELD_LEVELS = 48 };
 struct tc_field {
     const tc_field_class *class;
     tc_terrain_info info;
+    int beyond;                          /* samples that can be read beyond each side, on all levels */
     tc_georef georef;                    /* crs_wkt: owned by the kind of field */
     tc_level level[TC_MAX_FIELD_LEVELS]; /* [l - 1] */
 };

@@ -6,7 +6,7 @@
 
 #include "filter.h"
 #include "common/base/parallel.h"
-#include "field.h"
+#include "memory_field.h"
 #include "range_pyramid.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
@@ -25,6 +25,8 @@ typedef struct memory_level {
 typedef struct memory_field {
     tc_field head;
     memory_level level[TC_MAX_FIELD_LEVELS];
+    bool flat; /* voids are shown at a height of their own */
+    float void_height;
     _Atomic int64_t asked, range_reads;
 } memory_field;
 
@@ -99,7 +101,6 @@ static const tc_field_class memory_class = {.sample = TC_FIELD_HEIGHTS,
 typedef struct step {
     memory_field *p;
     int level; /* of the result */
-    float void_height;
     _Atomic int failed;
 } step;
 
@@ -133,7 +134,7 @@ static void flatten_row(void *context, int64_t j)
     int64_t width = s->p->head.level[s->level - 1].width;
     for (int64_t i = j * width; i < (j + 1) * width; i++)
         if (l->voids[i])
-            l->z[i] = s->void_height;
+            l->z[i] = s->p->void_height;
 }
 
 /* `count` heights of the coarser level's row j, and what goes on behind its sides: the slope between the last two
@@ -240,7 +241,13 @@ static void take_grid(memory_field *p, tc_grid *grid)
     memset(grid, 0, sizeof *grid);
 }
 
-tc_status tc_field_build(tc_grid *grid, int threads, tc_field **field_ret, tc_error *error)
+static tc_status no_memory(memory_field *p, tc_error *error)
+{
+    memory_destroy(&p->head);
+    return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
+}
+
+tc_status tc_memory_field_begin(tc_grid *grid, tc_field **field_ret, tc_error *error)
 {
     if (!grid->z || grid->width < 1 || grid->height < 1 || !(grid->spacing_x > 0) || !(grid->spacing_y > 0)) {
         tc_grid_free(grid);
@@ -251,27 +258,54 @@ tc_status tc_field_build(tc_grid *grid, int threads, tc_field **field_ret, tc_er
         tc_grid_free(grid);
         return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
     }
-    bool voids = grid->voids != NULL && grid->void_count > 0, flat = voids && grid->voids_flat;
-    step s = {.p = p, .void_height = grid->void_height};
+    bool voids = grid->voids != NULL && grid->void_count > 0;
+    p->flat = voids && grid->voids_flat;
+    p->void_height = grid->void_height;
     take_grid(p, grid);
-    int m = p->head.info.levels;
-    for (s.level = m; s.level >= 1 && !s.failed; s.level--) {
-        if (!allocate_level(p, s.level, voids))
-            s.failed = 1;
-        else if (s.level < m)
-            tc_parallel_for(threads, (p->head.level[s.level - 1].height + BAND - 1) / BAND, downsample_band, &s);
-    }
-    /* Only once all levels are filtered: a flat void must not leak into its neighbours. */
-    for (s.level = m; s.level >= 1 && flat && !s.failed; s.level--)
-        tc_parallel_for(threads, p->head.level[s.level - 1].height, flatten_row, &s);
+    for (int l = p->head.info.levels; l >= 1; l--)
+        if (!allocate_level(p, l, voids))
+            return no_memory(p, error);
+    *field_ret = &p->head;
+    return TC_OK;
+}
+
+void tc_memory_field_level(tc_field *field, int level, float **z_ret, uint8_t **voids_ret)
+{
+    const memory_level *l = &((memory_field *)field)->level[level - 1];
+    *z_ret = l->z, *voids_ret = l->voids;
+}
+
+/* Only once all levels are filtered: a flat void must not leak into its neighbours. */
+tc_status tc_memory_field_finish(tc_field *field, int threads, tc_error *error)
+{
+    memory_field *p = (memory_field *)field;
+    step s = {.p = p};
+    int m = field->info.levels;
+    for (s.level = m; s.level >= 1 && p->flat; s.level--)
+        tc_parallel_for(threads, field->level[s.level - 1].height, flatten_row, &s);
     for (s.level = m; s.level >= 1 && !s.failed; s.level--) {
         tc_parallel_for(threads, p->level[s.level - 1].ranges.ny, range_row, &s);
         tc_range_build(&p->level[s.level - 1].ranges);
     }
-    if (s.failed) {
-        memory_destroy(&p->head);
-        return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
-    }
-    *field_ret = &p->head;
-    return TC_OK;
+    return s.failed ? tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory") : TC_OK;
+}
+
+tc_status tc_field_build(tc_grid *grid, int threads, tc_field **field_ret, tc_error *error)
+{
+    tc_field *field;
+    tc_status status = tc_memory_field_begin(grid, &field, error);
+    if (status != TC_OK)
+        return status;
+    memory_field *p = (memory_field *)field;
+    step s = {.p = p};
+    for (s.level = field->info.levels - 1; s.level >= 1 && !s.failed; s.level--)
+        tc_parallel_for(threads, (field->level[s.level - 1].height + BAND - 1) / BAND, downsample_band, &s);
+    if (s.failed)
+        return no_memory(p, error);
+    status = tc_memory_field_finish(field, threads, error);
+    if (status == TC_OK)
+        *field_ret = field;
+    else
+        memory_destroy(field);
+    return status;
 }

@@ -4,33 +4,19 @@
 
 #include "imagery_internal.h"
 
-/* Chart coordinates between the samples that the georeference counts: those of the data, also where its finest levels
- * are missing from a file that was cut short. */
-static void data_step(const tc_map *map, double *dx, double *dy)
-{
-    const tc_chart *c = &map->chart[0];
-    const tc_level finest = tc_field_level(c->field, tc_field_info(c->field)->levels);
-    *dx = c->dx * tc_level_stride(map->spacing_x, finest.spacing_x);
-    *dy = c->dy * tc_level_stride(map->spacing_y, finest.spacing_y);
-}
-
-/* Columns and rows of them, counted from the north-west corner, and back. */
+/* Columns and rows of the samples that the georeference counts, from the north-west corner, and back. */
 static void to_corner(const tc_map *map, double *x, double *y)
 {
-    const tc_chart *c = &map->chart[0];
-    double dx, dy;
-    data_step(map, &dx, &dy);
-    *x = (*x - c->x0) / dx + 0.5;
-    *y = (double)map->height - 0.5 - (*y - c->y0) / dy;
+    const tc_chart *c = &map->grid;
+    *x = (*x - c->x0) / c->dx + 0.5;
+    *y = (double)map->height - 0.5 - (*y - c->y0) / c->dy;
 }
 
 static void from_corner(const tc_map *map, double *x, double *y)
 {
-    const tc_chart *c = &map->chart[0];
-    double dx, dy;
-    data_step(map, &dx, &dy);
-    *x = c->x0 + (*x - 0.5) * dx;
-    *y = c->y0 + ((double)map->height - 0.5 - *y) * dy;
+    const tc_chart *c = &map->grid;
+    *x = c->x0 + (*x - 0.5) * c->dx;
+    *y = c->y0 + ((double)map->height - 0.5 - *y) * c->dy;
 }
 
 /* The column next to the picture's middle of all that are the same place. */
@@ -42,7 +28,7 @@ static double come_round(const tc_layer *layer, double px)
 
 void tc_layer_find(const tc_map *map, tc_layer *layer, int chart, int count, double *x, double *y)
 {
-    const tc_chart *c = &map->chart[chart], *base = &map->chart[0];
+    const tc_chart *c = &map->chart[chart], *base = &map->grid;
     const double *t = map->georef.transform, w = (double)layer->image->level[0].width,
                  h = (double)layer->image->level[0].height;
     for (int i = 0; i < count; i++) {
@@ -67,7 +53,7 @@ void tc_layer_find(const tc_map *map, tc_layer *layer, int chart, int count, dou
 
 void tc_layer_locate(const tc_map *map, tc_layer *layer, int chart, int count, double *x, double *y)
 {
-    const tc_chart *c = &map->chart[chart], *base = &map->chart[0];
+    const tc_chart *c = &map->chart[chart], *base = &map->grid;
     const double *t = map->georef.transform, w = (double)layer->image->level[0].width,
                  h = (double)layer->image->level[0].height, determinant = t[1] * t[5] - t[2] * t[4];
     if (layer->image->locate)
@@ -158,7 +144,7 @@ static tc_layer_bounds bounds_on(const tc_map *map, tc_layer *layer, int chart)
 void tc_layer_place(const tc_map *map, tc_layer *layer)
 {
     const tc_image *image = layer->image;
-    layer->around = !image->find && map->chart[0].wraps;
+    layer->around = !image->find && map->grid.wraps;
     layer->period = layer->around ? (double)image->level[0].width : image->period;
     layer->joined = layer->period > 0 && layer->period <= (double)image->level[0].width + 0.5;
     for (int chart = 0; chart < map->charts; chart++)

@@ -26,6 +26,7 @@ tc_map *tc_map_flat(tc_field *field)
     const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     map->chart[map->charts++] = tc_chart_over(&tc_chart_plane, field, 0, 0, 0, finest.spacing_x, finest.spacing_y);
     map->width = finest.width, map->height = finest.height;
+    map->grid = tc_chart_grid(&map->chart[0]);
     map->spacing_x = finest.spacing_x, map->spacing_y = finest.spacing_y;
     return map;
 }

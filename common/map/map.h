@@ -1,10 +1,12 @@
 /* map.h - a map: heights on a body, as charts. A flat terrain is one chart on a plane; a planet is a grid of longitude
- * and latitude on a globe, with polar caps laid over it where it reaches both poles. */
+ * and latitude on a globe, with polar caps laid over it where it reaches both poles, or resampled from that to the
+ * faces of another atlas, which are joined along their seams. */
 #ifndef TC_MAP_H
 #define TC_MAP_H
 
 #include <stdatomic.h>
 
+#include "common/chart/atlas.h"
 #include "common/chart/chart.h"
 
 struct tc_map {
@@ -12,15 +14,17 @@ struct tc_map {
     tc_body body;
     int charts; /* at least 1 */
     tc_chart *chart;
-    /* Of chart 0's finest level, which may be missing from a file that was cut short. */
+    /* Of the finest level of the source, which may be missing from a file that was cut short. */
     tc_georef georef; /* without crs_wkt */
     bool area_registered;
     int64_t width, height;
-    double spacing_x, spacing_y; /* metres; on a globe at the equator */
-    tc_void_policy voids;        /* how they are to be shown */
-    double read_ms, build_ms;    /* that it took, where it was loaded from a file */
-    int synthesised;             /* levels finer than the data */
-    struct tc_map_noise *noise;  /* of them, one a chart */
+    tc_chart grid; /* what the georeference counts samples of: no field */
+    /* Of chart 0's finest level: metres; on a globe at the equator, of faces a quarter of that over their cells. */
+    double spacing_x, spacing_y;
+    tc_void_policy voids;       /* how they are to be shown */
+    double read_ms, build_ms;   /* that it took, where it was loaded from a file */
+    int synthesised;            /* levels finer than the data */
+    struct tc_map_noise *noise; /* of them, one a chart */
 };
 
 enum { TC_MAP_CHARTS = 6 }; /* at most */
@@ -36,6 +40,11 @@ tc_map *tc_map_flat(tc_field *field);
 
 /* TC_ERR_FORMAT for a grid's heights, with that at which its voids are shown, that leave the body no surface. */
 tc_status tc_map_check_grid(const char *name, const tc_grid *grid, const tc_body *body, tc_error *error);
+
+/* The planet on the faces of an atlas that is not its own, in memory: as many cells a side as make its samples along
+ * the equator at least as near to each other. `from`, which stays as it is, has charts in longitude and latitude, with
+ * caps. Threads: as ever; the result does not depend on them. TC_ERR_UNSUPPORTED for other maps. */
+tc_status tc_map_resample(const tc_map *from, const tc_atlas *atlas, int threads, tc_map **map_ret, tc_error *error);
 
 /* Shares of the charts, one each, in the height at a place, by its unit normal. Where all charts but the first are caps
  * only normal[2], the sine of the latitude, is looked at. */

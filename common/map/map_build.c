@@ -133,6 +133,7 @@ static tc_status build(tc_grid *grid, tc_body body, int threads, tc_map **map_re
     }
     tc_level finest = tc_field_level(map->chart[0].field, tc_field_info(map->chart[0].field)->levels);
     map->spacing_x = finest.spacing_x, map->spacing_y = finest.spacing_y;
+    map->grid = tc_chart_grid(&map->chart[0]);
     map->voids = TC_VOIDS_FILL;
     *map_ret = map;
     return TC_OK;

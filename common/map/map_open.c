@@ -72,6 +72,14 @@ static tc_chart place(const tc_chart_class *class, tc_field *field, int self, do
     return tc_chart_over(class, field, self, x0, y0, ldexp(dx, missing), ldexp(dy, missing));
 }
 
+/* What the georeference counts are samples of all levels, also of those that are missing. */
+static void set_grid(tc_map *map)
+{
+    int missing = tc_field_packed_info(map->chart[0].field)->levels_missing;
+    map->grid = tc_chart_grid(&map->chart[0]);
+    map->grid.dx = ldexp(map->grid.dx, -missing), map->grid.dy = ldexp(map->grid.dy, -missing);
+}
+
 /* Whether a cap's head is all within the file. */
 static tc_status find_head(const char *name, const tc_byte_source *source, const tc_container *c, int n,
                            bool *whole_ret, tc_error *error)
@@ -175,7 +183,7 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     else
         map->chart[map->charts++] = place(&tc_chart_plane, field, 0, 0, 0, t->spacing_x, t->spacing_y);
     if (status == TC_OK)
-        *map_ret = map;
+        set_grid(map), *map_ret = map;
     else
         tc_map_destroy(map);
     return status;
@@ -228,6 +236,7 @@ tc_status tc_map_onto_globe(tc_map *map, const char *name, tc_body body, bool *g
         return status;
     map->body = body;
     *c = place(&tc_chart_lonlat, c->field, 0, at.x0, at.y0, at.dx, at.dy);
+    set_grid(map);
     *gap_ret = at.round || (double)map->width > at.turn;
     return TC_OK;
 }

@@ -4,7 +4,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "common/base/rect.h"
 #include "common/base/status.h"
+#include "common/chart/joined.h"
 #include "common/field/field.h"
 #include "common/packed/file/container.h"
 #include "common/synthesis/synthesis.h"
@@ -35,11 +37,23 @@ static float noise_share(const void *context, double i, double j)
     return (float)(1 / sqrt(sum));
 }
 
+/* Towards the sides of a face noise goes out, within this many samples of the data: on a seam both faces' levels then
+ * are the data's own, interpolated alike, and there is no step across it. */
+static float noise_inside(const void *context, double i, double j)
+{
+    const double fade = 4;
+    const struct tc_map_noise *n = context;
+    double cells = rint(1 / n->chart.dx), near = fmin(fmin(i, cells - i), fmin(j, cells - j));
+    return (float)fmin(fmax(near / fade, 0), 1);
+}
+
 /* Levels until samples are a tenth of a metre apart. */
 static int levels_for(const tc_map *map)
 {
     const double near = 0.1;
-    double apart = fmax(map->chart[0].dx, map->chart[0].dy) * (map->body.radius > 0 ? map->body.radius : 1);
+    const tc_field *field = map->chart[0].field;
+    const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    double apart = fmax(finest.spacing_x, finest.spacing_y);
     int levels = 0;
     for (; apart > near && levels < TC_SYNTHESIS_MOST; apart /= 2)
         levels++;
@@ -54,8 +68,8 @@ static tc_status add_levels(tc_map *map, int k, int levels, const tc_synthesis_f
     if (finest.width < 2 && finest.height < 2)
         return TC_OK;
     tc_synthesis_share share = {NULL, NULL};
-    if (map->charts > 1 && c->class->sine)
-        share = (tc_synthesis_share){noise_share, &map->noise[k]};
+    if (map->charts > 1)
+        share = (tc_synthesis_share){c->class->seam ? noise_inside : noise_share, &map->noise[k]};
     tc_field *field = c->field;
     c->field = NULL;
     tc_status status = tc_synthesis_create(field, levels, fit, k, share, &field, error);
@@ -94,6 +108,8 @@ tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
         map->noise[k] = (struct tc_map_noise){map, map->chart[k]};
         status = add_levels(map, k, levels, &fit, error);
     }
+    if (status == TC_OK && map->chart[0].class->seam && !tc_charts_join(map->chart, map->charts, false))
+        status = tc_fail(error, TC_ERR_MEMORY, "synthesis: not enough memory");
     if (status == TC_OK)
         map->synthesised = tc_field_info(map->chart[0].field)->synthesised;
     return status;

@@ -24,6 +24,7 @@ typedef struct tc_scheme {
     /* A surface over the map, which outlives it. */
     tc_status (*create)(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
                         tc_error *error);
+    const tc_atlas *atlas; /* of the maps that it draws; NULL: none */
 } tc_scheme;
 
 /* All that are built in: lists that end with a NULL name, of which the first one is taken unless another is named;

@@ -259,6 +259,7 @@ tc_status tc_synthesis_create(tc_field *field, int levels, const tc_synthesis_fi
     }
     p->head = *field;
     p->head.class = &synthesis_class;
+    p->head.beyond = 0;
     p->base = field;
     tc_chain *c = &p->chain;
     c->base = field, c->levels = p->head.level, c->data = data, c->wraps = field->info.wraps_x;

@@ -154,6 +154,32 @@ static void seams_join(void **state)
         }
 }
 
+/* Lengths and areas are those of small steps. */
+static void they_spread(void **state)
+{
+    (void)state;
+    for (int t = 0; t < KINDS; t++)
+        for (int face = 0; face < kinds[t].faces; face++) {
+            const tc_chart c = face_of(kinds[t].class, face);
+            for (int n = 0; n < 200; n++) {
+                double x = 0.02 + 0.96 * uniform(2 * n), y = 0.02 + 0.96 * uniform(2 * n + 1), e = 1e-6;
+                double a[3], b[3], p[3], q[3], along[2], area;
+                direction(&c, x - e, y, a), direction(&c, x + e, y, b);
+                direction(&c, x, y - e, p), direction(&c, x, y + e, q);
+                if (c.class == &tc_chart_hex && fabs(x + y - 1) < 1e-4)
+                    continue; /* where rows turn */
+                for (int i = 0; i < 3; i++)
+                    b[i] = (b[i] - a[i]) / (2 * e), q[i] = (q[i] - p[i]) / (2 * e);
+                double cross[3] = {b[1] * q[2] - b[2] * q[1], b[2] * q[0] - b[0] * q[2], b[0] * q[1] - b[1] * q[0]};
+                c.class->spread(&c, x, y, &along[0], &along[1], &area);
+                assert_true(fabs(sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]) / along[0] - 1) < 1e-6);
+                assert_true(fabs(sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]) / along[1] - 1) < 1e-6);
+                assert_true(fabs(sqrt(cross[0] * cross[0] + cross[1] * cross[1] + cross[2] * cross[2]) / area - 1) <
+                            1e-6);
+            }
+        }
+}
+
 /* x, y and outwards are right-handed everywhere. */
 static void they_turn_left(void **state)
 {
@@ -217,8 +243,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(there_and_back),   cmocka_unit_test(faces_lie_where_they_should),
         cmocka_unit_test(poles_are_passed), cmocka_unit_test(seams_join),
-        cmocka_unit_test(they_turn_left),   cmocka_unit_test(one_answers),
-        cmocka_unit_test(cells_halve),
+        cmocka_unit_test(they_spread),      cmocka_unit_test(they_turn_left),
+        cmocka_unit_test(one_answers),      cmocka_unit_test(cells_halve),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

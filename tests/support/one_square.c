@@ -151,4 +151,4 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
     return TC_OK;
 }
 
-const tc_scheme one_square_schemes[] = {{"one-square", NULL, &tc_plane_body, size, create}, {0}};
+const tc_scheme one_square_schemes[] = {{"one-square", NULL, &tc_plane_body, size, create, NULL}, {0}};
