@@ -85,7 +85,7 @@ static tc_status load_terrain(tc_viewer *v, tc_error *error)
     const tc_level finest = tc_field_level(field, info->levels);
     v->spacing = fmin(finest.spacing_x, finest.spacing_y);
     v->least_height = fmin(LEAST_HEIGHT, 0.25 * v->spacing);
-    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->map->body.radius};
+    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->map->body};
     if (v->options.verbose)
         fprintf(stderr,
                 "%s: %s: %" PRId64 " x %" PRId64 " samples every %g x %g m, heights %.2f to %.2f m, %" PRId64

@@ -1,4 +1,4 @@
-/* flight_sphere.c - Catmull-Rom curves on the sphere.
+/* flight_sphere.c - Catmull-Rom curves on the sphere of normals, so over any globe.
  *
  * Foot points: the curve of flight_path.c between p1 and p2 is the Bezier curve with the inner points
  * p1 + (p2 - p0) / 6 and p2 - (p3 - p1) / 6. Here differences are arcs, taken at the point where they begin, and de

@@ -1,8 +1,9 @@
-/* navigation.h - how a camera is placed and moved on a body: over a plane (navigation_plane.c), over a sphere
+/* navigation.h - how a camera is placed and moved on a body: over a plane (navigation_plane.c), over a globe
  * (navigation_sphere.c). */
 #ifndef TC_NAVIGATION_H
 #define TC_NAVIGATION_H
 
+#include "common/chart/body.h"
 #include "common/terraclip.h"
 
 /* Where the eye is and where it looks. */
@@ -16,7 +17,7 @@ typedef struct tc_ground {
     double (*height)(void *context, double x, double y); /* metres absolute, at any x, y */
     void *context;
     double clearance; /* metres that the eye keeps above it */
-    double radius;    /* metres, of the globe; else 0 */
+    tc_body body;     /* of a globe */
 } tc_ground;
 
 typedef struct tc_flight {

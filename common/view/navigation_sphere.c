@@ -2,7 +2,8 @@
  *
  * Ways along the ground are great circles: heading turns on them with the meridians, so that who flies straight on over
  * a pole looks straight on behind it. The ground can be pulled with the mouse and the wheel comes nearer, as with
- * globes on a desk; keys fly as over a flat map, the higher the faster. */
+ * globes on a desk; keys fly as over a flat map, the higher the faster. Places are normals: a way of metres turns them
+ * by what the body's curvature says. */
 #include "flight.h"
 
 #include <math.h>
@@ -42,10 +43,22 @@ static void go(tc_pose *view, double east, double north, double angle)
     settle(view);
 }
 
+/* Moves it by a way, metres east and north at a height, but by no more than this angle. */
+static void move_by(tc_pose *view, const tc_body *body, double height, double east, double north, double most)
+{
+    double meridian, parallel;
+    body->class->curvature(body, view->y, &meridian, &parallel);
+    meridian += height, parallel += height;
+    north *= parallel / meridian; /* as if it were as curved that way */
+    go(view, east, north, fmin(hypot(east, north) / parallel, most));
+}
+
 static double highest_ground(const tc_ground *ground, const tc_pose *view)
 {
-    double d = ground->clearance / ground->radius;
-    return tc_highest_ground(ground, view->x, view->y, d / fmax(cos(view->y), 1e-3), d);
+    double meridian, parallel;
+    ground->body.class->curvature(&ground->body, view->y, &meridian, &parallel);
+    return tc_highest_ground(ground, view->x, view->y, ground->clearance / parallel / fmax(cos(view->y), 1e-3),
+                             ground->clearance / meridian);
 }
 
 static void step(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground)
@@ -61,13 +74,12 @@ static void step(tc_flight *flight, const tc_flight_input *input, const tc_groun
         move[i] = input->right * axes.right[i] + input->forward * axes.forward[i] + (i == 2 ? input->up : 0);
     double length = sqrt(move[0] * move[0] + move[1] * move[1] + move[2] * move[2]);
     double scale = length > 1 ? way / length : way; /* two keys are no faster than one */
-    double radius = ground->radius + view->z;
-    go(view, move[0], move[1], fmin(scale * hypot(move[0], move[1]) / radius, 0.2));
+    move_by(view, &ground->body, view->z, scale * move[0], scale * move[1], 0.2);
     view->z += scale * move[2];
     /* The ground follows the mouse: at its height the angle of view is a length. */
     double sh = sin(view->heading), ch = cos(view->heading), pull[2] = {-input->drag_x, input->drag_y};
-    double angle = fmin(hypot(pull[0], pull[1]) * height / ground->radius, 0.5);
-    go(view, ch * pull[0] + sh * pull[1], -sh * pull[0] + ch * pull[1], angle);
+    move_by(view, &ground->body, 0, height * (ch * pull[0] + sh * pull[1]), height * (-sh * pull[0] + ch * pull[1]),
+            0.5);
     if (input->wheel != 0)
         view->z = top + height * pow(0.85, input->wheel);
     settle(view);
@@ -102,9 +114,9 @@ static tc_pose whole(const tc_flight_box *box, double fov, int width, int height
 const tc_navigation tc_sphere_navigation = {
     .form = "LON,LAT,ALT,HEADING,PITCH",
     .bounds = "LON,LAT,ALT,HEADING,PITCH in degrees and metres, |LON| up to 360, |LAT| and |PITCH| up to 90",
-    .help =
-        "eye in degrees east and north and metres above the sphere (at least on the ground), degrees clockwise from "
-        "north, degrees up (default: the globe)",
+    .help = "eye in degrees east and north and metres above sphere or ellipsoid (at least on the ground), degrees "
+            "clockwise "
+            "from north, degrees up (default: the globe)",
     .unit = DEGREE,
     .x_limit = 360,
     .y_limit = 90,

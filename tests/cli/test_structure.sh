@@ -22,7 +22,7 @@ packed/read      base field codec/entropy codec/lifting codec/exact codec/lh04 c
 packed/write     base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
 map              base field synthesis chart packed/file packed/read
 imagery          base field chart packed/file packed/read map
-view             base map
+view             base chart map
 window           base field view
 content          base field window
 measure          base field chart map view window content

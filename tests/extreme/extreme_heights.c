@@ -269,7 +269,7 @@ static tc_camera view(test_random *r, const tc_field *p)
 {
     tc_camera c = watertight_view(r, p, 4.0 * SIZE * SPACING, WIDTH, HEIGHT);
     const double clearance = tc_flight_clearance(SPACING);
-    const tc_ground ground = {ground_height, (void *)p, clearance, 0};
+    const tc_ground ground = {ground_height, (void *)p, clearance, {0}};
     c.z = fmax(c.z, clearance + tc_highest_ground(&ground, c.x, c.y, clearance, clearance));
     return c;
 }
@@ -304,7 +304,7 @@ static void look_at_windows(const terrain *t, const tc_field *p)
 static tc_camera view_down(const tc_field *p)
 {
     tc_camera c = {.x = 100.3 * SPACING, .y = 120.4 * SPACING, .pitch = -M_PI / 2, .fov = 1};
-    const tc_ground ground = {ground_height, (void *)p, SPACING, 0};
+    const tc_ground ground = {ground_height, (void *)p, SPACING, {0}};
     c.z = 3 * SPACING + tc_highest_ground(&ground, c.x, c.y, SPACING, SPACING);
     c.width = WIDTH, c.height = HEIGHT;
     return c;

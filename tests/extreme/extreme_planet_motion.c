@@ -235,7 +235,7 @@ static void flown_around(double latitude, double heading, const char *name)
 {
     enum { TURNS = 1000, STEPS = 64 };
     const double z = 1e6, angle = 2 * M_PI / STEPS;
-    const tc_ground ground = {.height = flat_ground, .clearance = 2, .radius = RADIUS};
+    const tc_ground ground = {.height = flat_ground, .clearance = 2, .body = {&tc_sphere_body, RADIUS, 0}};
     tc_flight f = {.view = {.x = 0.5, .y = latitude, .z = z, .heading = heading},
                    .speed = angle * (RADIUS + z) / (0.1 * z)};
     double most = 0;

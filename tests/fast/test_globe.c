@@ -28,7 +28,8 @@ static void over_the_pole(void **state)
 {
     (void)state;
     double ground_at = 0;
-    const tc_ground ground = {.height = level_ground, .context = &ground_at, .clearance = 2, .radius = RADIUS};
+    const tc_ground ground = {
+        .height = level_ground, .context = &ground_at, .clearance = 2, .body = {&tc_sphere_body, RADIUS, 0}};
     for (int side = -1; side <= 1; side += 2) {
         tc_flight f = {.view = {.x = 30 * DEGREE, .y = side * 89.9 * DEGREE, .z = 3000}, .speed = 1};
         f.view.heading = side > 0 ? 0 : M_PI;
@@ -45,7 +46,8 @@ static void ground_wheel_and_drag(void **state)
 {
     (void)state;
     double ground_at = 500;
-    const tc_ground ground = {.height = level_ground, .context = &ground_at, .clearance = 2, .radius = RADIUS};
+    const tc_ground ground = {
+        .height = level_ground, .context = &ground_at, .clearance = 2, .body = {&tc_sphere_body, RADIUS, 0}};
     tc_flight f = {.view = {.x = 3.1, .y = 0.2, .z = 501, .pitch = -1}, .speed = 1};
     for (int i = 0; i < 100; i++)
         tc_sphere_navigation.step(&f, &(tc_flight_input){.forward = 1, .right = 1, .dt = 0.1}, &ground);
@@ -59,6 +61,28 @@ static void ground_wheel_and_drag(void **state)
     assert_true(f.view.x < 1 && fabs(f.view.y) < 1e-9);
     tc_sphere_navigation.step(&f, &(tc_flight_input){.drag_y = 0.1, .dt = 0.1}, &ground);
     assert_true(f.view.y > 0);
+}
+
+/* As many metres a step in whatever direction and wherever: also on an ellipsoid, where a degree of latitude is longer
+ * the nearer a pole is. */
+static void ways_are_metres(void **state)
+{
+    (void)state;
+    static const double flattening[] = {0, 1 / 298.257223563, 0.1}, latitude[] = {0, 10, -45, 80};
+    double ground_at = 0;
+    for (int k = 0; k < 3 * 4 * 8; k++) {
+        const tc_body body = tc_body_flattened(RADIUS, flattening[k % 3]);
+        const tc_ground ground = {.height = level_ground, .context = &ground_at, .clearance = 2, .body = body};
+        tc_flight f = {.view = {.x = 3.14, .y = latitude[k / 3 % 4] * DEGREE, .z = 3000}, .speed = 0.1};
+        f.view.heading = k / 12 * M_PI / 4;
+        double from[3], to[3], way = 3000 * 0.1 * 0.1;
+        body.class->position(&body, (double[3]){f.view.x, f.view.y, f.view.z}, from);
+        tc_sphere_navigation.step(&f, &(tc_flight_input){.forward = 1, .dt = 0.1}, &ground);
+        body.class->position(&body, (double[3]){f.view.x, f.view.y, f.view.z}, to);
+        double moved = hypot(hypot(to[0] - from[0], to[1] - from[1]), to[2] - from[2]);
+        assert_float_equal(moved, way, 1e-5 * way); /* on the way curvature changes */
+        assert_float_equal(f.view.z, 3000, 1e-9);
+    }
 }
 
 /* What there is lies in front of the eye and above its horizon. */
@@ -121,7 +145,8 @@ static void frozen_culling(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(over_the_pole), cmocka_unit_test(ground_wheel_and_drag),
-                                       cmocka_unit_test(whole_views), cmocka_unit_test(frozen_culling)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(ways_are_metres), cmocka_unit_test(over_the_pole),
+                                       cmocka_unit_test(ground_wheel_and_drag), cmocka_unit_test(whole_views),
+                                       cmocka_unit_test(frozen_culling)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

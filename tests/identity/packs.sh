@@ -49,10 +49,10 @@ n46e008-bound   N46E008.tif --max-error 10
 ps          ps_height_1k.png --spacing 160 --unit 0.1 --rms 9.6
 ps-lossless ps_height_1k.png --spacing 160 --unit 0.1 --lossless
 ps-bound    ps_height_1k.png --spacing 160 --unit 0.1 --max-error 0.2
-etopo       earth_etopo20_1080x540_f32.tif --planet --rms 10
-etopo-lossless  earth_etopo20_1080x540_f32.tif --planet --lossless
-etopo-bound earth_etopo20_1080x540_f32.tif --planet --max-error 40
-etopo-lh04  earth_etopo20_1080x540_f32.tif --planet --codec lh04 --rms 20
+etopo       earth_etopo20_1080x540_f32.tif --planet --radius 6378137 --rms 10
+etopo-lossless  earth_etopo20_1080x540_f32.tif --planet --radius 6378137 --lossless
+etopo-bound earth_etopo20_1080x540_f32.tif --planet --radius 6378137 --max-error 40
+etopo-lh04  earth_etopo20_1080x540_f32.tif --planet --radius 6378137 --codec lh04 --rms 20
 canyonlands srtm3_canyonlands_voids_2401x3601.tif --voids hole --rms 5
 canyonlands-lossless    canyonlands-part.vrt --lossless
 canyonlands-bound   canyonlands-part.vrt --max-error 8

@@ -198,7 +198,7 @@ ch06 --scheme rings-ch06 --view 8.15,45.9,9000,0,-30
 end
     view region-packed planet pack/holes.tclip --view 8.15,45.9,9000,0,-30
 
-    view alps planet in/N46E008.tif --view 8.5,46.1,4500,20,-8
+    view alps planet in/N46E008.tif --radius 6378137 --view 8.5,46.1,4500,20,-8
     view alps-open planet pack/n46e008.tclip --view 8.5,46.1,9000,20,-20
     view sierra-globe planet in/N37W119.hgt --view=-118.6,37.2,5000,-30,-6
     view canyonlands-globe planet pack/canyonlands.tclip --view=-110.5,37,9000,0,-12
@@ -208,7 +208,7 @@ end
     view moon-ch06 planet pack/moon.tclip --scheme rings-ch06 --view 20,10,100000,90,-20
     view moon-lossless planet pack/moon-lossless.tclip --view 180,57,60000,45,-20 --level-colours
     view moon-region planet pack/moon-ne.tclip --view 110,25,40000,0,-20
-    view etopo planet in/earth_etopo20_1080x540_f32.tif
+    view etopo planet in/earth_etopo20_1080x540_f32.tif --radius 6378137
     view etopo-pole planet pack/etopo.tclip --view 0,88,2000000,0,-70
     view etopo-andes planet pack/etopo-bound.tclip --view=-75,-20,200000,60,-15
     view etopo-antimeridian planet pack/etopo-lh04.tclip --view 179.9,-17,500000,300,-30
