@@ -8,16 +8,18 @@
 
 #include "tests/support/planet_scene.h"
 
-enum { PLANETS = 3, DATA = 2 }; /* the first DATA of them are */
+enum { PLANETS = 4, DATA = 3 }; /* the first DATA of them are */
 static const struct {
     planet_kind kind;
     int width;
     double radius;
     int synthesised, views; /* levels finer than the data; flights that end in one */
     int64_t budget;         /* of a slow flight */
-} made[PLANETS] = {{PLANET_DEFAULT, 1024, 6371000, 0, 30, 5000},
-                   {PLANET_CLIFF, 1024, 400e3, 0, 30, 5000},
-                   {PLANET_DEFAULT, 512, 6371000, 10, 12, 40000}};
+    double flattening;
+} made[PLANETS] = {{PLANET_DEFAULT, 1024, 6371000, 0, 30, 5000, 0},
+                   {PLANET_CLIFF, 1024, 400e3, 0, 30, 5000, 0},
+                   {PLANET_DEFAULT, 512, 6378137, 0, 10, 5000, WGS84_FLATTENING},
+                   {PLANET_DEFAULT, 512, 6371000, 10, 12, 40000, 0}};
 static tc_context *context;
 static tc_map *planet[PLANETS];
 
@@ -26,8 +28,9 @@ static int set_up(void **state)
     (void)state;
     context = scene_context();
     for (int k = 0; k < PLANETS; k++)
-        planet[k] =
-            planet_synthesised(planet_made(made[k].kind, made[k].width, made[k].radius, 7), made[k].synthesised);
+        planet[k] = planet_flattened(
+            planet_synthesised(planet_made(made[k].kind, made[k].width, made[k].radius, 7), made[k].synthesised),
+            made[k].flattening);
     return context ? 0 : -1;
 }
 

@@ -20,18 +20,50 @@ static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)
     return p[0] == 255 && p[1] == 0 && p[2] == 255;
 }
 
+/* The eye and a direction, along the eye's axes from the body's middle, in a space in which an ellipsoid is a sphere:
+ * stretched along its axis by the ratio of what its semi-axes are with so much added to them. */
+static void stretch(const rings_surface *s, const tc_camera *c, double more, const double d[3], double eye[3],
+                    double ray[3])
+{
+    const tc_body *body = &s->map->body;
+    const double place[3] = {c->x, c->y, c->z}, pole[3] = {0, cos(c->y), sin(c->y)};
+    double axes[3][3], p[3], of_eye = 0, of_ray = 0, length = 0;
+    double stretched = (body->radius + more) / (body->radius * (1 - body->flattening) + more) - 1;
+    body->class->position(body, place, p);
+    body->class->axes(body, place, axes);
+    for (int i = 0; i < 3; i++) {
+        eye[i] = axes[i][0] * p[0] + axes[i][1] * p[1] + axes[i][2] * p[2];
+        of_eye += pole[i] * eye[i], of_ray += pole[i] * d[i];
+    }
+    for (int i = 0; i < 3; i++) {
+        eye[i] += stretched * of_eye * pole[i], ray[i] = d[i] + stretched * of_ray * pole[i];
+        length += ray[i] * ray[i];
+    }
+    for (int i = 0; i < 3; i++)
+        ray[i] /= sqrt(length);
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
 /* Whether the ray surely goes through the mesh, whose vertices are so many of its steps apart at most. */
 static bool ray_enters(const rings_surface *s, const tc_camera *c, double apart, const double d[3])
 {
-    double eye = s->map->body.radius + c->z, low = s->map->body.radius + s->z_lo;
-    if (d[2] >= 0)
+    /* A body as much lower is a little smaller than what semi-axes as much shorter make. */
+    const double flattening = s->map->body.flattening, slack = 1e-6 + (flattening > 0 ? 1e-4 * flattening : 0);
+    double low = s->map->body.radius + s->z_lo, eye[3], ray[3];
+    stretch(s, c, s->z_lo, d, eye, ray);
+    double ahead = -dot(eye, ray), away = sqrt(dot(eye, eye));
+    if (ahead <= 0)
         return false;
     /* Where it is nearest to the middle: the angle from the foot point, and how near. */
-    double theta = acos(fmin(-d[2], 1)), nearest = eye * sqrt(fmax(1 - d[2] * d[2], 0));
-    theta = M_PI / 2 - theta;
+    double theta = asin(fmin(ahead / away, 1)), nearest = sqrt(fmax(away * away - ahead * ahead, 0));
+    theta *= 1 + 2 * flattening;
     /* Corners of a triangle there are at most this far from its middle. */
     double step = 0.5 * apart * hypot(2 * theta / s->geometry.m, 2 * M_PI / s->geometry.n_phi * fmin(theta * 1.1, 1));
-    return nearest < low * cos(fmin(step, M_PI / 2)) * (1 - 1e-6);
+    return nearest < low * cos(fmin(step, M_PI / 2)) * (1 - slack);
 }
 
 static bool solid(const uint8_t *rgb, const tc_camera *c, int x, int y)
@@ -68,8 +100,9 @@ static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
 /* Where the ray is within the sphere of the highest height; false where it never is ahead of the eye. */
 static bool ray_within(const rings_surface *s, const tc_camera *c, const double d[3], double *from_ret, double *to_ret)
 {
-    double eye = s->map->body.radius + c->z, nearest = -eye * d[2], high = s->map->body.radius + s->z_hi;
-    double half = high * high - eye * eye * (1 - d[2] * d[2]);
+    double eye[3], ray[3], high = (s->map->body.radius + s->z_hi) / (1 - s->map->body.flattening);
+    stretch(s, c, 0, d, eye, ray);
+    double nearest = -dot(eye, ray), half = high * high - (dot(eye, eye) - nearest * nearest);
     if (half <= 0)
         return false;
     half = sqrt(half);
@@ -83,13 +116,13 @@ static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *
                         const double d[3])
 {
     const tc_view *view = scene_look(scene_, c, options);
-    double radius = s->map->body.radius, margin = 0.25 / tc_camera_pixel_scale(c), from, to;
+    double margin = 0.25 / tc_camera_pixel_scale(c), from, to;
     if (!ray_within(s, c, d, &from, &to))
         return false;
     bool above = c->z > s->z_hi, below = false;
     for (double t = from; t < to && !(above && below); t += fmin(0.002 * t, 1e-3 * (to - from))) {
         double p[3], from_eye[3] = {t * d[0], t * d[1], t * d[2]}, z;
-        tc_view_place(c, &(tc_body){&tc_sphere_body, radius, 0}, from_eye, p);
+        tc_view_place(c, &s->map->body, from_eye, p);
         if (!s->head.height(view, p[0], p[1], &z))
             continue;
         above = above || p[2] > z + margin * t;

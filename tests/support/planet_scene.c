@@ -107,6 +107,12 @@ tc_map *planet_synthesised(tc_map *planet, int levels)
     return planet;
 }
 
+tc_map *planet_flattened(tc_map *planet, double flattening)
+{
+    planet->body = tc_body_flattened(planet->body.radius, flattening);
+    return planet;
+}
+
 double planet_slope(void *context, const double p[3])
 {
     return *(double *)context * (0.48 * p[0] - 0.6 * p[1] + 0.64 * p[2]);

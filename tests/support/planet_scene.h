@@ -22,6 +22,11 @@ tc_map *planet_made(planet_kind kind, int64_t width, double radius, uint64_t see
 /* The planet itself, with so many levels finer than its data, fitted to it; 0: as it is. */
 tc_map *planet_synthesised(tc_map *planet, int levels);
 
+/* The same heights above an ellipsoid of that flattening, of the same radius at the equator. */
+tc_map *planet_flattened(tc_map *planet, double flattening);
+
+#define WGS84_FLATTENING (1 / 298.257223563)
+
 /* Of a constant gradient in space: *(double *)context metres times a . p, |a| = 1. */
 double planet_slope(void *context, const double p[3]);
 /* The same with a few harmonics up to degree 12. */

@@ -37,6 +37,15 @@ static long double chart_height(const rings_view *view, int chart, long double x
     return tc_rings_of(view)->outside;
 }
 
+/* The place of a height along a normal, from the body's middle. */
+static void body_place(const tc_body *body, const long double n[3], long double z, long double p[3])
+{
+    long double e2 = body->flattening * (2 - (long double)body->flattening);
+    long double radius = body->radius / sqrtl(1 - e2 * n[2] * n[2]);
+    for (int i = 0; i < 3; i++)
+        p[i] = (radius * (i == 2 ? 1 - e2 : 1) + z) * n[i];
+}
+
 oracle_vertex rings_oracle(const rings_surface *s, const rings_view *view, const tc_camera *camera, long double theta,
                            long double phi, long double w)
 {
@@ -66,10 +75,13 @@ oracle_vertex rings_oracle(const rings_surface *s, const rings_view *view, const
         }
         r.height += r.weight[chart] * chart_height(view, chart, r.x[chart], r.y[chart], shift);
     }
-    long double radius = s->map->body.radius + r.height;
-    r.position[0] = radius * east;
-    r.position[1] = -radius * south;
-    r.position[2] = radius * up - (s->map->body.radius + (long double)camera->z);
+    long double place[3], eye[3];
+    body_place(&s->map->body, p, r.height, place);
+    body_place(&s->map->body, (long double[3]){cp * cl, cp * sl, sp}, camera->z, eye);
+    const long double axes[3][3] = {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            r.position[i] += axes[i][k] * (place[k] - eye[k]);
     return r;
 }
 
