@@ -187,12 +187,47 @@ static void a_sphere_is_met_where_it_is(void **state)
     ray_globe_destroy(g), tc_map_destroy(a);
 }
 
-/* Rough planet, all latitudes. Beyond what steps may miss of a crest nothing is in the way. */
-static void rays_end_at_a_planets_first_ground(void **state)
+/* And one of height 0 an ellipsoid, which is a sphere where it is stretched along its axis. */
+static void an_ellipsoid_is_met_where_it_is(void **state)
 {
     (void)state;
+    const double flattening = 0.05, stretch = 1 / (1 - flattening), radius = 1e6;
+    double z = 0;
+    tc_map *a = planet_flattened(planet_atlas(256, radius, level_ground, &z), flattening);
+    ray_globe *g = ray_globe_create(a);
+    test_random r = {5};
+    int hits = 0, misses = 0;
+    for (int i = 0; i < 3000; i++) {
+        tc_camera c = {.x = test_random_range(&r, -4, 4), .y = asin(test_random_range(&r, -1, 1))};
+        c.z = z + pow(10, test_random_range(&r, 0, 6.5));
+        double d[3], got, eye[3], axes[3][3], e2 = 0, w2 = 0, ew = 0;
+        const double place[3] = {c.x, c.y, c.z};
+        unit(&r, d);
+        a->body.class->position(&a->body, place, eye);
+        a->body.class->axes(&a->body, place, axes);
+        for (int k = 0; k < 3; k++) {
+            double s = k == 2 ? stretch : 1, e = s * eye[k];
+            double w = s * (d[0] * axes[0][k] + d[1] * axes[1][k] + d[2] * axes[2][k]);
+            e2 += e * e, w2 += w * w, ew += e * w;
+        }
+        double c2 = e2 - radius * radius, q = ew * ew - w2 * c2;
+        if (fabs(q) < 1e-5 * w2 * e2) /* grazing */
+            continue;
+        bool there = q > 0 && ew < 0;
+        assert_int_equal(ray_globe_hit(g, &c, d, &got), there);
+        if (there)
+            assert_float_equal(got, c2 / (-ew + sqrt(q)), 1e-4 + 1e-9 * got);
+        hits += there, misses += !there;
+    }
+    assert_true(hits > 500 && misses > 500);
+    ray_globe_destroy(g), tc_map_destroy(a);
+}
+
+/* Rough planet, all latitudes. Beyond what steps may miss of a crest nothing is in the way. */
+static void planets_first_ground(double flattening)
+{
     enum { STEPS = 3000 };
-    tc_map *a = planet_made(PLANET_CLIFF, 256, 1737400, 1);
+    tc_map *a = planet_flattened(planet_made(PLANET_CLIFF, 256, 1737400, 1), flattening);
     ray_globe *g = ray_globe_create(a);
     test_random r = {6};
     int hits = 0;
@@ -209,7 +244,7 @@ static void rays_end_at_a_planets_first_ground(void **state)
         for (int k = 1; k <= STEPS; k++) {
             double s = got * k / STEPS, p[3];
             const double e[3] = {s * d[0], s * d[1], s * d[2]};
-            tc_view_place(&c, &(tc_body){&tc_sphere_body, a->body.radius, 0}, e, p);
+            tc_view_place(&c, &a->body, e, p);
             assert_int_equal(planet_atlas_height(a, p[0], p[1], &ground), TC_OK);
             if (k == STEPS)
                 assert_float_equal(p[2], ground, 1e-3 + 1e-9 * s);
@@ -220,6 +255,13 @@ static void rays_end_at_a_planets_first_ground(void **state)
     print_message("rays of a planet of cliffs: %d meet it, at most %.4f pixels through a crest\n", hits, worst);
     assert_true(hits > 200 && worst < 0.5);
     ray_globe_destroy(g), tc_map_destroy(a);
+}
+
+static void rays_end_at_a_planets_first_ground(void **state)
+{
+    (void)state;
+    planets_first_ground(0);
+    planets_first_ground(WGS84_FLATTENING);
 }
 
 /* ---- Pictures ---------------------------------------------------------------------------------------------------- */
@@ -261,10 +303,11 @@ static void drawn_and_cast_pictures_agree(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(equal_pictures_are_alike),           cmocka_unit_test(known_values),
-        cmocka_unit_test(one_window_by_the_definition),       cmocka_unit_test(a_plane_is_met_where_it_is),
-        cmocka_unit_test(rays_end_at_the_first_ground),       cmocka_unit_test(a_sphere_is_met_where_it_is),
-        cmocka_unit_test(rays_end_at_a_planets_first_ground), cmocka_unit_test(drawn_and_cast_pictures_agree),
+        cmocka_unit_test(equal_pictures_are_alike),        cmocka_unit_test(known_values),
+        cmocka_unit_test(one_window_by_the_definition),    cmocka_unit_test(a_plane_is_met_where_it_is),
+        cmocka_unit_test(rays_end_at_the_first_ground),    cmocka_unit_test(a_sphere_is_met_where_it_is),
+        cmocka_unit_test(an_ellipsoid_is_met_where_it_is), cmocka_unit_test(rays_end_at_a_planets_first_ground),
+        cmocka_unit_test(drawn_and_cast_pictures_agree),
     };
     return cmocka_run_group_tests_name("fidelity", tests, NULL, NULL);
 }

@@ -14,7 +14,7 @@ enum { TILE = 8 }; /* samples of chart 0 */
  * a tile is wide. Where meridians are close together, of all tiles of three rows. */
 struct ray_globe {
     const tc_map *atlas;
-    double z_base, radius; /* that heights are above */
+    double z_base, radius; /* of what heights are above, the least that a radian is long */
     double z_max;          /* of all of them */
     double x0, y0, side;   /* of the tiles, radians */
     int64_t columns, rows;
@@ -94,7 +94,9 @@ ray_globe *ray_globe_create(const tc_map *atlas)
         fputs("ray cast: not enough memory\n", stderr);
         exit(99);
     }
-    g->radius = atlas->body.radius + g->z_base;
+    double most;
+    atlas->body.class->curvatures(&atlas->body, &g->radius, &most);
+    g->radius += g->z_base;
     for (int64_t k = 0; k < g->columns * g->rows; k++)
         own[k] = tile_highest(g, k % g->columns, k / g->columns), g->z_max = fmax(g->z_max, own[k]);
     for (int64_t j = 0; j < g->rows; j++) {
@@ -120,10 +122,10 @@ typedef struct ray {
     const ray_globe *g;
     const tc_camera *camera;
     const double *d;
-    double up; /* of the eye from the planet's middle, metres */
+    double eye[3], way[3]; /* the eye and d in the body's axes */
 } ray;
 
-/* A point of the ray: where it is, and how high above the sphere of heights 0. */
+/* A point of the ray: where it is, and how high above the body of heights 0. */
 typedef struct point {
     double s, place[3];
 } point;
@@ -132,7 +134,8 @@ static point at(const ray *r, double s)
 {
     point p = {.s = s};
     const double e[3] = {s * r->d[0], s * r->d[1], s * r->d[2]};
-    tc_view_place(r->camera, &(tc_body){&tc_sphere_body, r->g->radius, 0}, e, p.place);
+    tc_view_place(r->camera, &r->g->atlas->body, e, p.place);
+    p.place[2] -= r->g->z_base;
     return p;
 }
 
@@ -144,11 +147,18 @@ static double above(const ray *r, const point *p)
     return p->place[2] - (z - r->g->z_base);
 }
 
-/* Change of the height with s. */
-static double slope(const ray *r, double s)
+static double dot(const double a[3], const double b[3])
 {
-    double x = s * r->d[0], y = s * r->d[1], z = r->up + s * r->d[2];
-    return (s + r->up * r->d[2]) / sqrt(x * x + y * y + z * z);
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Change of the height with the distance. */
+static double slope(const ray *r, const point *p)
+{
+    double n[3];
+    const tc_body *body = &r->g->atlas->body;
+    body->class->normal(body, p->place, n);
+    return dot(n, r->way);
 }
 
 static double shell(const ray_globe *g, const point *p, double *reach_ret)
@@ -175,20 +185,25 @@ static double bisect(const ray *r, double clear, double below)
 
 bool ray_globe_hit(const ray_globe *g, const tc_camera *camera, const double d[3], double *distance_ret)
 {
-    /* tc_view_place() counts from the camera's height above a sphere: here that of heights 0. */
-    tc_camera eye = *camera;
-    eye.z -= g->z_base;
-    ray r = {g, &eye, d, g->radius + eye.z};
-    double s = 0, top = g->radius + g->z_max, cell = g->side / TILE * g->radius;
-    if (r.up > top) { /* to where it enters the highest shell */
-        double b = r.up * d[2], c = (r.up - top) * (r.up + top), q = b * b - c;
+    const tc_body *body = &g->atlas->body;
+    const double place[3] = {camera->x, camera->y, camera->z};
+    double axes[3][3];
+    ray r = {.g = g, .camera = camera, .d = d};
+    body->class->position(body, place, r.eye);
+    body->class->axes(body, place, axes);
+    for (int i = 0; i < 3; i++)
+        r.way[i] = d[0] * axes[0][i] + d[1] * axes[1][i] + d[2] * axes[2][i];
+    double s = 0, up = sqrt(dot(r.eye, r.eye)), top = body->radius + g->z_base + g->z_max,
+           cell = g->side / TILE * g->radius;
+    if (up > top) { /* to where it enters a ball around all ground */
+        double b = dot(r.eye, r.way), c = (up - top) * (up + top), q = b * b - c;
         if (b >= 0 || q < 0)
             return false;
         s = c / (-b + sqrt(q));
     }
     double from = s;
-    for (point p = at(&r, s); p.place[2] <= g->z_max * (1 + 1e-9) + 1e-6 || slope(&r, p.s) < 0;) {
-        double reach, most = shell(g, &p, &reach), fall = -slope(&r, p.s);
+    for (point p = at(&r, s); p.place[2] <= g->z_max * (1 + 1e-9) + 1e-6 || slope(&r, &p) < 0;) {
+        double reach, most = shell(g, &p, &reach), fall = -slope(&r, &p);
         double step = fmin(cell / 8, fmax(0.02 * fmax(p.s - from, p.s * 0.02), 1e-3)), free = 0;
         if (p.place[2] > most)
             free = fall > 0 ? fmin(reach, (p.place[2] - most) / fall) : reach; /* heights along a ray are convex */
