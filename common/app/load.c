@@ -4,7 +4,6 @@
 #include "common/base/clock.h"
 #include "common/base/status.h"
 #include "common/input/source_internal.h"
-#include "common/map/resample.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -130,7 +129,7 @@ static tc_status lay_out(const char *path, bool packed, const tc_load_options *o
                        "%s: expected a planet packed with --atlas %s, found one with --atlas %s; 'terraclip pack "
                        "--planet --atlas %s INPUT -o FILE.tclip' makes one of the same input",
                        path, wanted->name, has ? has->name : "none", wanted->name);
-    tc_status status = tc_resample_check(*map, path, error);
+    tc_status status = tc_map_check_whole(*map, path, error);
     double start = tc_clock_ms();
     tc_map *made;
     if (status || (status = tc_map_resample(*map, wanted, options->threads, &made, error)))

@@ -29,6 +29,15 @@ tc_chart tc_chart_face(const tc_chart_class *class, tc_field *field, int face)
     return tc_chart_over(class, field, face, 0, 0, 1 / cells, 1 / cells);
 }
 
+void tc_chart_shares(const tc_chart *chart, int charts, const double normal[3], double *share_ret)
+{
+    share_ret[0] = 1;
+    for (int k = 1; k < charts; k++) {
+        const tc_chart *c = &chart[k];
+        share_ret[0] -= share_ret[k] = c->class->share ? c->class->share(c, normal) : 0;
+    }
+}
+
 double tc_chart_face_spacing(double radius, int64_t cells)
 {
     return M_PI / 2 * radius / (double)cells;

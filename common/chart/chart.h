@@ -111,6 +111,10 @@ tc_status tc_chart_mesh_height(const tc_chart *chart, int level, double x, doubl
 enum { TC_MOST_CELLS = 125 };
 int64_t tc_chart_cells(int64_t least);
 
+/* Shares of charts, one each, in the height at a place, by its unit normal: what lies under all others, the first, has
+ * what they leave. */
+void tc_chart_shares(const tc_chart *chart, int charts, const double normal[3], double *share_ret);
+
 /* Caps take over from lonlat between these latitudes, degrees, and reach down to TC_CAP_EDGE. */
 #define TC_CAP_BLEND_START 56.0
 #define TC_CAP_BLEND_END 59.0

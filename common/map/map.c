@@ -84,14 +84,9 @@ static bool larger(const tc_field *field, int level, int64_t most)
     return size.width > most || size.height > most;
 }
 
-/* What lies under all others has what they leave. */
 void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret)
 {
-    share_ret[0] = 1;
-    for (int k = 1; k < map->charts; k++) {
-        const tc_chart *c = &map->chart[k];
-        share_ret[0] -= share_ret[k] = c->class->share ? c->class->share(c, normal) : 0;
-    }
+    tc_chart_shares(map->chart, map->charts, normal, share_ret);
 }
 
 /* Of the finest levels, or of those of at most `most` samples a side. */

@@ -46,6 +46,10 @@ tc_status tc_map_check_grid(const char *name, const tc_grid *grid, const tc_body
  * caps. Threads: as ever; the result does not depend on them. TC_ERR_UNSUPPORTED for other maps. */
 tc_status tc_map_resample(const tc_map *from, const tc_atlas *atlas, int threads, tc_map **map_ret, tc_error *error);
 
+/* TC_ERR_UNSUPPORTED where that cannot be: `name`, named in the error, is no planet in longitude and latitude, or a
+ * part of one. */
+tc_status tc_map_check_whole(const tc_map *map, const char *name, tc_error *error);
+
 /* Shares of the charts, one each, in the height at a place, by its unit normal. Where all charts but the first are caps
  * only normal[2], the sine of the latitude, is looked at. */
 void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret);

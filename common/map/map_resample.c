@@ -13,7 +13,8 @@
 #include "common/field/fill.h"
 #include "common/field/filter.h"
 #include "common/field/memory_field.h"
-#include "resample.h"
+#include "common/chart/resample.h"
+#include "map.h"
 
 enum { ROWS = 32, BAND = 64 };
 
@@ -33,7 +34,8 @@ static void resample_rows(void *context, int64_t n)
     finest_level *l = context;
     tc_rect rect = {0, n * ROWS, l->cells + 1, tc_min64((n + 1) * ROWS, l->cells + 1)};
     int64_t at = rect.y0 * (l->cells + 1);
-    tc_status status = tc_resample(l->from, l->class, l->face, l->cells, rect, l->grid->z + at,
+    const tc_resample_source from = {l->from->chart, l->from->charts, l->from->voids == TC_VOIDS_CONSTANT};
+    tc_status status = tc_resample(&from, l->class, l->face, l->cells, rect, l->grid->z + at,
                                    l->grid->voids ? l->grid->voids + at : NULL, l->cells + 1);
     if (status)
         l->status = (int)status;
@@ -147,22 +149,36 @@ static void describe(const tc_map *from, int64_t cells, tc_map *map)
     map->spacing_x = map->spacing_y = tc_chart_face_spacing(from->body.radius, cells);
 }
 
+tc_status tc_map_check_whole(const tc_map *map, const char *name, tc_error *error)
+{
+    const tc_atlas *atlas = tc_atlas_of(map->chart[0].class);
+    if (!map->body.class->solid || atlas != &tc_atlas_lonlat)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a planet in longitude and latitude, found %s", name,
+                       atlas ? atlas->name : "a flat terrain");
+    if (map->charts != atlas->charts)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected a planet as a whole, around the globe and from pole to pole, found a part of one",
+                       name);
+    return TC_OK;
+}
+
 tc_status tc_map_resample(const tc_map *from, const tc_atlas *atlas, int threads, tc_map **map_ret, tc_error *error)
 {
-    tc_status status = tc_resample_check(from, "planet", error);
+    tc_status status = tc_map_check_whole(from, "planet", error);
     if (status)
         return status;
-    int64_t cells = tc_resample_cells(from);
+    const tc_field *field = from->chart[0].field;
+    int64_t cells = tc_resample_cells(tc_field_level(field, tc_field_info(field)->levels).width);
     tc_map *map = tc_map_create(from->body, atlas->charts);
     status = map ? TC_OK : TC_ERR_MEMORY;
     for (int face = 0; face < atlas->charts && !status; face++) {
         finest_level l = {.from = from, .face = face, .cells = cells};
         tc_grid grid;
-        tc_field *field;
+        tc_field *made;
         if ((status = make_grid(&l, atlas, threads, &grid)))
             tc_grid_free(&grid);
-        else if (!(status = tc_memory_field_begin(&grid, &field, NULL)))
-            map->chart[map->charts++] = tc_chart_face(atlas->class, field, face);
+        else if (!(status = tc_memory_field_begin(&grid, &made, NULL)))
+            map->chart[map->charts++] = tc_chart_face(atlas->class, made, face);
     }
     if (!status)
         status = filter_levels(map->chart, map->charts, threads);

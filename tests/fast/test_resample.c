@@ -10,7 +10,8 @@
 #include "common/base/hash.h"
 #include "common/base/rect.h"
 #include "common/chart/joined.h"
-#include "common/map/resample.h"
+#include "common/chart/resample.h"
+#include "common/map/map.h"
 
 static const tc_atlas *const atlases[] = {&tc_atlas_hex, &tc_atlas_cube};
 enum { ATLASES = 2 };
@@ -264,7 +265,9 @@ static void there_and_back(void **state)
             tc_grid g = grid_of(rough, width, width / 2 + 1, false);
             tc_map *from = planet(&g), *map = resampled(from, atlases[a], 2);
             tc_round_trip trip;
-            assert_int_equal(tc_resample_round_trip(from, map, 2, &trip), TC_OK);
+            assert_int_equal(tc_resample_round_trip(&(tc_resample_source){from->chart, from->charts, false}, map->chart,
+                                                    map->charts, 2, &trip),
+                             TC_OK);
             printf("%s, %d columns: rms %.4f m, largest %.4f m\n", atlases[a]->name, (int)width, trip.rms, trip.max);
             assert_true(trip.samples == width * (width / 2 + 1) && trip.rms < before / 2.8);
             before = trip.rms;

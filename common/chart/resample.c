@@ -8,13 +8,12 @@
 #include "resample.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
-#include "common/base/status.h"
-#include "common/chart/atlas.h"
-#include "common/chart/joined.h"
+#include "joined.h"
 
 enum { BLOCK = 32, MOST_TAPS = 128, MOST_SOURCES = 3, MOST_READ = 1 << 20 };
 
@@ -82,22 +81,21 @@ static void find_spot(const tc_chart *c, double longitude, double latitude, doub
 
 /* Of a block of a face: where it lies on all of the source's charts. */
 typedef struct block {
-    const tc_map *from;
-    bool flat; /* voids are shown at a height of their own, which must not run into others */
+    const tc_resample_source *from;
     spot spot[BLOCK * BLOCK][MOST_SOURCES];
 } block;
 
-static void find_sample(const tc_map *from, const tc_chart_class *class, int face, int64_t cells, int64_t i, int64_t j,
-                        spot s[MOST_SOURCES])
+static void find_sample(const tc_resample_source *from, const tc_chart_class *class, int face, int64_t cells, int64_t i,
+                        int64_t j, spot s[MOST_SOURCES])
 {
-    double longitude, latitude, along_x, along_y, area, share[TC_MAP_CHARTS];
+    double longitude, latitude, along_x, along_y, area, share[MOST_SOURCES];
     tc_joined_owner(class, cells, &face, &i, &j);
     const tc_chart c = {.class = class, .face = face};
     double x = (double)i / (double)cells, y = (double)j / (double)cells;
     class->to_place(&c, x, y, &longitude, &latitude);
     class->spread(&c, x, y, &along_x, &along_y, &area);
     const double normal[3] = {cos(latitude) * cos(longitude), cos(latitude) * sin(longitude), sin(latitude)};
-    tc_map_shares(from, normal, share);
+    tc_chart_shares(from->chart, from->charts, normal, share);
     for (int k = 0; k < from->charts; k++) {
         s[k].share = share[k];
         if (share[k] > 0)
@@ -146,17 +144,17 @@ static double answer(const block *b, int chart, const spot *s, double first, con
         double part = 0;
         for (int k = 0; k < x.count; k++) {
             int64_t n = row + tc_clamp64(x.first + k + by, 0, width - 1);
-            if (!b->flat || !p->voids[n])
+            if (!b->from->flat || !p->voids[n])
                 part += x.w[k] * ((double)p->z[n] - near);
         }
         sum += y.w[l] * part;
     }
-    return b->flat && *void_ret ? near : near + sum;
+    return b->from->flat && *void_ret ? near : near + sum;
 }
 
 /* What a block reads of one chart; nothing where that is too much. */
-static tc_status read_piece(const tc_map *from, int chart, int64_t count, spot (*spots)[MOST_SOURCES], double *first,
-                            piece *p, bool *much)
+static tc_status read_piece(const tc_resample_source *from, int chart, int64_t count, spot (*spots)[MOST_SOURCES],
+                            double *first, piece *p, bool *much)
 {
     const tc_chart *c = &from->chart[chart];
     const tc_level size = tc_field_level(c->field, finest(c->field));
@@ -225,13 +223,13 @@ static tc_status resample_block(block *b, const tc_chart_class *class, int face,
     return status ? status : resample_block(b, class, face, cells, high, z + by, voids ? voids + by : NULL, stride);
 }
 
-tc_status tc_resample(const tc_map *from, const tc_chart_class *class, int face, int64_t cells, tc_rect rect, float *z,
-                      uint8_t *voids, ptrdiff_t stride)
+tc_status tc_resample(const tc_resample_source *from, const tc_chart_class *class, int face, int64_t cells,
+                      tc_rect rect, float *z, uint8_t *voids, ptrdiff_t stride)
 {
     block *b = malloc(sizeof *b);
     if (!b)
         return TC_ERR_MEMORY;
-    b->from = from, b->flat = from->voids == TC_VOIDS_CONSTANT;
+    b->from = from;
     tc_status status = TC_OK;
     for (int64_t y = rect.y0; y < rect.y1 && !status; y += BLOCK)
         for (int64_t x = rect.x0; x < rect.x1 && !status; x += BLOCK) {
@@ -244,31 +242,16 @@ tc_status tc_resample(const tc_map *from, const tc_chart_class *class, int face,
     return status;
 }
 
-/* ---- What can be resampled --------------------------------------------------------------------------------------- */
-
-tc_status tc_resample_check(const tc_map *from, const char *name, tc_error *error)
+int64_t tc_resample_cells(int64_t columns)
 {
-    const tc_atlas *atlas = tc_atlas_of(from->chart[0].class);
-    if (!from->body.class->solid || atlas != &tc_atlas_lonlat)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected a planet in longitude and latitude, found %s", name,
-                       atlas ? atlas->name : "a flat terrain");
-    if (from->charts != atlas->charts)
-        return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "%s: expected a planet as a whole, around the globe and from pole to pole, found a part of one",
-                       name);
-    return TC_OK;
-}
-
-int64_t tc_resample_cells(const tc_map *from)
-{
-    const tc_field *field = from->chart[0].field;
-    return tc_chart_cells((tc_field_level(field, finest(field)).width + 3) / 4);
+    return tc_chart_cells((columns + 3) / 4);
 }
 
 /* ---- There and back ---------------------------------------------------------------------------------------------- */
 
 typedef struct trip {
-    const tc_map *from, *to;
+    const tc_chart *from, *face;
+    int faces;
     int64_t width, step; /* rows looked at */
     double *sum, *weight, *max;
     int64_t *samples;
@@ -278,7 +261,7 @@ typedef struct trip {
 static void look_at_row(void *context, int64_t n)
 {
     trip *t = context;
-    const tc_chart *c = &t->from->chart[0];
+    const tc_chart *c = t->from;
     int64_t row = n * t->step, width = t->width;
     double *place = malloc(2 * (size_t)width * sizeof *place), y = c->y0 + (double)row * c->dy;
     float *z = malloc(2 * (size_t)width * sizeof *z);
@@ -290,8 +273,8 @@ static void look_at_row(void *context, int64_t n)
     if (!status)
         status = tc_field_read(c->field, finest(c->field), (tc_rect){0, row, width, row + 1}, z, voids, width);
     if (!status)
-        status = tc_joined_heights(t->to->chart, t->to->charts, finest(t->to->chart[0].field), width, place,
-                                   place + width, z + width, voids + width);
+        status = tc_joined_heights(t->face, t->faces, finest(t->face->field), width, place, place + width, z + width,
+                                   voids + width);
     for (int64_t i = 0; i < width && !status; i++) {
         double off = fabs((double)z[i] - (double)z[width + i]), weight = fmax(cos(y), 0);
         if (voids[i] || voids[width + i])
@@ -304,14 +287,15 @@ static void look_at_row(void *context, int64_t n)
     free(place), free(z), free(voids);
 }
 
-tc_status tc_resample_round_trip(const tc_map *from, const tc_map *to, int threads, tc_round_trip *result_ret)
+tc_status tc_resample_round_trip(const tc_resample_source *from, const tc_chart *face, int faces, int threads,
+                                 tc_round_trip *result_ret)
 {
     const int64_t most = 1 << 24; /* samples */
     const tc_level size = tc_field_level(from->chart[0].field, finest(from->chart[0].field));
     int64_t step = tc_max64(1, size.width * size.height / most), rows = (size.height + step - 1) / step;
     double *sums = calloc(3 * (size_t)rows, sizeof *sums);
     int64_t *samples = calloc((size_t)rows, sizeof *samples);
-    trip t = {from, to, size.width, step, sums, sums + rows, sums + 2 * rows, samples, 0};
+    trip t = {from->chart, face, faces, size.width, step, sums, sums + rows, sums + 2 * rows, samples, 0};
     if (sums && samples)
         tc_parallel_for(threads, rows, look_at_row, &t);
     else
