@@ -268,6 +268,8 @@ typedef struct tc_pack_options {
     double lattice;     /* metres: heights are multiples of it, for TC_PACK_LOSSLESS; 0: found out from them */
     bool price_lossless; /* with TC_PACK_RMS: tell about what the file would take without loss, where heights are
                           * multiples of a unit and the rms is not far above their unit; takes a moment */
+    const char *atlas;   /* of a planet that reaches both poles: "hex" or "cube", onto whose faces its heights are
+                          * resampled; NULL or "lonlat": as they are given. Not for TC_PACK_LOSSLESS */
     int threads;         /* 0: as many as there are processors. The file does not depend on it */
     /* Called now and then, from the calling thread, with the share of the whole work that is done, 0 to 1; false stops
      * the packing with TC_ERR_IO. NULL: not called. */
@@ -282,6 +284,8 @@ typedef struct tc_pack_result {
     int64_t lossless_bytes;      /* about what the file would take without loss, where asked for; 0: not known */
     int64_t disagreeing;         /* samples given twice with different heights; the first ones hold */
     double largest_disagreement; /* metres */
+    double trip_rms, trip_max;   /* metres, of what was resampled: the heights given against what the faces have there,
+                                  * interpolated, before it was coded; by area */
 } tc_pack_result;
 
 typedef struct tc_packer tc_packer;
@@ -319,7 +323,7 @@ typedef struct tc_packed_info {
     tc_pack_codec codec;
     double error; /* metres, as asked for when packing */
     tc_pack_terrain terrain;
-    int charts;             /* 1, or 3 of a planet with polar caps */
+    int charts;             /* 1, or 3 of a planet with polar caps; 4 or 6 of one on faces */
     bool cut_short;         /* the file has fewer bytes than its header says */
     int levels_missing;     /* finest levels that a file cut short lacks */
     double mean, deviation; /* metres (z_base included), of the finest level */
@@ -332,7 +336,8 @@ typedef struct tc_open_options {
     tc_void_policy voids;
     double void_constant; /* metres */
     size_t cache_bytes;   /* of decoded tiles and masks, of all charts together; 0: 40 MiB, else at least 1 MiB */
-    bool flat;            /* tc_map_open(): a planet as a flat map, its grid of longitude and latitude alone */
+    bool flat;            /* tc_map_open(): a planet as a flat map, its grid of longitude and latitude alone; one on
+                           * faces, which has none, stays a planet */
 } tc_open_options;
 
 /* Opens a packed terrain; reads its header only. A file that was cut short opens with the levels that are whole. */
@@ -359,8 +364,8 @@ tc_packed_level tc_field_packed_level(const tc_field *field, int level);
 /* ---- Maps: heights on a body ---------------------------------------------------------------------------------- */
 
 /* A flat terrain or a planet, with all its charts: fields of their own, each a part of the body. A flat terrain has
- * one; a planet has one of longitude and latitude and, where that reaches both poles, polar caps laid over it. Heights
- * are read at places: (x, y) metres from the south-west sample, or longitude and latitude in radians. Reading is
+ * one; a planet has one of longitude and latitude and, where that reaches both poles, polar caps laid over it, or it was
+ * resampled to the faces of an octahedron or a cube when it was packed. Heights are read at places: (x, y) metres from the south-west sample, or longitude and latitude in radians. Reading is
  * thread-safe. */
 typedef struct tc_map tc_map;
 

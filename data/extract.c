@@ -12,6 +12,7 @@
 #include "common/base/numbers.h"
 #include "common/base/outfile.h"
 #include "common/app/load.h"
+#include "common/chart/joined.h"
 #include "progress.h"
 
 #include <inttypes.h>
@@ -68,12 +69,14 @@ static const tc_command_line line = {.options = table,
 
 void tc_extract_help(FILE *file)
 {
-    fprintf(file,
-            "Usage: terraclip extract [OPTION]... FILE.tclip -o OUT.tif\n"
-            "Writes a level as a GeoTIFF, north up and in its place: heights in metres as float32; of the finest\n"
-            "level of a terrain packed without loss the source's own values in its own type. Voids get the source's\n"
-            "nodata value; where it has none or it lies among the heights, NaN or an extreme of the integer type.\n"
-            "Where tiles are damaged the next coarser level stands in, and the exit code is 1.\n\n");
+    fprintf(
+        file,
+        "Usage: terraclip extract [OPTION]... FILE.tclip -o OUT.tif\n"
+        "Writes a level as a GeoTIFF, north up and in its place: heights in metres as float32; of the finest\n"
+        "level of a terrain packed without loss the source's own values in its own type. Voids get the source's\n"
+        "nodata value; where it has none or it lies among the heights, NaN or an extreme of the integer type.\n"
+        "Where tiles are damaged the next coarser level stands in, and the exit code is 1. A planet on faces\n"
+        "(--atlas hex or cube) is interpolated to the grid of longitude and latitude that it was resampled from.\n\n");
     tc_arguments_print(&line, file);
 }
 
@@ -96,7 +99,10 @@ static tc_status check_together(const struct arguments *a, tc_error *error)
 enum { STRIP_ROWS = 256, STRIP_BYTES = 48 << 20 };
 
 typedef struct job {
-    const tc_field *field;
+    const tc_map *map;
+    const tc_field *field; /* of the first chart */
+    bool faces;            /* the level is that of their source's grid, to which it is interpolated */
+    double stride;         /* finest samples of that between those of the level */
     tc_progress *progress;
     int level;
     tc_rect rect; /* rows from the south */
@@ -209,12 +215,34 @@ static void choose_storage(job *j, const tc_packed_info *packed, bool finest)
 
 /* ---- Rows ------------------------------------------------------------------------------------------------------- */
 
+/* From the faces that have the places of the source's grid. */
+static tc_status read_faces(const job *j, tc_rect strip)
+{
+    const tc_chart *grid = &j->map->grid;
+    int64_t width = strip.x1 - strip.x0;
+    double *place = malloc(2 * (size_t)width * sizeof *place);
+    tc_status status = place ? TC_OK : TC_ERR_MEMORY;
+    for (int64_t y = strip.y0; y < strip.y1 && !status; y++) {
+        for (int64_t i = 0; i < width; i++) {
+            double latitude = grid->y0 + (double)y * j->stride * grid->dy;
+            grid->class->to_place(grid, grid->x0 + (double)(strip.x0 + i) * j->stride * grid->dx,
+                                  fmin(fmax(latitude, -M_PI / 2), M_PI / 2), &place[i], &place[width + i]);
+        }
+        ptrdiff_t at = (y - strip.y0) * width;
+        status = tc_joined_heights(j->map->chart, j->map->charts, j->level, width, place, place + width, j->z + at,
+                                   j->voids + at);
+    }
+    free(place);
+    return status;
+}
+
 static tc_status read_strip(job *j, int64_t y)
 {
     tc_rect strip = j->rect;
     strip.y0 = tc_max64(j->rect.y0, y / j->strip_rows * j->strip_rows);
     strip.y1 = tc_min64(j->rect.y1, strip.y0 / j->strip_rows * j->strip_rows + j->strip_rows);
-    tc_status status = tc_field_read(j->field, j->level, strip, j->z, j->voids, strip.x1 - strip.x0);
+    tc_status status =
+        j->faces ? read_faces(j, strip) : tc_field_read(j->field, j->level, strip, j->z, j->voids, strip.x1 - strip.x0);
     j->from = strip.y0;
     j->to = status == TC_OK ? strip.y1 : strip.y0;
     return status;
@@ -290,13 +318,33 @@ static tc_status write(const struct arguments *a, job *j, tc_error *error)
     snprintf(text, sizeof text, "level %d, %" PRId64 " x %" PRId64 " samples, %s", j->level, j->tiff.width,
              j->tiff.height, j->stored ? "stored values of the source" : "metres as float32");
     tc_progress_say(j->progress, false, text);
-    int64_t damaged = tc_field_tell(j->field).damaged;
+    int64_t damaged = j->faces ? tc_map_damaged(j->map) : tc_field_tell(j->field).damaged;
     if (damaged > 0)
         return tc_fail(error, TC_ERR_FORMAT,
                        "%s: damaged: %" PRId64 " tiles could not be read; %s was written with the next coarser level "
                        "in their place",
                        a->file, damaged, a->output);
     return TC_OK;
+}
+
+/* The level that is written, and the terrain whose level it is: of faces the grid that they were resampled from, whose
+ * levels are made of theirs. */
+static tc_level level_of(job *j, tc_pack_terrain *terrain)
+{
+    const tc_map *m = j->map;
+    const tc_level level = tc_field_level(j->field, j->level);
+    j->faces = m->chart[0].class->seam != NULL;
+    if (!j->faces)
+        return level;
+    j->stride = tc_level_stride(level.spacing_x, m->spacing_x);
+    terrain->width = m->width, terrain->height = m->height;
+    terrain->spacing_x = m->grid.dx * m->body.radius, terrain->spacing_y = m->grid.dy * m->body.radius;
+    terrain->georef.known = true, terrain->georef.geographic = true;
+    memcpy(terrain->georef.transform, m->georef.transform, sizeof m->georef.transform);
+    /* Of finer levels columns go once around, and rows end where the data's do. */
+    return (tc_level){(int64_t)ceil((double)m->width / j->stride),
+                      (int64_t)floor((double)(m->height - 1) / j->stride) + 1, j->stride * terrain->spacing_x,
+                      j->stride * terrain->spacing_y};
 }
 
 static tc_status extract(const struct arguments *a, const tc_map *map, tc_progress *progress, tc_error *error)
@@ -306,16 +354,17 @@ static tc_status extract(const struct arguments *a, const tc_map *map, tc_progre
     int levels = tc_field_info(field)->levels;
     if (a->level > levels)
         return tc_fail(error, TC_ERR_USAGE, "--level: expected 1..%d, found %d", levels, a->level);
-    job j = {.field = field, .progress = progress, .level = a->level ? a->level : levels};
-    const tc_level level = tc_field_level(field, j.level);
+    job j = {.map = map, .field = field, .progress = progress, .level = a->level ? a->level : levels};
+    tc_pack_terrain terrain = packed->terrain;
+    const tc_level level = level_of(&j, &terrain);
     tc_status status = settle_rect(a, level, &j, error);
     if (status != TC_OK)
         return status;
-    place(&j, &packed->terrain, level, (double)j.rect.x0, (double)(level.height - j.rect.y1));
+    place(&j, &terrain, level, (double)j.rect.x0, (double)(level.height - j.rect.y1));
     j.tiff.width = j.rect.x1 - j.rect.x0;
     j.tiff.height = j.rect.y1 - j.rect.y0;
     j.tiff.georef = &j.georef;
-    choose_storage(&j, packed, tc_level_stride(level.spacing_x, packed->terrain.spacing_x) == 1);
+    choose_storage(&j, packed, !j.faces && tc_level_stride(level.spacing_x, terrain.spacing_x) == 1);
     progress->samples = (double)j.tiff.width * (double)j.tiff.height;
     return write(a, &j, error);
 }

@@ -128,7 +128,7 @@ static bool locate(const place *p, double x, double y, double *u, double *v)
         *v = y / level.spacing_y * p->stride_y;
         return inside(p, *u, *v);
     }
-    if (tc_field_info(p->field)->wraps_x) {
+    if (tc_field_info(p->field)->wraps_x || p->map->chart[0].class->seam) {
         to_samples(p, x, y, u, v);
         *u -= floor(*u / (double)t->width) * (double)t->width;
         return tc_map_radius(t) > 0 ? fabs(y) <= 90 : *v >= -tolerance && *v <= (double)(t->height - 1) + tolerance;
@@ -239,9 +239,32 @@ static tc_status read_to_pole(const place *p, int64_t row, double u, double beyo
     return status;
 }
 
+static bool on_faces(const place *p)
+{
+    return p->map->chart[0].class->seam != NULL;
+}
+
+/* On the face that has the place. */
+static tc_status read_face(const place *p, double longitude, double latitude, double *z_ret)
+{
+    const double degree = 3.141592653589793 / 180, at[3] = {longitude * degree, latitude * degree, 0};
+    double normal[3], share[TC_MAP_CHARTS], x, y, u, v;
+    p->map->body.class->normal(&p->map->body, at, normal);
+    tc_map_shares(p->map, normal, share);
+    int k = 0;
+    while (k < p->map->charts - 1 && !(share[k] > 0))
+        k++;
+    const tc_chart *c = &p->map->chart[k];
+    c->class->from_place(c, at[0], at[1], &x, &y);
+    tc_chart_samples(c, p->level, x, y, &u, &v);
+    return read_mesh(p, c->field, p->level, u, v, z_ret);
+}
+
 /* Height of the level at (x, y), which lies at (u, v) in finest samples. */
 static tc_status read_height(const place *p, double x, double y, double u, double v, double *z_ret)
 {
+    if (on_faces(p))
+        return read_face(p, x, y, z_ret);
     double beyond = fmax(-v, v - (double)(p->map->height - 1)), gap = v < 0 ? p->south : p->north;
     if (beyond > 0 && gap > tolerance) {
         int64_t last = tc_field_level(p->field, p->level).height - 1;
@@ -335,7 +358,7 @@ static void find_around(place *p)
 {
     const tc_map *m = p->map;
     tc_lonlat at;
-    if (tc_field_info(p->field)->wraps_x || !tc_lonlat_of(&m->georef, m->width, m->height, &at))
+    if (tc_field_info(p->field)->wraps_x || on_faces(p) || !tc_lonlat_of(&m->georef, m->width, m->height, &at))
         return;
     int64_t columns = (int64_t)fmin((double)m->width, floor(at.turn + 0.5));
     if (!tc_lonlat_round(columns, at.turn))

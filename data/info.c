@@ -3,6 +3,7 @@
 
 #include "common/base/status.h"
 #include "common/packed/file/packed_file.h"
+#include "common/field/field.h"
 #include "common/app/arguments.h"
 #include "common/app/json.h"
 #include "common/app/load.h"
@@ -54,6 +55,7 @@ typedef struct facts {
     const tc_packed_info *packed;
     const tc_terrain_info *info;
     tc_packed_level finest;
+    int faces;     /* of an atlas; 0: none */
     double bits;   /* a sample */
     char crs[128]; /* name of the coordinate system; empty none */
 } facts;
@@ -72,7 +74,8 @@ static facts gather(const tc_map *map)
     facts f = {.map = map, .field = field, .packed = tc_field_packed_info(field), .info = tc_field_info(field)};
     const tc_pack_terrain *t = &f.packed->terrain;
     f.finest = tc_field_packed_level(field, f.info->levels);
-    f.bits = 8 * (double)f.packed->bytes / ((double)t->width * (double)t->height);
+    f.faces = map->chart[0].class->seam ? map->charts : 0;
+    f.bits = 8 * (double)f.packed->bytes / ((double)t->width * (double)t->height * fmax(f.faces, 1));
     name_crs(t->georef.crs_wkt, f.crs, sizeof f.crs);
     return f;
 }
@@ -106,6 +109,12 @@ static void print_planet_json(const facts *f)
         printf("}");
     }
     printf("\n  ],\n");
+    if (f->faces) {
+        const tc_face_source *s = &tc_field_container(f->field)->source;
+        printf("  \"source_width\": %" PRId64 ",\n  \"source_height\": %" PRId64 ",\n", s->width, s->height);
+        print_key("resampling_rms_m", s->rms);
+        print_key("resampling_max_error_m", s->max);
+    }
 }
 
 static void print_json(const facts *f)
@@ -148,10 +157,11 @@ static void print_json(const facts *f)
     printf("  \"nodata\": ");
     tc_json_number(t->has_nodata ? t->nodata : NAN, stdout);
     printf(",\n  \"synthesis_fit\": %s,\n  \"transform\": ", f->packed->synthesis_fit ? "true" : "false");
-    for (int i = 0; i < 6 && t->georef.known; i++)
-        printf("%s%.17g%s", i ? ", " : "[", t->georef.transform[i], i == 5 ? "]" : "");
-    printf("%s,\n  \"geographic\": %s,\n  \"registration\": \"%s\",\n  \"crs\": ", t->georef.known ? "" : "null",
-           t->georef.geographic ? "true" : "false", t->area_registered ? "area" : "point");
+    const tc_georef *g = &f->map->georef;
+    for (int i = 0; i < 6 && g->known; i++)
+        printf("%s%.17g%s", i ? ", " : "[", g->transform[i], i == 5 ? "]" : "");
+    printf("%s,\n  \"geographic\": %s,\n  \"registration\": \"%s\",\n  \"crs\": ", g->known ? "" : "null",
+           g->geographic ? "true" : "false", t->area_registered ? "area" : "point");
     if (*f->crs)
         tc_json_string(f->crs, stdout);
     else
@@ -173,16 +183,16 @@ static void print_bytes(int64_t bytes)
 static void print_place(const facts *f)
 {
     const tc_pack_terrain *t = &f->packed->terrain;
-    const double *g = t->georef.transform;
-    if (!t->georef.known) {
+    const double *g = f->map->georef.transform;
+    if (!f->map->georef.known) {
         printf("  place          no georeference\n");
         return;
     }
     /* Of areas to their edges, of points to the outermost ones: where `height` answers. */
-    double first = t->area_registered ? 0 : 0.5, w = (double)t->width - first, h = (double)t->height - first;
+    double first = t->area_registered ? 0 : 0.5, w = (double)f->map->width - first, h = (double)f->map->height - first;
     printf("  place          %s %.10g to %.10g, %s %.10g to %.10g, %s-registered\n",
-           t->georef.geographic ? "longitude" : "x", g[0] + first * (g[1] + g[2]), g[0] + w * g[1] + h * g[2],
-           t->georef.geographic ? "latitude" : "y", g[3] + w * g[4] + h * g[5], g[3] + first * (g[4] + g[5]),
+           f->map->georef.geographic ? "longitude" : "x", g[0] + first * (g[1] + g[2]), g[0] + w * g[1] + h * g[2],
+           f->map->georef.geographic ? "latitude" : "y", g[3] + w * g[4] + h * g[5], g[3] + first * (g[4] + g[5]),
            t->area_registered ? "area" : "point");
     printf("  coordinates    %s\n", *f->crs ? f->crs : "not named");
 }
@@ -191,11 +201,20 @@ static void print_planet(const facts *f)
 {
     char about[64] = "";
     f->map->body.class->describe(&f->map->body, about, sizeof about);
-    printf("  planet         %s, %s\n", about, f->packed->terrain.wraps_x ? "once around" : "a part of it");
+    printf("  planet         %s, %s\n", about, f->packed->terrain.wraps_x || f->faces ? "once around" : "a part of it");
+    if (f->faces) {
+        const tc_face_source *s = &tc_field_container(f->field)->source;
+        printf("  resampled      from %" PRId64 " x %" PRId64 " samples, which are rms %.4g m, at most %.4g m off it\n",
+               s->width, s->height, s->rms, s->max);
+    }
     for (int c = 1; c < f->map->charts; c++) {
         const tc_field *chart = f->map->chart[c].field;
         const tc_pack_terrain *t = &tc_field_packed_info(chart)->terrain;
-        printf("  %s      %" PRId64 " x %" PRId64 " samples, ", f->map->chart[c].class->name, t->width, t->height);
+        if (f->faces)
+            printf("  %-4s %d         %" PRId64 " x %" PRId64 " samples, ", f->map->chart[c].class->name, c, t->width,
+                   t->height);
+        else
+            printf("  %s      %" PRId64 " x %" PRId64 " samples, ", f->map->chart[c].class->name, t->width, t->height);
         print_bytes(tc_packed_chart_bytes(chart));
         printf(", rms %.4g m\n", tc_field_packed_level(chart, tc_field_info(chart)->levels).rms);
     }
@@ -207,8 +226,11 @@ static void print_table(const facts *f, const char *path)
     printf("%s: packed terrain, format version %d, ", path, f->packed->version);
     print_bytes(f->packed->bytes);
     printf(", %.3f bits a sample\n", f->bits);
-    printf("  size           %" PRId64 " x %" PRId64 " samples every %.6g x %.6g m\n", t->width, t->height,
-           t->spacing_x, t->spacing_y);
+    printf("  size           %" PRId64 " x %" PRId64 " samples every %.6g x %.6g m", t->width, t->height, t->spacing_x,
+           t->spacing_y);
+    if (f->faces)
+        printf(", on each of %d faces (%s)", f->faces, f->map->chart[0].class->name);
+    printf("\n");
     print_place(f);
     if (is_planet(f))
         print_planet(f);

@@ -9,6 +9,7 @@
 #include "common/app/arguments.h"
 #include "common/app/interrupt.h"
 #include "common/app/json.h"
+#include "common/chart/atlas.h"
 #include "common/input/mosaic.h"
 #include "common/base/numbers.h"
 #include "common/input/folder.h"
@@ -34,7 +35,8 @@ static const int64_t worth_telling = 10000; /* bytes of a file that might be a s
 struct arguments {
     const char **inputs;
     int count;
-    const char *output, *atlas;
+    const char *output;
+    const tc_atlas *atlas; /* NULL: not given */
     double rms, max_error; /* 0: not given */
     tc_globe_choice globe;
     bool lossless, synthesis_fit, planet, json, quiet, verbose;
@@ -59,8 +61,8 @@ static bool read_codec(void *codec, const char *value)
 
 static bool read_atlas(void *atlas, const char *value)
 {
-    *(const char **)atlas = value;
-    return strcmp(value, "lonlat") == 0 || strcmp(value, "hex") == 0 || strcmp(value, "cube") == 0;
+    *(const tc_atlas **)atlas = tc_atlas_named(value);
+    return *(const tc_atlas **)atlas != NULL;
 }
 
 static bool read_radius(void *radius, const char *value)
@@ -103,7 +105,9 @@ static const tc_option table[] = {
     {0, "radius", "M", "metres, 1 or more",
      "of a sphere instead (the semi-major axis of the coordinate system, else 6371000)", read_radius,
      offsetof(struct arguments, globe.radius)},
-    {0, "atlas", "NAME", "lonlat, hex or cube", "lonlat: as the inputs are; hex, cube: not in this version (lonlat)",
+    {0, "atlas", "NAME", "lonlat, hex or cube",
+     "charts: lonlat, the inputs' own; hex or cube, resampled to four sheared charts of an octahedron or the six "
+     "faces of a cube, for schemes that draw them (lonlat)",
      read_atlas, offsetof(struct arguments, atlas)},
 
     {.help = "Work"},
@@ -160,15 +164,24 @@ static tc_status check_together(const struct arguments *a, tc_error *error)
         return status;
     if (a->planet && a->source.spacing > 0)
         return tc_fail(error, TC_ERR_USAGE, "--spacing: expected none for a planet: its samples lie in degrees");
-    if (a->atlas && strcmp(a->atlas, "lonlat") != 0)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "--atlas: expected lonlat, found %s, which is not in this version",
-                       a->atlas);
+    if (a->atlas && !a->planet)
+        return tc_fail(error, TC_ERR_USAGE, "--atlas: expected --planet with it, found none");
+    if (a->lossless && a->atlas && a->atlas != &tc_atlas_lonlat)
+        return tc_fail(error, TC_ERR_USAGE,
+                       "--atlas: expected lonlat with --lossless, found %s, to which heights are resampled",
+                       a->atlas->name);
     return TC_OK;
 }
 
 /* ---- Telling ---------------------------------------------------------------------------------------------------- */
 
 static const char *const mode_names[] = {"rms", "max-error", "lossless"}; /* as tc_pack_mode */
+
+/* Whether heights are resampled to faces. */
+static bool faces_of(const struct arguments *a)
+{
+    return a->atlas && a->atlas->class->seam;
+}
 
 static double bits_per_sample(const tc_pack_result *result)
 {
@@ -195,6 +208,12 @@ static void print_json(const struct arguments *a, const tc_pack_terrain *terrain
     tc_json_number(result->max_error, stdout);
     if (result->lossless_bytes > 0)
         printf(",\n  \"lossless_bytes_about\": %" PRId64, result->lossless_bytes);
+    if (faces_of(a)) {
+        printf(",\n  \"atlas\": \"%s\",\n  \"resampling_rms_m\": ", a->atlas->name);
+        tc_json_number(result->trip_rms, stdout);
+        printf(",\n  \"resampling_max_error_m\": ");
+        tc_json_number(result->trip_max, stdout);
+    }
     printf(",\n  \"voids\": %" PRId64 ",\n  \"seconds\": %.3f,\n  \"msamples_per_s\": ", result->voids, seconds);
     tc_json_number((double)result->samples / seconds * 1e-6, stdout);
     printf(",\n  \"peak_rss_bytes\": %" PRId64 "\n}\n", (int64_t)used.ru_maxrss * 1024);
@@ -213,6 +232,9 @@ static void print_line(const struct arguments *a, const tc_pack_terrain *terrain
         printf(" (lossless about %" PRId64 " bytes)", result->lossless_bytes);
     if (result->voids > 0)
         printf(", %" PRId64 " voids", result->voids);
+    if (faces_of(a))
+        printf("; resampled to %" PRId64 " samples on %s, the source's are rms %.3g m, at most %.3g m off them",
+               result->samples, a->atlas->name, result->trip_rms, result->trip_max);
     printf("; %.2f s, %.2f Msamples/s\n", seconds, (double)result->samples / seconds * 1e-6);
 }
 
@@ -246,6 +268,7 @@ static tc_pack_options choose_options(const struct arguments *a, const tc_pack_t
 {
     tc_pack_options o = {.codec = a->codec,
                          .synthesis_fit = a->synthesis_fit,
+                         .atlas = a->atlas ? a->atlas->name : NULL,
                          .threads = a->threads,
                          .progress = on_progress,
                          .progress_context = progress};

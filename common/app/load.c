@@ -122,6 +122,11 @@ static bool same_atlas(const tc_atlas *a, const tc_atlas *b)
 static tc_status lay_out(const char *path, bool packed, const tc_load_options *options, tc_map **map, tc_error *error)
 {
     const tc_atlas *has = tc_atlas_of((*map)->chart[0].class), *wanted = options->atlas;
+    if (way_of(options->body)->flat && options->body && tc_map_radius(*map) > 0)
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected a flat terrain or a planet in longitude and latitude, found one packed with "
+                       "--atlas %s",
+                       path, has->name);
     if (!wanted || same_atlas(has, wanted))
         return TC_OK;
     if (packed)

@@ -9,6 +9,7 @@
 
 #include "common/base/rect.h"
 #include "common/base/status.h"
+#include "common/chart/joined.h"
 #include "common/field/field.h"
 #include "common/packed/file/packed_file.h"
 #include "common/packed/read/tile_store.h"
@@ -152,6 +153,43 @@ static tc_status open_planet(const char *name, shared *s, tc_field *field, const
     return status;
 }
 
+/* The faces of an atlas: the first one's field is `field`, which it takes over. Of a file that was cut short they must
+ * still meet. */
+static tc_status open_faces(const char *name, shared *s, tc_field *field, const tc_open_options *options, tc_map *map,
+                            tc_error *error)
+{
+    const tc_container *c = tc_field_container(field);
+    const tc_atlas *atlas = tc_kind_faces(c->kind);
+    const int64_t cells = c->info.terrain.width - 1;
+    const int missing = c->info.levels_missing;
+    tc_status status = TC_OK;
+    map->chart[map->charts++] = (tc_chart){.field = field};
+    if ((cells >> missing) << missing != cells)
+        return tc_fail(error, TC_ERR_FORMAT, "%s: cut short: too little is left of it for faces that meet", name);
+    for (int n = 0; n < atlas->charts && !status; n++) {
+        if (n > 0 && (status = open_range(name, s, 0, s->source.size, n, options, &field, error)))
+            break;
+        map->chart[n] = tc_chart_face(atlas->class, field, n);
+        map->charts = n + 1;
+        const tc_terrain_info *info = tc_field_info(field);
+        status = map->body.class->check_relief(&map->body, name, info->z_base + (double)info->z_min,
+                                               info->z_base + (double)info->z_max, error);
+    }
+    if (!status && !tc_charts_join(map->chart, map->charts, false))
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    /* The georeference is that of what they were resampled from. */
+    const tc_face_source *from = &c->source;
+    tc_lonlat grid;
+    map->georef.known = map->georef.geographic = true;
+    memcpy(map->georef.transform, from->transform, sizeof from->transform);
+    map->width = from->width, map->height = from->height;
+    tc_lonlat_of(&map->georef, map->width, map->height, &grid); /* was checked with the head */
+    tc_lonlat_close(&grid);
+    map->grid = (tc_chart){
+        .class = &tc_chart_lonlat, .x0 = grid.x0, .y0 = grid.y0, .dx = grid.dx, .dy = grid.dy, .wraps = true};
+    return status;
+}
+
 /* What the head says of the whole. */
 static void describe(const tc_pack_terrain *t, const tc_open_options *options, tc_map *map)
 {
@@ -171,19 +209,24 @@ static tc_status open_charts(const char *name, shared *s, const tc_open_options 
     if (status)
         return status;
     const tc_pack_terrain *t = &tc_field_packed_info(field)->terrain;
-    double radius = options->flat ? 0 : t->radius;
-    tc_map *map = tc_map_create(tc_body_flattened(radius, t->flattening), 1 + TC_CAP_CHARTS);
+    bool faces = tc_kind_faces(tc_field_container(field)->kind) != NULL;
+    double radius = options->flat && !faces ? 0 : t->radius;
+    tc_map *map = tc_map_create(tc_body_flattened(radius, t->flattening), TC_MAP_CHARTS);
     if (!map) {
         tc_field_destroy(field);
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     }
     describe(t, options, map);
-    if (radius > 0)
+    if (faces)
+        status = open_faces(name, s, field, options, map, error);
+    else if (radius > 0)
         status = open_planet(name, s, field, options, map, error);
     else
         map->chart[map->charts++] = place(&tc_chart_plane, field, 0, 0, 0, t->spacing_x, t->spacing_y);
+    if (status == TC_OK && !faces)
+        set_grid(map);
     if (status == TC_OK)
-        set_grid(map), *map_ret = map;
+        *map_ret = map;
     else
         tc_map_destroy(map);
     return status;

@@ -68,7 +68,7 @@ refuses 2 '--codec: expected lifting with --lossless' $pack hills.tif --codec lh
 refuses 2 '--codec: expected lifting with --max-error' $pack hills.tif --codec lh04 --max-error 1
 refuses 2 '--codec: expected lifting with --max-error' $pack hills.tif --codec lh04 --rms 1 --max-error 4
 refuses 2 '--radius: expected --planet' $pack hills.tif --radius 6371000
-refuses 1 '--atlas: .*not in this version' $pack hills.tif --atlas cube
+refuses 2 '--atlas: expected --planet with it, found none' $pack hills.tif --atlas cube
 refuses 2 'FILE: expected a packed terrain, found none' $terraclip info
 refuses 2 "found also 'b'" $terraclip info a b
 refuses 2 'FILE: expected a packed terrain, found none' $terraclip extract -o out/a.tif

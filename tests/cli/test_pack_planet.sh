@@ -22,6 +22,8 @@ $make_file tiff hills.tif size=300x200 metres=30
 $make_file tiff placed.tif size=120x90 place=8,46
 $make_file tiff beyond.tif size=100x100 place=8,89.5
 $make_file tiff area.tif size=320x160 globe=-180,320,160 area=1
+$make_file tiff belt.tif size=320x156 globe=-180,320,160 from=0,2 area=1
+$make_file tiff short.tif size=384x191 globe=0,384,193 from=0,1
 $make_file tiff points.tif size=384x193 globe=0,384,193
 $make_file tiff repeated.tif size=385x193 globe=0,384,193
 $make_file tiff odd.tif size=514x257 globe=0,514,257 type=f32 heights=plane
@@ -40,7 +42,9 @@ refuses 1 'square.png: expected a georeference .*twice as wide as high' $pack sq
 refuses 1 'odd.tif: lossless: expected a number of columns' $pack odd.tif --lossless
 refuses 2 '--spacing: expected none for a planet' $pack area.tif --spacing 30
 refuses 1 'expected heights that are small beside the radius of 900 m' $pack area.tif --radius 900
-refuses 1 '--atlas: .*not in this version' $pack area.tif --atlas hex
+refuses 2 '--atlas: expected lonlat with --lossless, found hex' $pack area.tif --atlas hex --lossless
+refuses 2 'hills.tif: expected a map of all 360 degrees of longitude' $pack hills.tif --atlas hex
+refuses 1 '--atlas cube: expected a planet as a whole, .*, found a part of one' $pack belt.tif --atlas cube
 
 # ---- What is comes back
 
@@ -85,6 +89,46 @@ does '' $terraclip pack area.tif -o paper.tclip --planet --rms 5 --codec lh04
 does '' $terraclip pack area.tif -o bound.tclip --planet --max-error 3
 does '' $terraclip extract bound.tclip -o bound.tif
 equal area.tif bound.tif within=3
+
+# ---- Other atlases
+
+for atlas in hex cube; do
+    does '' $terraclip pack area.tif -o $atlas.tclip --planet --atlas $atlas --rms 1
+    holds 'resampled to [0-9]+ samples on' stdout.txt
+    does '' $terraclip info $atlas.tclip
+    holds "on each of [46] faces \\($atlas\\)" stdout.txt
+    holds 'place +longitude -180 to 180, latitude -90 to 90, area-registered' stdout.txt
+    holds 'resampled +from 320 x 160 samples, which are rms ' stdout.txt
+    does '' $terraclip info $atlas.tclip --json
+    holds "\"atlas\": \"$atlas\"," stdout.txt
+    holds '"source_width": 320,' stdout.txt
+    holds '"resampling_rms_m": [0-9]' stdout.txt
+    does '' $terraclip pack area.tif -o again.tclip --planet --atlas $atlas --rms 1 --json
+    same $atlas.tclip again.tclip 'packed twice'
+    holds '"resampling_max_error_m": [0-9]' stdout.txt
+    does '' $terraclip extract $atlas.tclip -o $atlas.tif
+    for at in '0 0' '-179.9 40' '33 -77' '180 10' '0 90' '137 90' '50 -90' '45 35.264'; do
+        height area.tclip ${at% *} ${at#* }
+        one=$out
+        height $atlas.tclip ${at% *} ${at#* }
+        near "$out" "$one" 40 "$atlas at $at" # samples of 125 km
+        two=$out
+        height $atlas.tif ${at% *} ${at#* }
+        near "$out" "$two" 40 "$atlas extracted, at $at"
+    done
+    refuses 1 'found one outside' $terraclip height $atlas.tclip 0 90.01
+    does '' $terraclip height $atlas.tclip 540 10
+    one=$out
+    does '' $terraclip height $atlas.tclip 180 10
+    near "$out" "$one" 0.001 "$atlas: turns"
+    refuses 1 "$atlas.tclip: expected a planet packed with --atlas lonlat, found one with --atlas $atlas; 'terraclip pack --planet --atlas lonlat INPUT" \
+        $globe $atlas.tclip -o out/picture.png
+    refuses 1 "$atlas.tclip: expected a flat terrain or a planet in longitude and latitude, found one packed with --atlas $atlas" \
+        $viewer $atlas.tclip -o out/picture.png
+    does '' $terraclip pack short.tif -o again.tclip --planet --atlas $atlas --rms 5 # a row short of either pole
+    does '' $terraclip pack odd.tif -o again.tclip --planet --atlas $atlas --rms 5 --synthesis-fit
+    does '' $terraclip extract again.tclip --synthesis 1 -o again.tif
+done
 
 # ---- Columns that come round again, rows of several files, widths that cannot be halved
 

@@ -39,6 +39,25 @@ static inline bool tc_coder_corrects(tc_coder coder)
     return coder == TC_CODER_CORRECTIONS || coder == TC_CODER_SPARSE;
 }
 
+/* How a chart lies on its body: as chart.h in common/chart has them. */
+typedef enum tc_chart_kind {
+    TC_CHART_PLANE,
+    TC_CHART_LONLAT,
+    TC_CHART_NORTH_CAP,
+    TC_CHART_SOUTH_CAP,
+    TC_CHART_HEX,
+    TC_CHART_CUBE,
+    TC_CHART_KINDS
+} tc_chart_kind;
+
+/* What the faces of an atlas were resampled from: the grid of longitude and latitude that the georeference counts
+ * samples of, and how far its samples are from the faces' heights, interpolated, before these were coded. */
+typedef struct tc_face_source {
+    int64_t width, height;
+    double transform[6];
+    double rms, max; /* metres */
+} tc_face_source;
+
 /* A level that is coded in tiles. */
 typedef struct tc_level_record {
     tc_coder coder;
@@ -65,6 +84,8 @@ typedef struct tc_container {
     tc_level_record record[TC_MAX_FIELD_LEVELS]; /* [l - 1]; for l > base */
     int32_t base_z[TC_BASE_SIZE * TC_BASE_SIZE]; /* [j * width + i] */
     uint8_t base_void[TC_BASE_SIZE * TC_BASE_SIZE];
+    tc_chart_kind kind;                 /* of files of version 3 */
+    tc_face_source source;              /* of the first of several faces; else of no width */
     struct tc_synthesis_fit *synthesis; /* of the file's first chart (synthesis.h); owned. NULL: none is stored */
 } tc_container;
 

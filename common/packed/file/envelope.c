@@ -8,8 +8,8 @@
 #include "common/base/status.h"
 #include "common/synthesis/synthesis_store.h"
 
-enum { MOST_SECTIONS = 256, BODY_BYTES = 8 };
-enum { SECTION_SYNTHESIS = 1, SECTION_BODY, KNOWN_SECTIONS };
+enum { MOST_SECTIONS = 256, BODY_BYTES = 8, FACES_BYTES = 88 };
+enum { SECTION_SYNTHESIS = 1, SECTION_BODY, SECTION_FACES, KNOWN_SECTIONS };
 
 bool tc_envelope_is(const uint8_t *bytes)
 {
@@ -25,8 +25,41 @@ void tc_envelope_free(tc_envelope *e)
 
 /* ---- Charts ----------------------------------------------------------------------------------------------------- */
 
+static const tc_atlas *const atlas_of_kind[TC_CHART_KINDS] = {
+    [TC_CHART_HEX] = &tc_atlas_hex, [TC_CHART_CUBE] = &tc_atlas_cube};
+
+const tc_atlas *tc_kind_faces(tc_chart_kind kind)
+{
+    return atlas_of_kind[kind];
+}
+
+tc_chart_kind tc_faces_kind(const tc_atlas *atlas)
+{
+    int kind = TC_CHART_KINDS - 1;
+    while (kind > 0 && atlas_of_kind[kind] != atlas)
+        kind--;
+    return (tc_chart_kind)kind;
+}
+
+static void place_faces(tc_envelope *e, tc_chart_kind kind)
+{
+    const tc_chart_class *class = tc_kind_faces(kind)->class;
+    for (int n = 0; n < e->charts; n++) {
+        tc_envelope_chart *c = &e->chart[n];
+        int64_t cells = tc_max64(c->container.info.terrain.width - 1, 1);
+        c->kind = c->container.kind = kind;
+        c->x0 = c->y0 = 0, c->dx = c->dy = 1 / (double)cells;
+        for (int side = 0; side < TC_SIDES; side++)
+            c->side[side] = class->seam(n, side, cells);
+    }
+}
+
 void tc_envelope_place(tc_envelope *e)
 {
+    if (tc_kind_faces(e->chart[0].container.kind)) {
+        place_faces(e, e->chart[0].container.kind);
+        return;
+    }
     static const tc_chart_kind caps[] = {TC_CHART_NORTH_CAP, TC_CHART_SOUTH_CAP};
     const tc_pack_terrain *t = &e->chart[0].container.info.terrain;
     tc_lonlat globe = {.dx = t->spacing_x, .dy = t->spacing_y};
@@ -45,6 +78,7 @@ void tc_envelope_place(tc_envelope *e)
             c->x0 = c->y0 = -0.5 * (double)(c->container.info.terrain.width - 1) * globe.dy;
             c->dx = c->dy = globe.dy;
         }
+        c->container.kind = c->kind;
     }
 }
 
@@ -85,6 +119,18 @@ static void extent_of(const tc_container *c, int64_t *first_ret, int64_t *bytes_
 
 /* ---- Bytes ------------------------------------------------------------------------------------------------------ */
 
+/* Of faces: the body's radius, which their containers do not know, and what they were made from. */
+static void write_faces(const tc_container *c, tc_byte_writer *w)
+{
+    const tc_face_source *s = &c->source;
+    tc_put(w, SECTION_FACES, 4), tc_put(w, FACES_BYTES, 4);
+    tc_put_f64(w, c->info.terrain.radius);
+    tc_put(w, (uint64_t)s->width, 8), tc_put(w, (uint64_t)s->height, 8);
+    for (int i = 0; i < 6; i++)
+        tc_put_f64(w, s->transform[i]);
+    tc_put_f64(w, s->rms), tc_put_f64(w, s->max);
+}
+
 static void write_chart(const tc_envelope_chart *c, size_t head, tc_byte_writer *w)
 {
     int64_t first, bytes;
@@ -108,10 +154,13 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
 {
     tc_byte_writer heads = {0};
     size_t size[TC_MOST_CHARTS], start = w->size;
+    const bool faces = tc_kind_faces(e->chart[0].kind) != NULL;
     tc_status status = TC_OK;
     for (int n = 0; n < e->charts && !status; n++) {
         tc_container alone = e->chart[n].container; /* as it stands in the file, where it knows of no other */
         alone.info.charts = 1;
+        if (faces)
+            alone.info.terrain.radius = 0;
         size_t before = heads.size;
         status = tc_container_write(&alone, &heads);
         size[n] = heads.size - before;
@@ -120,7 +169,7 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
     tc_put(w, (uint64_t)e->bytes, 8);
     const tc_container *first = &e->chart[0].container;
     const double flattening = first->info.terrain.flattening;
-    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, (first->synthesis ? 1 : 0) + (flattening > 0 ? 1 : 0), 2);
+    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, (first->synthesis ? 1 : 0) + (flattening > 0 ? 1 : 0) + faces, 2);
     for (int n = 0; n < e->charts && !status; n++)
         write_chart(&e->chart[n], size[n], w);
     if (first->synthesis) {
@@ -129,6 +178,8 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
     }
     if (flattening > 0)
         tc_put(w, SECTION_BODY, 4), tc_put(w, BODY_BYTES, 4), tc_put_f64(w, flattening);
+    if (faces)
+        write_faces(first, w);
     tc_put_bytes(w, heads.bytes, heads.size);
     free(heads.bytes);
     return status || heads.failed ? TC_ERR_MEMORY : tc_head_seal(w, start);
@@ -155,11 +206,11 @@ static bool read_chart(tc_envelope_chart *c, table_row *row, int charts, tc_byte
         s->chart = (int8_t)(uint8_t)tc_get(r, 1);
         for (int k = 0; k < 4; k++) {
             s->m[k] = (int8_t)(uint8_t)tc_get(r, 1);
-            bad |= s->m[k] < -1 || s->m[k] > 1;
+            bad |= s->m[k] < -2 || s->m[k] > 2;
         }
         s->dx = (int64_t)tc_get(r, 8), s->dy = (int64_t)tc_get(r, 8);
         bad |= s->chart < -1 || s->chart >= charts;
-        bad |= s->chart >= 0 && abs(s->m[0] * s->m[3] - s->m[1] * s->m[2]) != 1; /* a turn or a mirroring */
+        bad |= s->chart >= 0 && abs(s->m[0] * s->m[3] - s->m[1] * s->m[2]) != 1; /* a turn, a mirroring, a shear */
     }
     row->head = (size_t)tc_get(r, 4);
     return !bad && !r->failed;
@@ -229,11 +280,30 @@ static tc_status check(tc_envelope *e, const table_row *row, size_t head_size)
     return good ? TC_OK : TC_ERR_FORMAT;
 }
 
+/* All of one atlas, of one size, on one lattice of levels. */
+static bool known_faces(const tc_envelope *e)
+{
+    const tc_container *first = &e->chart[0].container;
+    const tc_pack_terrain *t = &first->info.terrain;
+    if (e->charts != tc_kind_faces(e->chart[0].kind)->charts || t->width < 2 || !(t->radius > 0))
+        return false;
+    for (int n = 0; n < e->charts; n++) {
+        const tc_container *c = &e->chart[n].container;
+        const tc_pack_terrain *f = &c->info.terrain;
+        if (e->chart[n].kind != e->chart[0].kind || f->wraps_x || f->width != t->width || f->height != t->width ||
+            f->z_base != t->z_base || (n > 0 && f->radius != 0) || f->voids != t->voids)
+            return false;
+    }
+    return true;
+}
+
 /* Charts that this version knows: a plane; longitude and latitude, with two caps or none, which fit it. */
 static bool known_charts(const tc_envelope *e)
 {
     const tc_pack_terrain *t = &e->chart[0].container.info.terrain;
     tc_lonlat globe;
+    if (tc_kind_faces(e->chart[0].kind))
+        return known_faces(e);
     if (e->charts == 1)
         return true;
     if (e->charts != 1 + TC_CAP_CHARTS || !(t->radius > 0) || !tc_terrain_globe(t, &globe) || !globe.poles)
@@ -272,6 +342,33 @@ static tc_status keep_body(tc_byte_reader section, tc_container *c)
         return TC_ERR_FORMAT;
     c->info.terrain.flattening = flattening;
     return TC_OK;
+}
+
+/* Of faces: before what the first one's container is checked for. */
+static tc_status keep_faces(tc_byte_reader section, tc_envelope *e)
+{
+    tc_container *c = &e->chart[0].container;
+    tc_face_source *s = &c->source;
+    const bool faces = tc_kind_faces(e->chart[0].kind) != NULL;
+    if (!section.at || !faces)
+        return faces || section.at ? TC_ERR_FORMAT : TC_OK;
+    const double radius = tc_get_f64(&section);
+    s->width = (int64_t)tc_get(&section, 8), s->height = (int64_t)tc_get(&section, 8);
+    bool bad = c->info.terrain.radius != 0 || c->info.terrain.georef.known;
+    for (int i = 0; i < 6; i++) {
+        s->transform[i] = tc_get_f64(&section);
+        bad |= !isfinite(s->transform[i]);
+    }
+    s->rms = tc_get_f64(&section), s->max = tc_get_f64(&section);
+    const int64_t most = (int64_t)1 << 40;
+    bad |= section.failed || section.at != section.end || !(radius > 0) || !isfinite(radius) || s->width < 1 ||
+           s->height < 1 || s->width > most || s->height > most || !(s->rms >= 0) || !(s->max >= s->rms) ||
+           !isfinite(s->max);
+    c->info.terrain.radius = bad ? 0 : radius;
+    tc_georef placed = {.known = true, .geographic = true};
+    memcpy(placed.transform, s->transform, sizeof placed.transform);
+    tc_lonlat globe;
+    return bad || !tc_lonlat_of(&placed, s->width, s->height, &globe) || !globe.poles ? TC_ERR_FORMAT : TC_OK;
 }
 
 /* Of a later form the file counts as one without. */
@@ -326,11 +423,13 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
         if (needed != row[n].head || c->info.charts != 1)
             return fail_damaged(subject, error);
         c->info.charts = charts, c->info.version = TC_ENVELOPE_VERSION;
+        c->kind = e->chart[n].kind;
         c->steps = true;
     }
-    if (r.failed || r.at != r.end || !known_charts(e))
+    tc_status status = keep_faces(section[SECTION_FACES], e);
+    if (status || r.failed || r.at != r.end || !known_charts(e))
         return fail_damaged(subject, error);
-    tc_status status = keep_synthesis(&section[SECTION_SYNTHESIS], &e->chart[0].container);
+    status = keep_synthesis(&section[SECTION_SYNTHESIS], &e->chart[0].container);
     if (!status)
         status = keep_body(section[SECTION_BODY], &e->chart[0].container);
     if (!status)

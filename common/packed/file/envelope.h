@@ -8,22 +8,13 @@
 #ifndef TC_ENVELOPE_H
 #define TC_ENVELOPE_H
 
-#include "common/chart/chart.h"
+#include "common/chart/atlas.h"
 #include "container.h"
 
 enum { TC_ENVELOPE_VERSION = TC_NEWEST_VERSION, TC_MOST_CHARTS = 8 };
 
-/* How a chart lies on its body: as chart.h in common/chart has them. */
-typedef enum tc_chart_kind {
-    TC_CHART_PLANE,
-    TC_CHART_LONLAT,
-    TC_CHART_NORTH_CAP,
-    TC_CHART_SOUTH_CAP,
-    TC_CHART_KINDS
-} tc_chart_kind;
-
 typedef struct tc_envelope_chart {
-    tc_chart_kind kind;
+    tc_chart_kind kind;    /* as of the container */
     double x0, y0, dx, dy; /* of the finest level's first sample and between samples, in the chart's coordinates */
     tc_seam side[TC_SIDES];
     tc_container container; /* offsets are those of the file */
@@ -41,8 +32,12 @@ typedef struct tc_envelope {
 bool tc_envelope_is(const uint8_t *bytes);
 
 /* Kind, place and seams of the charts, from the containers' terrains: the first one is the terrain's own, a planet's
- * others are its caps. */
+ * others are its caps. Where the first one's container is a face of an atlas so are all others. */
 void tc_envelope_place(tc_envelope *envelope);
+
+/* The atlas whose faces charts of a kind are; NULL: those of another kind. */
+const tc_atlas *tc_kind_faces(tc_chart_kind kind);
+tc_chart_kind tc_faces_kind(const tc_atlas *atlas);
 
 /* Lays all levels out rank by rank behind the head, by their sizes, end - begin: sets begin, end, rank_end and bytes.
  */

@@ -17,6 +17,13 @@ tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error)
     return TC_OK;
 }
 
+/* The atlas that heights are to be resampled to; NULL: they are packed as they are. */
+static const tc_atlas *faces_of(const tc_pack_options *o)
+{
+    const tc_atlas *atlas = o->atlas ? tc_atlas_named(o->atlas) : NULL;
+    return atlas && atlas->class->seam ? atlas : NULL;
+}
+
 /* ---- Creating -------------------------------------------------------------------------------------------------- */
 
 static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack_options *o, tc_error *error)
@@ -41,6 +48,17 @@ static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack
     if (t->radius > 0 && (!tc_terrain_globe(t, &globe) || globe.round != t->wraps_x))
         return tc_fail(error, TC_ERR_USAGE,
                        "%s: expected a planet's georeference, in degrees, that wraps where it goes once around", path);
+    if (o->atlas && !tc_atlas_named(o->atlas))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected the atlas lonlat, hex or cube, found %s", path, o->atlas);
+    if (faces_of(o) && !(t->radius > 0 && globe.poles))
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: --atlas %s: expected a planet as a whole, around the globe and from pole to pole, found %s",
+                       path, o->atlas, t->radius > 0 ? "a part of one" : "a flat terrain");
+    if (faces_of(o) && o->mode == TC_PACK_LOSSLESS)
+        return tc_fail(
+            error, TC_ERR_UNSUPPORTED,
+            "%s: --atlas %s: expected an error to be left, found lossless: what is resampled lies on no lattice", path,
+            o->atlas);
     if (o->mode == TC_PACK_RMS && !(o->max_error >= 0 && isfinite(o->max_error)))
         return tc_fail(error, TC_ERR_USAGE, "%s: expected a largest error above 0 m, or 0 for any, found %g", path,
                        o->max_error);
@@ -77,7 +95,7 @@ tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, con
     for (int l = 0; l < TC_MAX_FIELD_LEVELS; l++)
         p->truth[l] = TC_SPOOL_NONE;
     p->body = -1;
-    p->most = 1 - tc_pack_caps_share(terrain);
+    p->most = faces_of(options) ? 1 : 1 - tc_pack_caps_share(terrain);
     p->z_min = INFINITY, p->z_max = -INFINITY;
     bool asked = is_tight(options) || options->price_lossless;
     p->lattices = terrain->sample_type >= TC_SAMPLE_FLOAT32 && asked ? UINT32_MAX : 0;
@@ -263,7 +281,8 @@ static tc_status check_relief(const tc_packer *p, tc_error *error)
     return body.class->check_relief(&body, p->path, low, high, error);
 }
 
-tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
+/* What was put, as a whole: counted, looked at, filled. */
+static tc_status settle(tc_packer *p, tc_error *error)
 {
     tc_container *c = &p->container;
     tc_pack_terrain *t = &c->info.terrain;
@@ -279,7 +298,13 @@ tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
     c->info.mean += t->z_base;
     if (!status && c->voids && !p->filled)
         status = tc_pack_fill(p, error);
+    return status;
+}
+
+tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
+{
     int32_t bound = 0, lattice = 1;
+    tc_status status = settle(p, error);
     if (!status)
         status = set_unit(p, &bound, &lattice, error);
     if (!status && p->options.synthesis_fit) /* before what takes long, since it may fail */
@@ -291,24 +316,37 @@ tc_status tc_pack_all_levels(tc_packer *p, tc_error *error)
     return status;
 }
 
-tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *error)
+/* Levels, and caps of a planet. *charts_ret: of the file; the first one is p. */
+static tc_status pack_own(tc_packer *p, tc_packer *chart[TC_MOST_CHARTS], int *charts_ret, tc_error *error)
 {
-    bool planet = p->container.info.terrain.radius > 0;
-    tc_packer *cap[TC_CAP_CHARTS] = {NULL, NULL};
-    tc_status status = tc_pack_all_levels(p, error);
-    if (!status && planet)
-        status = tc_pack_caps(p, cap, error);
-    if (!status)
-        status = tc_pack_put_in_place(p, cap, error);
-    int64_t of_caps = 0; /* samples, which take about as much as the map's */
-    for (int n = 0; n < TC_CAP_CHARTS && !status; n++)
-        of_caps += cap[n] ? cap[n]->result.samples : 0;
     const tc_pack_terrain *t = &p->container.info.terrain;
+    chart[0] = p;
+    tc_status status = tc_pack_all_levels(p, error);
+    if (!status && t->radius > 0)
+        status = tc_pack_caps(p, chart + 1, error);
+    *charts_ret = chart[1] ? 1 + TC_CAP_CHARTS : 1;
+    int64_t of_caps = 0; /* samples, which take about as much as the map's */
+    for (int n = 1; n < *charts_ret && !status; n++)
+        of_caps += chart[n]->result.samples;
     p->result.lossless_bytes +=
         llrint((double)p->result.lossless_bytes * (double)of_caps / ((double)t->width * (double)t->height));
+    return status;
+}
+
+tc_status tc_packer_finish(tc_packer *p, tc_pack_result *result_ret, tc_error *error)
+{
+    tc_packer *chart[TC_MOST_CHARTS] = {NULL};
+    const tc_atlas *faces = faces_of(&p->options);
+    int charts = faces ? faces->charts : 1;
+    tc_status status = faces ? settle(p, error) : pack_own(p, chart, &charts, error);
+    if (faces && !status)
+        status = tc_pack_faces(p, faces, chart, error);
+    if (!status)
+        status = tc_pack_put_in_place(p, chart, charts, error);
     if (!status)
         *result_ret = p->result;
-    for (int n = 0; n < TC_CAP_CHARTS; n++)
-        tc_packer_destroy(cap[n]);
+    for (int n = 0; n < TC_MOST_CHARTS; n++)
+        if (chart[n] != p)
+            tc_packer_destroy(chart[n]);
     return status;
 }

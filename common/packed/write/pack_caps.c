@@ -31,14 +31,7 @@ double tc_pack_caps_share(const tc_pack_terrain *t)
 
 /* ---- Heights --------------------------------------------------------------------------------------------------- */
 
-/* The heights of a cap, written in all places at once: a file without a name, which need not stay in memory. */
-typedef struct cap_memory {
-    void *bytes;
-    size_t size;
-    tc_cap_target target;
-} cap_memory;
-
-static tc_status reserve(const tc_packer *p, int64_t side, cap_memory *m, tc_error *error)
+static tc_status reserve(const tc_packer *p, int64_t side, tc_pack_caps_memory *m, tc_error *error)
 {
     size_t samples = (size_t)(side * side);
     m->size = samples * (sizeof(float) + 1);
@@ -57,19 +50,19 @@ static tc_status reserve(const tc_packer *p, int64_t side, cap_memory *m, tc_err
         return tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made beside it: %s", p->path,
                        (double)m->size / (1 << 30), strerror(why));
     }
-    m->target.z = m->bytes;
-    m->target.voids = p->container.voids > 0 ? (uint8_t *)m->bytes + samples * sizeof(float) : NULL;
+    m->z = m->bytes;
+    m->voids = p->container.voids > 0 ? (uint8_t *)m->bytes + samples * sizeof(float) : NULL;
     return TC_OK;
 }
 
 /* Lets go of the pages; what they hold stays in the file. */
-static void forget(const cap_memory *m)
+static void forget(const tc_pack_caps_memory *m)
 {
     if (m->bytes)
         madvise(m->bytes, m->size, MADV_DONTNEED);
 }
 
-static void release(cap_memory *m)
+static void release(tc_pack_caps_memory *m)
 {
     if (m->bytes)
         munmap(m->bytes, m->size);
@@ -77,8 +70,8 @@ static void release(cap_memory *m)
 }
 
 /* Gives rows y0 .. y1 - 1 of the planet to the caps. */
-static tc_status give_rows(const tc_packer *p, tc_caps *caps, const cap_memory memory[TC_CAPS], int64_t y0, int64_t y1,
-                           tc_error *error)
+static tc_status give_rows(const tc_packer *p, tc_caps *caps, const tc_pack_caps_memory memory[TC_CAPS], int64_t y0,
+                           int64_t y1, tc_error *error)
 {
     int64_t w = p->container.info.terrain.width, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, y1 - y0);
     bool some = p->container.voids > 0;
@@ -101,10 +94,10 @@ static tc_status give_rows(const tc_packer *p, tc_caps *caps, const cap_memory m
     return status;
 }
 
-static tc_status make_heights(const tc_packer *p, const tc_lonlat *grid, const cap_memory memory[TC_CAPS],
+static tc_status make_heights(const tc_packer *p, const tc_lonlat *grid, const tc_pack_caps_memory memory[TC_CAPS],
                               tc_error *error)
 {
-    const tc_cap_target target[TC_CAPS] = {memory[0].target, memory[1].target};
+    const tc_cap_target target[TC_CAPS] = {{memory[0].z, memory[0].voids}, {memory[1].z, memory[1].voids}};
     int64_t reach = tc_caps_reach(grid), h = grid->height, north = tc_max64(h - reach, 0);
     tc_caps *caps = NULL;
     tc_status status = tc_caps_create(grid, target, p->options.threads, &caps), finished = TC_OK;
@@ -119,9 +112,25 @@ static tc_status make_heights(const tc_packer *p, const tc_lonlat *grid, const c
     return status;
 }
 
-static bool is_all_void(const cap_memory *m, int64_t side)
+tc_status tc_pack_make_caps(const tc_packer *p, const tc_lonlat *grid, tc_pack_caps_memory memory[TC_CAPS],
+                            tc_error *error)
 {
-    return m->target.voids && !memchr(m->target.voids, 0, (size_t)(side * side));
+    int64_t side = tc_caps_side(grid);
+    tc_status status = TC_OK;
+    for (int n = 0; n < TC_CAPS && !status; n++)
+        status = reserve(p, side, &memory[n], error);
+    return status ? status : make_heights(p, grid, memory, error);
+}
+
+void tc_pack_release_caps(tc_pack_caps_memory memory[TC_CAPS])
+{
+    for (int n = 0; n < TC_CAPS; n++)
+        release(&memory[n]);
+}
+
+static bool is_all_void(const tc_pack_caps_memory *m, int64_t side)
+{
+    return m->voids && !memchr(m->voids, 0, (size_t)(side * side));
 }
 
 /* ---- Packing --------------------------------------------------------------------------------------------------- */
@@ -135,7 +144,7 @@ static bool keep_on(void *planet, double done)
 
 /* A cap's error is that of the planet; but resampled heights lie on no lattice. What is lossless is kept to half a
  * stored unit there, and no error is smaller than what height units and floats hold. */
-static tc_pack_options options_of(tc_packer *p)
+tc_pack_options tc_pack_resampled_options(tc_packer *p)
 {
     double highest = fmax(fabs((double)p->z_min), fabs((double)p->z_max));
     double least = fmax(ldexp(40 * ((double)p->z_max - p->z_min + highest), -23), DBL_MIN);
@@ -148,13 +157,13 @@ static tc_pack_options options_of(tc_packer *p)
     o.error = fmax(error, least);
     if (o.max_error > 0)
         o.max_error = fmax(o.max_error, least);
-    o.lattice = 0, o.price_lossless = false, o.synthesis_fit = false; /* caps go by the planet's */
+    o.lattice = 0, o.price_lossless = false, o.atlas = NULL, o.synthesis_fit = false; /* caps go by the planet's */
     o.progress = keep_on;
     o.progress_context = p;
     return o;
 }
 
-static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const cap_memory *memory, tc_packer **cap_ret,
+static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const tc_pack_caps_memory *memory, tc_packer **cap_ret,
                           tc_error *error)
 {
     const tc_pack_terrain *planet = &p->container.info.terrain;
@@ -170,17 +179,16 @@ static tc_status pack_cap(tc_packer *p, const tc_lonlat *grid, const cap_memory 
                          .offset = planet->z_base,
                          .voids = planet->voids,
                          .void_constant = planet->void_constant};
-    tc_pack_options options = options_of(p);
+    tc_pack_options options = tc_pack_resampled_options(p);
     tc_status status = tc_packer_create(p->path, &t, &options, cap_ret, error);
     int64_t rows = tc_clamp64(((int64_t)1 << 20) / side, 1, side);
     if (!status)
         (*cap_ret)->filled = true;
     for (int64_t y = 0; y < side && !status; y += rows) {
         tc_rect rect = {0, y, side, tc_min64(y + rows, side)};
-        const uint8_t *voids = memory->target.voids;
+        const uint8_t *voids = memory->voids;
         forget(memory); /* the rows before */
-        status =
-            tc_packer_put(*cap_ret, rect, memory->target.z + y * side, voids ? voids + y * side : NULL, side, error);
+        status = tc_packer_put(*cap_ret, rect, memory->z + y * side, voids ? voids + y * side : NULL, side, error);
     }
     return status ? status : tc_pack_all_levels(*cap_ret, error);
 }
@@ -192,13 +200,9 @@ tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *er
     if (!tc_terrain_globe(t, &grid) || !grid.poles)
         return TC_OK;
     int64_t side = tc_caps_side(&grid);
-    cap_memory memory[TC_CAPS] = {{0}};
-    tc_status status = TC_OK;
+    tc_pack_caps_memory memory[TC_CAPS] = {{0}};
     double share = 0.5 * tc_pack_caps_share(t);
-    for (int n = 0; n < TC_CAPS && !status; n++)
-        status = reserve(p, side, &memory[n], error);
-    if (!status)
-        status = make_heights(p, &grid, memory, error);
+    tc_status status = tc_pack_make_caps(p, &grid, memory, error);
     bool empty = false;
     for (int n = 0; n < TC_CAPS && !status; n++)
         empty |= is_all_void(&memory[n], side);
@@ -209,7 +213,6 @@ tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *er
         if (!status)
             status = tc_pack_progress(p, share, error);
     }
-    for (int n = 0; n < TC_CAPS; n++)
-        release(&memory[n]);
+    tc_pack_release_caps(memory);
     return status;
 }

@@ -22,14 +22,14 @@ static tc_status write_all(int file, const void *bytes, size_t size, int64_t at,
     return TC_OK;
 }
 
-/* Charts of a file: the terrain's own packer first. */
-typedef struct charts {
-    const tc_packer *packer[1 + TC_CAP_CHARTS];
-    tc_envelope envelope;                                    /* borrows the packers' containers */
-    int64_t body_at[1 + TC_CAP_CHARTS][TC_MAX_FIELD_LEVELS]; /* where levels begin in the packers' bodies; [l - 1] */
-} charts;
+/* Charts of a file. */
+typedef struct file_charts {
+    const tc_packer *packer[TC_MOST_CHARTS];
+    tc_envelope envelope;                                 /* borrows the packers' containers */
+    int64_t body_at[TC_MOST_CHARTS][TC_MAX_FIELD_LEVELS]; /* where levels begin in the packers' bodies; [l - 1] */
+} file_charts;
 
-static void add_chart(charts *all, const tc_packer *p)
+static void add_chart(file_charts *all, const tc_packer *p)
 {
     int n = all->envelope.charts++;
     const tc_container *c = &p->container;
@@ -40,7 +40,7 @@ static void add_chart(charts *all, const tc_packer *p)
 }
 
 /* The head, and with it where the levels come to lie. */
-static tc_status make_head(charts *all, const char *path, tc_byte_writer *head, tc_error *error)
+static tc_status make_head(file_charts *all, const char *path, tc_byte_writer *head, tc_error *error)
 {
     tc_envelope_place(&all->envelope);
     tc_status status = tc_envelope_write(&all->envelope, head); /* for its size */
@@ -61,7 +61,7 @@ static tc_status make_head(charts *all, const char *path, tc_byte_writer *head, 
 }
 
 /* A level from its packer's body to its place in the file. */
-static tc_status copy_level(const charts *all, int n, int l, int file, char *block, size_t room, tc_error *error)
+static tc_status copy_level(const file_charts *all, int n, int l, int file, char *block, size_t room, tc_error *error)
 {
     const tc_packer *p = all->packer[n];
     const tc_level_record *r = &all->envelope.chart[n].container.record[l - 1];
@@ -80,19 +80,18 @@ static tc_status copy_level(const charts *all, int n, int l, int file, char *blo
 }
 
 /* All charts into one file. */
-static tc_status assemble(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], int file, tc_error *error)
+static tc_status assemble(tc_packer *p, tc_packer *const chart[], int charts, int file, tc_error *error)
 {
     enum { BLOCK = 1 << 20 };
-    charts *all = calloc(1, sizeof *all);
+    file_charts *all = calloc(1, sizeof *all);
     char *block = malloc(BLOCK);
     tc_byte_writer head = {0};
     tc_status status = TC_OK;
     if (!all || !block)
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     if (!status) {
-        add_chart(all, p);
-        for (int n = 0; n < TC_CAP_CHARTS && cap[0]; n++)
-            add_chart(all, cap[n]);
+        for (int n = 0; n < charts; n++)
+            add_chart(all, chart[n]);
         status = make_head(all, p->path, &head, error);
     }
     if (!status)
@@ -108,12 +107,12 @@ static tc_status assemble(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], int
     return status;
 }
 
-tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], tc_error *error)
+tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const chart[], int charts, tc_error *error)
 {
     int file = tc_outfile_nameless(p->path);
     if (file < 0)
         return tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));
-    tc_status status = assemble(p, cap, file, error);
+    tc_status status = assemble(p, chart, charts, file, error);
     /* Now rather than while a name stands beside the target, which a kill would leave there. */
     if (!status && fsync(file) != 0)
         status = tc_fail(error, TC_ERR_IO, "%s: cannot be written: %s", p->path, strerror(errno));

@@ -12,10 +12,12 @@
  *     finish    (pack.c)          the order of all this
  *     synthesis (pack_synthesis.c) how detail goes on below the samples, where that is asked for
  *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
+ *     faces     (pack_faces.c)    or the faces of another atlas, instead of its own levels and caps
  *     file      (pack_file.c)     head, levels, caps, and the file into its place */
 #ifndef TC_PACK_INTERNAL_H
 #define TC_PACK_INTERNAL_H
 
+#include "common/packed/file/envelope.h"
 #include "common/packed/file/level_coder.h"
 #include "spool.h"
 
@@ -204,18 +206,42 @@ void tc_pack_price_lossless(tc_packer *p, const tc_sample *sample);
 /* Share of a planet's work that its caps are. */
 double tc_pack_caps_share(const tc_pack_terrain *terrain);
 
+/* The heights of a cap, in a file without a name that is mapped: it need not stay in memory. */
+typedef struct tc_pack_caps_memory {
+    void *bytes;
+    size_t size;
+    float *z;       /* row by row */
+    uint8_t *voids; /* NULL where the planet has none */
+} tc_pack_caps_memory;
+
+/* Makes both caps of the planet whose heights have been put and filled. Released by the caller, also where this fails.
+ */
+tc_status tc_pack_make_caps(const tc_packer *p, const tc_lonlat *grid, tc_pack_caps_memory memory[2], tc_error *error);
+void tc_pack_release_caps(tc_pack_caps_memory memory[2]);
+
+/* How what was resampled from the planet's heights is packed. */
+tc_pack_options tc_pack_resampled_options(tc_packer *p);
+
 /* Packs the polar caps of a planet whose levels are packed, but for files of their own: packers for the caller to
  * destroy, also where this fails. None where a cap has no height. */
 tc_status tc_pack_caps(tc_packer *p, tc_packer *cap[TC_CAP_CHARTS], tc_error *error);
 
+/* ---- pack_faces.c ---------------------------------------------------------------------------------------------- */
+
+/* Packs the faces of an atlas, which a planet's heights, put and filled, are resampled to, but for the file: packers
+ * for the caller to destroy, also where this fails. The planet's own heights are let go of, and its result is that of
+ * all. */
+tc_status tc_pack_faces(tc_packer *p, const tc_atlas *atlas, tc_packer *face[TC_MOST_CHARTS], tc_error *error);
+
 /* ---- pack_file.c ----------------------------------------------------------------------------------------------- */
 
-/* Puts a file of all that has been packed into its place. */
-tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const cap[TC_CAP_CHARTS], tc_error *error);
+/* Puts a file of what has been packed, charts in their order, into the place that p is to have; sets p->result.bytes.
+ */
+tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const chart[], int charts, tc_error *error);
 
 /* ---- pack.c --------------------------------------------------------------------------------------------------- */
 
-/* Packs what was put, but for the file. */
+/* Packs what was put, but for the file: settles what was put and fills its voids, then codes its levels. */
 tc_status tc_pack_all_levels(tc_packer *p, tc_error *error);
 
 /* Adds to the work done and says so; TC_ERR_IO where the caller wants to stop. */
