@@ -218,7 +218,7 @@ LIBS_bench_pack = $(shell pkg-config --libs gdal libopenjp2)
 LIBS_bench_rate_distortion = $(LIBS_bench_pack)
 LIBS_test_host_window = -lEGL
 # Tests that ask GDAL itself.
-$(foreach t,test_formats test_eight_ways test_image_formats test_image_levels,$(eval CPPFLAGS_$(t) = $$(shell pkg-config --cflags gdal))\
+$(foreach t,test_formats test_eight_ways test_image_formats test_image_levels test_ellipsoid,$(eval CPPFLAGS_$(t) = $$(shell pkg-config --cflags gdal))\
     $(eval LIBS_$(t) = $$(shell pkg-config --libs gdal)))
 
 # Makes elevation files for the command-line tests.

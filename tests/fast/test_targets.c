@@ -22,7 +22,7 @@ enum { WIDTH = 160, HEIGHT = 120, X = 24, Y = 17, WHOLE_WIDTH = 200, WHOLE_HEIGH
 static tc_context *context;
 static const tc_gl *gl;
 static tc_field *flat;
-static tc_map *planet;
+static tc_map *planet, *ellipsoid;
 static const tc_scene_options look = {.budget = -1};
 
 static tc_camera flat_view(void)
@@ -48,9 +48,9 @@ static scene flat_scene(void)
     return scene_create(context, flat, 63, &look);
 }
 
-static scene planet_scene_here(void)
+static scene globe_scene_of(const tc_map *map)
 {
-    return planet_scene(context, planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
+    return planet_scene(context, map, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
 }
 
 /* ---- A host's framebuffer ---------------------------------------------------------------------------------------- */
@@ -156,17 +156,17 @@ static void perspective(const tc_camera *c, tc_depth depth, double near, double 
 static const tc_body flat_body = {&tc_plane_body, 0, 0}, large_body = {&tc_sphere_body, 1e7, 0};
 
 /* The view matrix of a camera; over a planet in its body's axes. */
-static void look_from(const tc_camera *c, double radius, double m[16])
+static void look_from(const tc_camera *c, const tc_body *body, double m[16])
 {
     tc_basis b = tc_camera_basis(c);
     double eye[3] = {c->x, c->y, c->z}, rows[3][3];
     for (int i = 0; i < 3; i++)
         rows[0][i] = b.right[i], rows[1][i] = b.up[i], rows[2][i] = -b.forward[i];
-    if (radius > 0) {
-        double cl = cos(c->x), sl = sin(c->x), cp = cos(c->y), sp = sin(c->y);
-        const double axes[3][3] = {{-sl, cl, 0}, {-sp * cl, -sp * sl, cp}, {cp * cl, cp * sl, sp}};
-        for (int i = 0; i < 3; i++)
-            eye[i] = (radius + c->z) * axes[2][i];
+    if (body->radius > 0) {
+        double axes[3][3];
+        const double place[3] = {c->x, c->y, c->z};
+        body->class->axes(body, place, axes);
+        body->class->position(body, place, eye);
         for (int k = 0; k < 3; k++) {
             double v[3] = {0, 0, 0};
             for (int i = 0; i < 3; i++)
@@ -184,15 +184,14 @@ static void look_from(const tc_camera *c, double radius, double m[16])
     m[15] = 1;
 }
 
-static tc_sight sight_of(const tc_camera *c, tc_depth depth, double radius, double near, double far)
+static tc_sight sight_of(const tc_camera *c, tc_depth depth, const tc_body *body, double near, double far)
 {
-    const tc_body body = tc_body_of(radius);
     double view[16], projection[16];
     tc_sight sight;
     tc_error error;
-    look_from(c, radius, view);
+    look_from(c, body, view);
     perspective(c, depth, near, far, projection);
-    if (tc_sight_by(view, projection, depth, &body, c->width, c->height, &sight, &error) != TC_OK)
+    if (tc_sight_by(view, projection, depth, body, c->width, c->height, &sight, &error) != TC_OK)
         fail_msg("%s", error.text);
     return sight;
 }
@@ -213,14 +212,14 @@ static int differing(const uint8_t *whole, const uint8_t *picture)
     return count;
 }
 
-static void assert_drawn(scene *s, const tc_camera *c, double radius, tc_depth depth, GLenum depth_format)
+static void assert_drawn(scene *s, const tc_camera *c, const tc_body *body, tc_depth depth, GLenum depth_format)
 {
     tc_error error;
     tc_frame_stats stats;
     scene_draw(s, c, true);
     uint8_t *picture = scene_pixels(s, c);
     host h = host_create(GL_RGBA8, depth_format, depth, TC_ENCODING_SHOWN);
-    const tc_sight sight = sight_of(c, depth, radius, radius > 0 ? 1000 : 1, 4 * s->surface->extent);
+    const tc_sight sight = sight_of(c, depth, body, body->radius > 0 ? 1000 : 1, 4 * s->surface->extent);
     if (tc_renderer_draw(s->renderer, &h.target, &sight, false, &stats, &error) != TC_OK)
         fail_msg("%s", error.text);
     assert_int_equal(h.begun, 1);
@@ -245,14 +244,16 @@ static void a_hosts_target_is_drawn_into(void **state)
 {
     (void)state;
     const tc_camera c = flat_view(), p = planet_view_of(0.4);
-    scene f = flat_scene(), g = planet_scene_here();
+    scene f = flat_scene(), g = globe_scene_of(planet), e = globe_scene_of(ellipsoid);
     for (tc_depth d = 0; d < TC_DEPTHS; d++) {
-        assert_drawn(&f, &c, 0, d, GL_DEPTH_COMPONENT32F);
-        assert_drawn(&g, &p, planet->body.radius, d, GL_DEPTH_COMPONENT32F);
+        assert_drawn(&f, &c, &flat_body, d, GL_DEPTH_COMPONENT32F);
+        assert_drawn(&g, &p, &planet->body, d, GL_DEPTH_COMPONENT32F);
+        assert_drawn(&e, &p, &ellipsoid->body, d, GL_DEPTH_COMPONENT32F);
     }
-    assert_drawn(&f, &c, 0, TC_DEPTH_CONVENTIONAL, GL_DEPTH_COMPONENT24);
+    assert_drawn(&f, &c, &flat_body, TC_DEPTH_CONVENTIONAL, GL_DEPTH_COMPONENT24);
     scene_destroy(&f);
     scene_destroy(&g);
+    scene_destroy(&e);
 }
 
 /* What an sRGB format and one of floats hold is, shown, the picture. */
@@ -301,7 +302,7 @@ static void any_perspective_is_drawn(void **state)
     scene_draw(&s, &c, true);
     uint8_t *picture = scene_pixels(&s, &c);
     double view[16], projection[16];
-    look_from(&c, 0, view);
+    look_from(&c, &flat_body, view);
     perspective(&c, TC_DEPTH_CONVENTIONAL, 1, 1e6, projection);
     for (int kind = 0; kind < 3; kind++) {
         double v[16], p[16];
@@ -350,7 +351,7 @@ static void a_host_gets_its_state_back(void **state)
     assert_int_equal(tc_imagery_create(map, &image, 1, 1, &imagery, NULL), TC_OK);
     tc_scene_options with_imagery = look;
     with_imagery.imagery = imagery;
-    scene scenes[3] = {flat_scene(), planet_scene_here(),
+    scene scenes[3] = {flat_scene(), globe_scene_of(planet),
                        scene_create(context, tc_map_field(map, 0), 63, &with_imagery)};
     for (int k = 0; k < 3; k++) {
         tc_error error;
@@ -359,7 +360,7 @@ static void a_host_gets_its_state_back(void **state)
         const tc_camera *camera = sphere ? &p : &c;
         host h = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
         host plain = host_create(GL_RGBA8, GL_DEPTH_COMPONENT32F, TC_DEPTH_CONVENTIONAL, TC_ENCODING_SHOWN);
-        const tc_sight sight = sight_of(camera, TC_DEPTH_CONVENTIONAL, sphere ? planet->body.radius : 0,
+        const tc_sight sight = sight_of(camera, TC_DEPTH_CONVENTIONAL, sphere ? &planet->body : &flat_body,
                                         sphere ? 1000 : 1, 4 * scenes[k].surface->extent);
         do
             assert_int_equal(tc_renderer_draw(scenes[k].renderer, &plain.target, &sight, true, &stats, &error), TC_OK);
@@ -402,7 +403,7 @@ static tc_surface *another_surface(bool sphere)
 
 static uint8_t *drawn_apart(bool sphere, const tc_camera *c)
 {
-    scene s = sphere ? planet_scene_here() : flat_scene();
+    scene s = sphere ? globe_scene_of(planet) : flat_scene();
     scene_draw(&s, c, true);
     uint8_t *rgb = scene_pixels(&s, c);
     scene_destroy(&s);
@@ -449,7 +450,7 @@ static void nonsense_matrices_are_refused(void **state)
     (void)state;
     const tc_camera c = flat_view();
     double view[16], projection[16];
-    look_from(&c, 0, view);
+    look_from(&c, &flat_body, view);
     perspective(&c, TC_DEPTH_CONVENTIONAL, 1, 1e6, projection);
     static const struct nonsense {
         int of_view, element;
@@ -659,6 +660,7 @@ int main(void)
     gl = tc_context_gl(context);
     flat = terrain_field(TERRAIN_SMOOTH, 300, 200, 30, 1);
     planet = planet_made(PLANET_SMOOTH, 512, 6371000, 1);
+    ellipsoid = planet_flattened(planet_made(PLANET_SMOOTH, 512, 6371000, 1), 0.1);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_hosts_target_is_drawn_into),
         cmocka_unit_test(light_is_written_as_the_target_says),
@@ -674,6 +676,7 @@ int main(void)
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     tc_field_destroy(flat);
     tc_map_destroy(planet);
+    tc_map_destroy(ellipsoid);
     tc_context_destroy(context);
     return failed;
 }
