@@ -290,7 +290,7 @@ static void look_at_row(void *context, int64_t n)
 tc_status tc_resample_round_trip(const tc_resample_source *from, const tc_chart *face, int faces, int threads,
                                  tc_round_trip *result_ret)
 {
-    const int64_t most = 1 << 24; /* samples */
+    const int64_t most = 1 << 22; /* samples */
     const tc_level size = tc_field_level(from->chart[0].field, finest(from->chart[0].field));
     int64_t step = tc_max64(1, size.width * size.height / most), rows = (size.height + step - 1) / step;
     double *sums = calloc(3 * (size_t)rows, sizeof *sums);
