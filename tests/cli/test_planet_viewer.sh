@@ -58,6 +58,43 @@ accepts '' $viewer globe.tclip $picture
 $terraclip pack degree.tif -o degree.tclip -q || fail 'pack'
 accepts '' $globe degree.tclip $picture
 accepts '' $globe degree.tclip $picture --radius 1e6
+# On an ellipsoid by default, that of the coordinate system, packed flat or not; on others, and on a sphere.
+view='--view=-111.5,37.5,90000,20,-40'
+accepts '' $globe degree.tif $picture $view && cp last.png ellipsoid.png
+accepts '' $globe degree.tif $picture $view --ellipsoid wgs84
+same ellipsoid.png last.png 'the ellipsoid of the file, and its name'
+accepts '' $globe degree.tif $picture $view --ellipsoid 6378137,298.257223563
+same ellipsoid.png last.png 'the ellipsoid of the file, and its numbers'
+accepts '' $globe degree.tif $picture $view --ellipsoid sphere && cp last.png sphere.png
+accepts '' $globe degree.tif $picture $view --radius 6378137
+same sphere.png last.png 'a sphere, and a sphere of that radius'
+accepts '' $globe degree.tif $picture $view --radius 6378137 --ellipsoid sphere
+same sphere.png last.png 'a sphere of that radius, said twice'
+for body in 6378137,inf 6378137,1e10; do
+    accepts '' $globe degree.tif $picture $view --ellipsoid $body
+    same sphere.png last.png "an ellipsoid that is a sphere: $body"
+done
+cases=$((cases + 1))
+cmp -s ellipsoid.png sphere.png && fail 'an ellipsoid looks like a sphere'
+accepts '' $globe degree.tclip $picture $view --ellipsoid sphere && cp last.png sphere.png
+accepts '' $globe degree.tclip $picture $view && cp last.png ellipsoid.png
+accepts '' $globe degree.tclip $picture $view --ellipsoid wgs84
+same ellipsoid.png last.png 'the ellipsoid of a file that is packed flat'
+cases=$((cases + 1))
+cmp -s ellipsoid.png sphere.png && fail 'an ellipsoid looks like a sphere, packed'
+for body in 1000,1.05 1,2 6378137,10; do
+    accepts '' $globe globe.tif $picture --unit 1e-5 --ellipsoid $body
+done
+accepts '' $globe globe.tif $picture --scheme rings-ch06 --ellipsoid 6378137,50
+accepts 'taken to be on the ellipsoid of its coordinate system, 6378137 m and 1/298.2572236; --ellipsoid sphere takes' \
+    $globe degree.tif $picture -v
+accepts 'taken to be on a sphere of 6371000 m; --ellipsoid wgs84 or A,1/F takes' $globe map.png $picture -v
+for body in wgs72 '' 6378137 6378137, 6378137,0 6378137,-300 6378137,1 6378137,nan -1,300 0,300 6378137,300x; do
+    refuses 2 '--ellipsoid: expected wgs84, sphere or A,1/F: metres of .* above 1 or inf, found' \
+        $globe globe.tif $picture --ellipsoid "$body"
+done
+refuses 2 '--radius: expected no --ellipsoid but sphere with it' $globe globe.tif $picture --radius 5 --ellipsoid wgs84
+refuses 1 'radii of curvature' $globe globe.tif $picture --ellipsoid 1000,300
 # All of it, but packed flat.
 $terraclip pack globe.tif -o map.tclip -q || fail 'pack'
 accepts 'warning: map.tclip: packed flat: .* pack it with --planet' $globe map.tclip $picture
