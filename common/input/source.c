@@ -252,6 +252,7 @@ static void take_first(tc_source *source, double first)
         source->info.added = -radius;
         source->info.offset -= radius;
         source->conversion.offset -= radius;
+        source->info.georef.inverse_flattening = 0; /* what is left is above a sphere */
         first -= radius;
         tc_say(&source->options, true,
                "its heights are distances from the body's middle: %.9g m, its radius, are taken off; --offset 0 keeps "

@@ -77,6 +77,32 @@ static void heads_come_back(void **state)
     }
 }
 
+/* How flat the body of a georeference is follows from its words; heights that were radii are above a sphere. */
+static void words_tell_the_ellipsoid(void **state)
+{
+    (void)state;
+    static const char words[] = "GEOGCS[\"x\",DATUM[\"y\",SPHEROID[\"z\",3396190,169.894]]]";
+    test_random r = {3};
+    for (int radii = 0; radii < 2; radii++) {
+        tc_container c = container_make(&r), back;
+        tc_pack_terrain *t = &c.info.terrain;
+        tc_byte_writer w = {0};
+        size_t needed;
+        tc_error error;
+        assert_null(t->georef.crs_wkt);
+        for (int l = c.base; l < c.levels; l++) /* behind a head that is longer by the words */
+            c.record[l].begin += sizeof words - 1, c.record[l].end += sizeof words - 1;
+        c.info.bytes += sizeof words - 1;
+        assert_non_null(t->georef.crs_wkt = strdup(words));
+        t->georef.semi_major = 3396190, t->offset = radii ? -3396190 : 0;
+        assert_int_equal(tc_container_write(&c, &w), TC_OK);
+        assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_OK);
+        assert_true(back.info.terrain.georef.inverse_flattening == (radii ? 0 : 169.894));
+        free(w.bytes);
+        tc_container_free(&back), tc_container_free(&c);
+    }
+}
+
 /* Tiles are in exactly one page each, and the directory has room for all. */
 static void pages_cover_a_level(void **state)
 {
@@ -188,11 +214,9 @@ static void steps_are_told_by_their_class(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(checksum_is_crc32c),
-        cmocka_unit_test(heads_come_back),
-        cmocka_unit_test(pages_cover_a_level),
-        cmocka_unit_test(index_pages_come_back),
-        cmocka_unit_test(steps_are_told_by_their_class),
+        cmocka_unit_test(checksum_is_crc32c),       cmocka_unit_test(heads_come_back),
+        cmocka_unit_test(words_tell_the_ellipsoid), cmocka_unit_test(pages_cover_a_level),
+        cmocka_unit_test(index_pages_come_back),    cmocka_unit_test(steps_are_told_by_their_class),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

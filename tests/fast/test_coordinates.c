@@ -151,6 +151,19 @@ static void radii_are_heights_above_the_body(void **state)
     assert_near(g.z_base + g.z_max, 1737900, 5);
     assert_int_equal(said.warnings, 0);
     tc_grid_free(&g);
+    /* Less one radius they are above a sphere, whatever the body; else above its ellipsoid. */
+    static const char flattened[] = "+proj=longlat +a=1737400 +rf=200 +no_defs";
+    for (int above = 0; above < 2; above++) {
+        path = make_grid("planet.asc", 90, 45, -180, -90, 4, above ? plain : far_out);
+        tc_map *map;
+        tc_error error = {0};
+        const tc_load_options how = {.body = &tc_sphere_body, .threads = 1};
+        if (tc_map_load(path, &(tc_source_options){.crs = flattened}, &how, &map, &error) != TC_OK)
+            fail_msg("%s", error.text);
+        assert_near(tc_map_radius(map), 1737400, 1e-6);
+        assert_near(tc_map_flattening(map), above ? 0.005 : 0, 1e-15);
+        tc_map_destroy(map);
+    }
 }
 
 /* ---- Angles ----------------------------------------------------------------------------------------------------- */

@@ -198,7 +198,8 @@ static tc_status read_terrain(tc_pack_terrain *t, tc_byte_reader *r)
             return TC_ERR_MEMORY;
         memcpy(t->georef.crs_wkt, wkt, length);
         t->georef.crs_wkt[length] = 0;
-        t->georef.inverse_flattening = tc_wkt_inverse_flattening(t->georef.crs_wkt);
+        if (t->offset != -t->georef.semi_major) /* radii of which one was taken off are heights above a sphere */
+            t->georef.inverse_flattening = tc_wkt_inverse_flattening(t->georef.crs_wkt);
     }
     return bad ? TC_ERR_FORMAT : TC_OK;
 }
