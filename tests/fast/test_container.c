@@ -89,14 +89,11 @@ static void words_tell_the_ellipsoid(void **state)
         tc_byte_writer w = {0};
         size_t needed;
         tc_error error;
-        assert_null(t->georef.crs_wkt);
-        for (int l = c.base; l < c.levels; l++) /* behind a head that is longer by the words */
-            c.record[l].begin += sizeof words - 1, c.record[l].end += sizeof words - 1;
-        c.info.bytes += sizeof words - 1;
+        free(t->georef.crs_wkt);
         assert_non_null(t->georef.crs_wkt = strdup(words));
         t->georef.semi_major = 3396190, t->offset = radii ? -3396190 : 0;
         assert_int_equal(tc_container_write(&c, &w), TC_OK);
-        assert_int_equal(tc_container_read("test", w.bytes, w.size, &back, &needed, &error), TC_OK);
+        assert_int_equal(tc_container_read_placed("test", w.bytes, w.size, &back, &needed, &error), TC_OK);
         assert_true(back.info.terrain.georef.inverse_flattening == (radii ? 0 : 169.894));
         free(w.bytes);
         tc_container_free(&back), tc_container_free(&c);
