@@ -305,7 +305,8 @@ static tc_status read_all(question *q, int face, tc_rect rect, target to)
 typedef struct group {
     _Atomic int users;
     int charts;
-    tc_chart chart[]; /* over their own fields */
+    float apart[TC_MAX_FIELD_LEVELS]; /* of samples on sides from their owners': [l - 1] */
+    tc_chart chart[];                 /* over their own fields */
 } group;
 
 typedef struct joined {
@@ -378,21 +379,39 @@ static tc_range range_beside(const joined *p, int level, tc_rect rect, bool *fou
     return all;
 }
 
-/* How far another chart's samples on a side, and in the coarser mesh beside it, are from this chart's own is not known,
- * but for that both are within their ranges. */
+/* Whether a rectangle has samples on a side that are another chart's, is next to some, or in the coarser cells beside.
+ */
+static bool is_beside(const joined *p, int64_t cells, tc_rect rect)
+{
+    for (int side = 0; side < TC_SIDES && cells > 0; side++) {
+        bool along_y = side == TC_WEST || side == TC_EAST;
+        int64_t at = side == TC_EAST || side == TC_NORTH ? cells : 0;
+        if ((along_y ? rect.x0 <= at + 2 && rect.x1 > at - 2 : rect.y0 <= at + 2 && rect.y1 > at - 2) &&
+            p->group->chart[0].class->seam(p->face, side, cells).chart < p->face)
+            return true;
+    }
+    return false;
+}
+
+/* Next to a side another chart's samples count as well: those on it, and those of the coarser mesh. */
 static tc_range joined_range(const tc_field *field, int level, tc_rect rect)
 {
     const joined *p = (const joined *)field;
+    const group *g = p->group;
     tc_range r = tc_field_range(own(field), level, rect), all = r;
+    float fine = g->apart[level - 1], coarse = level > 1 ? g->apart[level - 2] : 0;
+    if (!is_beside(p, cells_of(&g->chart[p->face], level), rect))
+        return r;
+    if (isfinite(fine + coarse))
+        return (tc_range){r.lo - fine, r.hi + fine, r.step + fine + coarse};
+    /* How far apart they are is not known, but for that all are within their ranges. */
     bool found = false;
     all = tc_range_both(all, range_beside(p, level, rect, &found));
-    if (!found)
-        return r;
     r.lo = all.lo, r.hi = all.hi;
     if (level > 1) {
-        const tc_rect coarse = {rect.x0 / 2, rect.y0 / 2, rect.x1 / 2 + 1, rect.y1 / 2 + 1};
-        all = tc_range_both(all, tc_field_range(own(field), level - 1, coarse));
-        all = tc_range_both(all, range_beside(p, level - 1, coarse, &found));
+        const tc_rect around = {rect.x0 / 2, rect.y0 / 2, rect.x1 / 2 + 1, rect.y1 / 2 + 1};
+        all = tc_range_both(all, tc_field_range(own(field), level - 1, around));
+        all = tc_range_both(all, range_beside(p, level - 1, around, &found));
     }
     r.step += all.hi - all.lo;
     return r;
@@ -461,7 +480,7 @@ static tc_terrain_info info_of(const tc_chart *chart, int charts)
     return all;
 }
 
-bool tc_charts_join(tc_chart *chart, int charts, bool settled)
+bool tc_charts_join(tc_chart *chart, int charts, const float *apart)
 {
     group *g = malloc(sizeof *g + (size_t)charts * sizeof *g->chart);
     joined **field = calloc((size_t)charts, sizeof *field);
@@ -471,13 +490,15 @@ bool tc_charts_join(tc_chart *chart, int charts, bool settled)
     if (enough) {
         g->charts = charts;
         g->users = charts;
+        for (int l = 0; l < TC_MAX_FIELD_LEVELS; l++)
+            g->apart[l] = apart && l < tc_field_info(chart[0].field)->levels ? apart[l] : 0;
     }
     const tc_terrain_info all = info_of(chart, charts);
     for (int k = 0; k < charts && enough; k++) {
         g->chart[k] = chart[k];
         *field[k] = (joined){.head = *chart[k].field, .group = g, .face = k};
         field[k]->head.class = chart[k].field->class->changed ? &joined_changing_class
-                               : settled                      ? &settled_class
+                               : !apart                       ? &settled_class
                                                               : &joined_class;
         field[k]->head.info = all;
         field[k]->head.beyond = TC_BEYOND;

@@ -13,11 +13,12 @@
 enum { TC_BEYOND = 8 };
 
 /* Puts fields that are joined in the place of the charts' own, which they take over. All charts, six at most, are of
- * one class, whose fields are of one size, and chart[k] is face k; they keep their numbers. settled: samples on sides
- * are the owners' already (tc_joined_settle()), so that ranges are as they were; else those next to sides take more
- * reads and are wide. What is told of the terrain is then that of all charts together: extremes, the number of voids.
- * False: no memory, and all is as it was. */
-bool tc_charts_join(tc_chart *chart, int charts, bool settled);
+ * one class, whose fields are of one size, and chart[k] is face k; they keep their numbers. apart: of level l in
+ * [l - 1], how far a chart's own sample on a side may be from the owner's, metres; INFINITY where that is not known,
+ * and ranges next to sides take more reads and are wide; NULL: nowhere (tc_joined_settle()). What is told of the
+ * terrain is then that of all charts together: extremes, the number of voids. False: no memory, and all is as it was.
+ */
+bool tc_charts_join(tc_chart *chart, int charts, const float *apart);
 
 /* ---- While fields are made ----------------------------------------------------------------------------------------
  */

@@ -175,7 +175,12 @@ static tc_status open_faces(const char *name, shared *s, tc_field *field, const 
         status = map->body.class->check_relief(&map->body, name, info->z_base + (double)info->z_min,
                                                info->z_base + (double)info->z_max, error);
     }
-    if (!status && !tc_charts_join(map->chart, map->charts, false))
+    float apart[TC_MAX_FIELD_LEVELS];
+    for (int l = 1; l <= c->levels; l++) {
+        int rank = missing + c->levels - l;
+        apart[l - 1] = rank < c->source.ranks ? c->source.apart[rank] : INFINITY;
+    }
+    if (!status && !tc_charts_join(map->chart, map->charts, apart))
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     /* The georeference is that of what they were resampled from. */
     const tc_face_source *from = &c->source;

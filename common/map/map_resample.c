@@ -184,7 +184,7 @@ tc_status tc_map_resample(const tc_map *from, const tc_atlas *atlas, int threads
         status = filter_levels(map->chart, map->charts, threads);
     for (int face = 0; face < atlas->charts && !status; face++)
         status = tc_memory_field_finish(map->chart[face].field, threads, NULL);
-    if (!status && !tc_charts_join(map->chart, map->charts, true))
+    if (!status && !tc_charts_join(map->chart, map->charts, NULL))
         status = TC_ERR_MEMORY;
     if (status) {
         tc_map_destroy(map);

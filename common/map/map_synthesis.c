@@ -91,6 +91,16 @@ static tc_status find_fit(const tc_map *map, tc_synthesis_fit *fit_ret, tc_error
     return TC_OK;
 }
 
+/* The data's samples on sides are those of one face already; of what is synthesised it is not known. */
+static bool join_again(tc_map *map)
+{
+    const tc_terrain_info *info = tc_field_info(map->chart[0].field);
+    float apart[TC_MAX_FIELD_LEVELS];
+    for (int l = 1; l <= info->levels; l++)
+        apart[l - 1] = l > info->levels - info->synthesised ? INFINITY : 0;
+    return tc_charts_join(map->chart, map->charts, apart);
+}
+
 tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
 {
     const int most = 31; /* levels that views draw, less one */
@@ -108,7 +118,7 @@ tc_status tc_map_synthesise(tc_map *map, int levels, tc_error *error)
         map->noise[k] = (struct tc_map_noise){map, map->chart[k]};
         status = add_levels(map, k, levels, &fit, error);
     }
-    if (status == TC_OK && map->chart[0].class->seam && !tc_charts_join(map->chart, map->charts, false))
+    if (status == TC_OK && map->chart[0].class->seam && !join_again(map))
         status = tc_fail(error, TC_ERR_MEMORY, "synthesis: not enough memory");
     if (status == TC_OK)
         map->synthesised = tc_field_info(map->chart[0].field)->synthesised;

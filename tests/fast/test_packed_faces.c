@@ -233,6 +233,7 @@ static void steps_hold_at_seams(void **state)
         for (int l = m; l > m - 2; l--) {
             const tc_field *field = map->chart[k].field;
             int64_t cells = tc_field_level(field, l).width - 1;
+            float inside = 0, wide = 0;
             for (int64_t t = 1; t < cells; t += 2) { /* in the middle of coarse edges on the side, and next to it */
                 double on = fabs((double)sample(map, k, l, 0, t) - 0.5 * ((double)sample(map, k, l - 1, 0, t / 2) +
                                                                           (double)sample(map, k, l - 1, 0, t / 2 + 1)));
@@ -241,7 +242,10 @@ static void steps_hold_at_seams(void **state)
                                                                       (double)sample(map, k, l - 1, 1, (t + 1) / 2)));
                 float step = tc_field_range(field, l, (tc_rect){0, t, 2, t + 2}).step;
                 assert_true(on <= (double)step && next <= (double)step);
+                inside = fmaxf(inside, tc_field_range(field, l, (tc_rect){cells / 2, t, cells / 2 + 2, t + 2}).step);
+                wide = fmaxf(wide, step);
             }
+            assert_true(k == 0 ? wide < 2 * inside : wide < inside + 450); /* errors of up to 80 m, on both sides */
         }
     tc_map_destroy(map);
 }

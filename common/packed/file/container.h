@@ -56,6 +56,10 @@ typedef struct tc_face_source {
     int64_t width, height;
     double transform[6];
     double rms, max; /* metres */
+    /* How far a sample on a side may be from the same one of the chart that it is taken from, metres; of rank k, of as
+     * many as are known. */
+    int ranks;
+    float apart[TC_MAX_FIELD_LEVELS];
 } tc_face_source;
 
 /* A level that is coded in tiles. */

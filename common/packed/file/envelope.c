@@ -123,12 +123,14 @@ static void extent_of(const tc_container *c, int64_t *first_ret, int64_t *bytes_
 static void write_faces(const tc_container *c, tc_byte_writer *w)
 {
     const tc_face_source *s = &c->source;
-    tc_put(w, SECTION_FACES, 4), tc_put(w, FACES_BYTES, 4);
+    tc_put(w, SECTION_FACES, 4), tc_put(w, FACES_BYTES + 4 * (uint64_t)s->ranks, 4);
     tc_put_f64(w, c->info.terrain.radius);
     tc_put(w, (uint64_t)s->width, 8), tc_put(w, (uint64_t)s->height, 8);
     for (int i = 0; i < 6; i++)
         tc_put_f64(w, s->transform[i]);
     tc_put_f64(w, s->rms), tc_put_f64(w, s->max);
+    for (int k = 0; k < s->ranks; k++)
+        tc_put_f32(w, s->apart[k]);
 }
 
 static void write_chart(const tc_envelope_chart *c, size_t head, tc_byte_writer *w)
@@ -360,6 +362,10 @@ static tc_status keep_faces(tc_byte_reader section, tc_envelope *e)
         bad |= !isfinite(s->transform[i]);
     }
     s->rms = tc_get_f64(&section), s->max = tc_get_f64(&section);
+    for (; !section.failed && section.at != section.end && s->ranks < c->levels; s->ranks++) {
+        s->apart[s->ranks] = tc_get_f32(&section);
+        bad |= !(s->apart[s->ranks] >= 0) || !isfinite(s->apart[s->ranks]);
+    }
     const int64_t most = (int64_t)1 << 40;
     bad |= section.failed || section.at != section.end || !(radius > 0) || !isfinite(radius) || s->width < 1 ||
            s->height < 1 || s->width > most || s->height > most || !(s->rms >= 0) || !(s->max >= s->rms) ||

@@ -177,6 +177,69 @@ static tc_status make_trip(tc_packer *p, const tc_resample_source *from, const t
                   : TC_OK;
 }
 
+/* ---- On the sides ------------------------------------------------------------------------------------------------ */
+
+/* True heights of a level along a side, from sample `from` on, metres. */
+static tc_status read_side(const tc_packer *p, int l, tc_rect line, int32_t *units, float *z, tc_error *error)
+{
+    int64_t count = tc_rect_area(line);
+    tc_status status = tc_pack_truth(p, l, line, units, line.x1 - line.x0, error);
+    for (int64_t i = 0; i < count && !status; i++)
+        z[i] = tc_pack_metres(&p->container, units[i]);
+    return status;
+}
+
+/* The largest distance of what was coded of a side of a face from that of the one beyond, on level l; room for two
+ * lines of both. */
+static tc_status compare_side(tc_packer *const face[], const tc_chart_class *class, int n, int side, int l,
+                              int64_t cells, int32_t *units, float *z, float *most, tc_error *error)
+{
+    const tc_seam seam = class->seam(n, side, cells);
+    bool along_y = side == TC_WEST || side == TC_EAST;
+    int64_t at = side == TC_EAST || side == TC_NORTH ? cells : 0, count = cells + 1;
+    if (seam.chart > n)
+        return TC_OK;
+    const tc_rect own = along_y ? (tc_rect){at, 0, at + 1, count} : (tc_rect){0, at, count, at + 1};
+    int64_t i0 = seam.m[0] * own.x0 + seam.m[1] * own.y0 + seam.dx,
+            j0 = seam.m[2] * own.x0 + seam.m[3] * own.y0 + seam.dy;
+    int64_t i1 = seam.m[0] * (own.x1 - 1) + seam.m[1] * (own.y1 - 1) + seam.dx,
+            j1 = seam.m[2] * (own.x1 - 1) + seam.m[3] * (own.y1 - 1) + seam.dy;
+    const tc_rect other = {tc_min64(i0, i1), tc_min64(j0, j1), tc_max64(i0, i1) + 1, tc_max64(j0, j1) + 1};
+    bool reversed = i1 < i0 || j1 < j0;
+    tc_status status = read_side(face[n], l, own, units, z, error);
+    if (!status)
+        status = read_side(face[seam.chart], l, other, units, z + count, error);
+    for (int64_t k = 0; k < count && !status; k++)
+        *most = fmaxf(*most, fabsf(z[k] - z[count + (reversed ? count - 1 - k : k)]));
+    return status;
+}
+
+/* How far apart samples on sides may be from face to face: what was to be coded, measured, and by how much coding is
+ * off in either. A corner may be taken from a face two sides away. Not known where voids have heights that nobody
+ * measured. */
+static tc_status measure_sides(tc_packer *p, const tc_atlas *atlas, tc_packer *const face[], tc_face_source *sides,
+                               tc_error *error)
+{
+    const tc_container *c = &face[0]->container;
+    int64_t cells = c->info.terrain.width - 1;
+    int32_t *units = malloc((size_t)(cells + 1) * sizeof *units);
+    float *z = malloc(2 * (size_t)(cells + 1) * sizeof *z);
+    tc_status status = units && z ? TC_OK : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    for (int k = 0; c->levels - k >= c->base && (cells >> k) << k == cells && p->container.voids == 0 && !status; k++) {
+        float most = 0, coded = 0;
+        int l = c->levels - k;
+        for (int n = 0; n < atlas->charts && !status; n++) {
+            float unit = (float)face[n]->container.z_unit; /* rounding to it */
+            coded = fmaxf(coded, (l > c->base ? face[n]->container.record[l - 1].max_error : 0) + unit);
+            for (int side = 0; side < TC_SIDES && !status; side++)
+                status = compare_side(face, atlas->class, n, side, l, cells >> k, units, z, &most, error);
+        }
+        sides->apart[k] = 2 * (most + coded), sides->ranks = k + 1;
+    }
+    free(units), free(z);
+    return status;
+}
+
 /* ---- All together ------------------------------------------------------------------------------------------------ */
 
 /* What the file says of the whole stands with the first face. */
@@ -248,6 +311,9 @@ tc_status tc_pack_faces(tc_packer *p, const tc_atlas *atlas, tc_packer *face[TC_
     }
     if (!status) {
         describe(p, tc_faces_kind(atlas), &trip, face[0]);
+        status = measure_sides(p, atlas, face, &face[0]->container.source, error);
+    }
+    if (!status) {
         sum_up(p, atlas, face, &trip);
     }
     return status;
