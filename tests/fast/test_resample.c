@@ -11,7 +11,9 @@
 #include "common/base/rect.h"
 #include "common/chart/joined.h"
 #include "common/chart/resample.h"
+#include "common/content/ground.h"
 #include "common/map/map.h"
+#include "tests/support/stripes.h"
 
 static const tc_atlas *const atlases[] = {&tc_atlas_hex, &tc_atlas_cube};
 enum { ATLASES = 2 };
@@ -254,6 +256,102 @@ static void ranges_hold(void **state)
     }
 }
 
+/* ---- Windows ----------------------------------------------------------------------------------------------------- */
+
+enum { N = 63 };
+
+static double steep(const double n[3])
+{
+    return 60 * rough(n);
+}
+
+static double formula_at(const tc_chart *c, formula *f, double x, double y)
+{
+    double lon, lat, n[3];
+    c->class->to_place(c, x, y, &lon, &lat);
+    normal_of(lon, lat, n);
+    return f(n);
+}
+
+/* How far a level's normals on column i of a window are from those of the formula, in steps of a texel. */
+static double normals_off(const tc_chart *c, const tc_clipmap *windows, int level, int64_t i, int64_t from, int64_t to)
+{
+    const int8_t(*texel)[4] = tc_ground_normals(windows, level);
+    double apart = ldexp(c->dx, tc_clipmap_level(windows, level)->shift), most = 0;
+    double spacing = tc_field_level(c->field, tc_clipmap_field_level(windows, level)).spacing_x;
+    for (int64_t j = from; j < to; j++) {
+        double x = (double)i * apart, y = (double)j * apart, half = apart / 2;
+        double dx = (formula_at(c, steep, x + half, y) - formula_at(c, steep, x - half, y)) / spacing,
+               dy = (formula_at(c, steep, x, y + half) - formula_at(c, steep, x, y - half)) / spacing,
+               scale = -127 / sqrt(1 + dx * dx + dy * dy);
+        const int8_t *t = texel[(2 * j & (2 * N + 1)) * 2 * (N + 1) + (2 * i & (2 * N + 1))];
+        most = fmax(most, fmax(fabs(dx * scale - t[0]), fabs(dy * scale - t[1])));
+    }
+    return most;
+}
+
+/* Heights and morph targets of a seam are the same from both charts, and normals there are as good as elsewhere: what
+ * is beyond the side is known. */
+static void windows_meet(void **state)
+{
+    (void)state;
+    for (int a = 0; a < ATLASES; a++) {
+        tc_grid g = grid_of(steep, 256, 129, false);
+        tc_map *from = planet(&g), *map = resampled(from, atlases[a], 2);
+        tc_clipmap *windows[6];
+        tc_rect wanted[TC_MAX_LEVELS];
+        for (int k = 0; k < map->charts; k++) {
+            const tc_ground_options options = {.n = N, .normals = true};
+            assert_int_equal(tc_ground_create(map->chart[k].field, &options, &windows[k], NULL), TC_OK);
+        }
+        int levels = tc_clipmap_levels(windows[0]);
+        int64_t looked = 0;
+        assert_true(levels >= 2);
+        for (int k = 0; k < map->charts; k++)
+            for (int side = 0; side < TC_SIDES; side++) {
+                const tc_seam *seam = &map->chart[k].side[side];
+                int64_t cells = (int64_t)rint(1 / map->chart[k].dx),
+                        at = side == TC_EAST || side == TC_NORTH ? cells : 0;
+                bool along_y = side == TC_WEST || side == TC_EAST;
+                int64_t p[2] = {along_y ? at : cells / 2, along_y ? cells / 2 : at};
+                int64_t q[2] = {seam->m[0] * p[0] + seam->m[1] * p[1] + seam->dx,
+                                seam->m[2] * p[0] + seam->m[3] * p[1] + seam->dy};
+                stripes_want(windows[k], p[0], p[1], wanted);
+                tc_clipmap_update(windows[k], wanted, -1, true, 0);
+                stripes_want(windows[seam->chart], q[0], q[1], wanted);
+                tc_clipmap_update(windows[seam->chart], wanted, -1, true, 0);
+                for (int l = 1; l <= levels; l++) {
+                    const tc_clip_level *one = tc_clipmap_level(windows[k], l),
+                                        *two = tc_clipmap_level(windows[seam->chart], l);
+                    const tc_seam s = map->chart[k].class->seam(k, side, cells >> one->shift);
+                    for (int64_t t = 0; t <= cells >> one->shift; t++) {
+                        int64_t i = along_y ? at >> one->shift : t, j = along_y ? t : at >> one->shift;
+                        int64_t u = s.m[0] * i + s.m[1] * j + s.dx, v = s.m[2] * i + s.m[3] * j + s.dy;
+                        if (!tc_rect_contains(one->clip, i, j) || !tc_rect_contains(two->clip, u, v))
+                            continue;
+                        assert_memory_equal(tc_ground_heights(windows[k], l)[(j & N) * (N + 1) + (i & N)],
+                                            tc_ground_heights(windows[seam->chart], l)[(v & N) * (N + 1) + (u & N)], 8);
+                        looked++;
+                    }
+                }
+            }
+        assert_true(looked > 500);
+        for (int k = 0; k < map->charts; k++) {
+            int64_t cells = (int64_t)rint(1 / map->chart[k].dx);
+            for (int l = levels; l >= levels - 1; l--) {
+                int64_t apart = (int64_t)1 << (levels - l), half = cells / apart / 4; /* away from where rows turn */
+                stripes_want(windows[k], 0, half * apart, wanted);
+                tc_clipmap_update(windows[k], wanted, -1, true, 0);
+                double seam = normals_off(&map->chart[k], windows[k], l, 0, half - 6, half + 6);
+                double inside = normals_off(&map->chart[k], windows[k], l, 5, half - 6, half + 6);
+                assert_true(seam < 0.6 && inside < 0.6);
+            }
+            tc_clipmap_destroy(windows[k]);
+        }
+        tc_map_destroy(from), tc_map_destroy(map);
+    }
+}
+
 /* ---- There and back ---------------------------------------------------------------------------------------------- */
 
 static void there_and_back(void **state)
@@ -425,7 +523,8 @@ int main(void)
         cmocka_unit_test(parts_are_the_whole),   cmocka_unit_test(threads_do_not_matter),
         cmocka_unit_test(ranges_hold),           cmocka_unit_test(there_and_back),
         cmocka_unit_test(places_have_heights),   cmocka_unit_test(voids_are_carried),
-        cmocka_unit_test(synthesis_joins),       cmocka_unit_test(others_are_refused),
+        cmocka_unit_test(windows_meet),          cmocka_unit_test(synthesis_joins),
+        cmocka_unit_test(others_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
