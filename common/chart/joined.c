@@ -1,6 +1,8 @@
 /* joined.c - reading charts across their seams. */
 #include "joined.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 
@@ -209,7 +211,7 @@ static float interpolate(const place *p, const float *z, ptrdiff_t stride)
         for (int a = 0; a < TAPS; a++)
             if (p->x.w[a] != 0 && p->y.w[b] != 0)
                 sum += p->y.w[b] * p->x.w[a] * ((double)z[b * stride + a] - first);
-    return (float)(first + sum);
+    return (float)fmin(fmax(first + sum, -FLT_MAX), FLT_MAX); /* it may go beyond the samples */
 }
 
 /* Heights at places, AT_A_TIME at most: what they need of each chart at once, where that is not much. */

@@ -56,6 +56,20 @@ static void check_part(const tc_field *p, int l, tc_rect whole, const float *z, 
     free(some), free(v);
 }
 
+/* Around a corner, of a field that goes on beyond its sides. */
+static void read_beyond(const tc_field *p, int l)
+{
+    enum { BEYOND = 8, SIDE = BEYOND + 4 };
+    tc_level level = tc_field_level(p, l);
+    tc_rect r = {-BEYOND, level.height - 4, 4, level.height + BEYOND};
+    float z[SIDE * SIDE];
+    uint8_t voids[SIDE * SIDE];
+    if (level.width < 4 || level.height < 4 || tc_field_read(p, l, r, z, voids, SIDE))
+        return;
+    for (int i = 0; i < SIDE * SIDE; i++)
+        expect(isfinite(z[i]) && voids[i] <= 1, "a height beyond a side that is not finite, or no mask");
+}
+
 static void read_chart(const tc_field *p)
 {
     for (int l = 1; l <= tc_field_info(p)->levels; l++) {
@@ -72,6 +86,7 @@ static void read_chart(const tc_field *p)
             r = (tc_rect){all.x1 / 2, all.y1 / 2, tc_min64(all.x1 / 2 + PART, all.x1),
                           tc_min64(all.y1 / 2 + PART, all.y1)};
         }
+        read_beyond(p, l);
         tc_field_packed_level(p, l);
     }
     double z;

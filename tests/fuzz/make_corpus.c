@@ -6,6 +6,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "common/chart/atlas.h"
 #include "common/packed/file/packed_file.h"
 #include "fuzz_tile.h"
 
@@ -37,6 +38,7 @@ typedef struct seed {
     double error;
     enum { WHOLE, VOIDS, NOISE } kind;
     bool planet, fit;
+    const char *atlas; /* NULL: the planet's own */
 } seed;
 
 static tc_pack_terrain terrain_of(const seed *s)
@@ -56,7 +58,12 @@ static tc_pack_terrain terrain_of(const seed *s)
 static void pack(const char *path, const seed *s)
 {
     tc_pack_terrain t = terrain_of(s);
-    tc_pack_options o = {.mode = s->mode, .codec = s->codec, .error = s->error, .threads = 1, .synthesis_fit = s->fit};
+    tc_pack_options o = {.mode = s->mode,
+                         .codec = s->codec,
+                         .error = s->error,
+                         .threads = 1,
+                         .synthesis_fit = s->fit,
+                         .atlas = s->atlas};
     float *z = malloc((size_t)(s->w * s->h) * sizeof *z);
     tc_packer *packer = NULL;
     tc_pack_result result;
@@ -258,6 +265,9 @@ int main(int argc, char **argv)
         {"planet-lh04", 66, 41, TC_PACK_RMS, TC_CODEC_LH04, 20, WHOLE, true},
         {"fit", 140, 131, TC_PACK_RMS, TC_CODEC_LIFTING, 40, WHOLE, false, true},
         {"planet-fit", 80, 42, TC_PACK_RMS, TC_CODEC_LIFTING, 30, WHOLE, true, true},
+        {"faces-hex", 96, 48, TC_PACK_RMS, TC_CODEC_LIFTING, 9, WHOLE, true, false, "hex"},
+        {"faces-cube", 72, 36, TC_PACK_RMS, TC_CODEC_LIFTING, 9, VOIDS, true, false, "cube"},
+        {"faces-fit", 80, 40, TC_PACK_MAX_ERROR, TC_CODEC_LIFTING, 30, WHOLE, true, true, "hex"},
     };
     if (argc != 2)
         stop("expected a folder");
@@ -271,11 +281,11 @@ int main(int argc, char **argv)
         const seed *s = &seeds[k];
         snprintf(path, sizeof path, "%s/reader/%s", argv[1], s->name);
         pack(path, s);
-        check(path, 3, s->planet ? 3 : 1);
+        check(path, 3, s->atlas ? tc_atlas_named(s->atlas)->charts : s->planet ? 3 : 1);
         snprintf(older, sizeof older, "%s/reader/v%d-%s", argv[1], s->planet ? 2 : 1, s->name);
         /* Those versions have no raw tiles, and corrections that are no longer written: their seeds (and those of
          * tiles, corrections*) are kept as they are. */
-        if (s->fit) /* in the head alone */
+        if (s->fit || s->atlas) /* in newer heads alone */
             continue;
         if (s->kind != NOISE && s->mode != TC_PACK_MAX_ERROR) {
             write_older(path, older, s);

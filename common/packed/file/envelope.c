@@ -364,7 +364,7 @@ static tc_status keep_faces(tc_byte_reader section, tc_envelope *e)
     s->rms = tc_get_f64(&section), s->max = tc_get_f64(&section);
     for (; !section.failed && section.at != section.end && s->ranks < c->levels; s->ranks++) {
         s->apart[s->ranks] = tc_get_f32(&section);
-        bad |= !(s->apart[s->ranks] >= 0) || !isfinite(s->apart[s->ranks]);
+        bad |= !(s->apart[s->ranks] >= 0 && s->apart[s->ranks] <= 1e20f);
     }
     const int64_t most = (int64_t)1 << 40;
     bad |= section.failed || section.at != section.end || !(radius > 0) || !isfinite(radius) || s->width < 1 ||

@@ -234,7 +234,7 @@ static tc_status measure_sides(tc_packer *p, const tc_atlas *atlas, tc_packer *c
             for (int side = 0; side < TC_SIDES && !status; side++)
                 status = compare_side(face, atlas->class, n, side, l, cells >> k, units, z, &most, error);
         }
-        sides->apart[k] = 2 * (most + coded), sides->ranks = k + 1;
+        sides->apart[k] = fminf(2 * (most + coded), 1e20f), sides->ranks = k + 1;
     }
     free(units), free(z);
     return status;
