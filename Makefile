@@ -42,10 +42,10 @@ comma := ,
 # Rooms in the order in which data flows; a file includes its own room and rooms before it (tests/cli/test_structure.sh).
 # The core has no OpenGL; drawing has; what is left are the programs' own: files of the world, command lines, windows.
 CORE_ROOMS := base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file packed/read \
-              packed/write map imagery view window content measure
+              packed/write map imagery view window content blocks measure
 DRAW_ROOMS := gl render
 APP_ROOMS := input app
-SCHEMES := square rings
+SCHEMES := square rings faces
 
 PLUGIN_SRC := $(wildcard common/*/plugin_*.c common/*/plugin_*.cpp)
 sources = $(filter-out $(PLUGIN_SRC) %/main.c,$(wildcard $(addsuffix /*.c,$(1))))

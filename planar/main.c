@@ -20,6 +20,7 @@ int main(int argc, char **argv)
         TC_LEVELS_OPTION,
         TC_BUDGET_OPTION,
     };
+    static const tc_scheme *const schemes[] = {tc_square_schemes, NULL};
     static const tc_viewer_program program = {
         .name = "planar-viewer",
         .summary =
@@ -27,8 +28,7 @@ int main(int argc, char **argv)
             "as a picture.",
         .body = &tc_plane_body,
         .navigation = &tc_plane_navigation,
-        .schemes = tc_square_schemes,
-        .scheme_count = 1,
+        .schemes = schemes,
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

@@ -3,7 +3,7 @@
  * A level's render region is its active region (LH04 section 3), or what a throttled frame leaves of it, without the
  * finer level's. It is cut into blocks along lines fixed in the map, which are culled against the view with the
  * pyramid's height bounds. Along the perimeter of each region, where two fine edges meet one coarse edge, crack closers
- * are drawn (square_geometry.c). */
+ * are drawn (block_geometry.c). */
 #include "square.h"
 
 #include <assert.h>
@@ -19,7 +19,7 @@
 
 typedef struct square_surface {
     tc_surface head;
-    square_geometry index;
+    tc_block_geometry index;
     bool wide;         /* places relative to the viewer do not fit 32 bits (square_wide.glsl) */
     int strips, lists; /* the most draws of either kind */
     tc_ground_options windows;
@@ -147,7 +147,7 @@ static void add_block(assembly *a, tc_rect cells)
     assert(a->strip_count < a->s->strips);
     a->frame->instances[a->strip_count] = instance(a, cells.x0, cells.y0);
     a->frame->draws[a->strip_count++] =
-        (tc_draw){.count = tc_square_strip_count(w, h), 1, .first_index = a->s->index.strip_first[w - 1]};
+        (tc_draw){.count = tc_block_strip_count(w, h), 1, .first_index = a->s->index.strip_first[w - 1]};
 }
 
 /* Closers along a side of the perimeter: from (x, y) `cells` cells east or north. */
@@ -411,7 +411,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                      .draws = square_draws,
                      .height = square_height,
                      .destroy = square_destroy};
-    tc_status status = tc_square_geometry(block, &s->head.geometry, &s->index, error);
+    tc_status status = tc_block_geometry_make(block, &s->head.geometry, &s->index, error);
     if (status) {
         square_destroy(&s->head);
         return status;

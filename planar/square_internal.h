@@ -2,23 +2,8 @@
 #ifndef TC_SQUARE_INTERNAL_H
 #define TC_SQUARE_INTERNAL_H
 
+#include "common/render/block_geometry.h"
 #include "square.h"
-
-/* Support geometry: a grid of (block + 1)^2 vertices; strips for blocks of every width from 1 to block cells, whose
- * first rows serve every height; triangle lists that close T-junctions along a row and along a column. */
-typedef struct square_geometry {
-    int block;                        /* cells of the largest block along a side; even */
-    uint32_t *strip_first;            /* [w - 1]: first index of the strips of blocks w cells wide */
-    uint32_t row_first, column_first; /* of the lists along a row and a column of `block` cells */
-} square_geometry;
-
-tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *index, tc_error *error);
-
-/* Indices of a block of w x h cells. */
-static inline uint32_t tc_square_strip_count(int64_t w, int64_t h)
-{
-    return (uint32_t)(h * (2 * w + 3) - 1);
-}
 
 /* How heights of a level pass over into the coarser level's: alpha is the largest of four ramps, one a side, of
  * `from` + ..., and of `least`. In cells of the level, relative to the snapped viewer. Sides: west, east, south,

@@ -1,4 +1,5 @@
 /* main.c - planet-viewer: a planet, or a part of one, on a globe. */
+#include "faces.h"
 #include "rings.h"
 
 #include "common/app/options.h"
@@ -45,6 +46,7 @@ int main(int argc, char **argv)
          "of a sphere instead (by the file's coordinate system, else the Earth's mean radius)", read_radius,
          offsetof(tc_options, globe.radius)},
     };
+    static const tc_scheme *const schemes[] = {tc_rings_schemes, tc_faces_schemes, NULL};
     static const tc_viewer_program program = {
         .name = "planet-viewer",
         .summary =
@@ -52,8 +54,7 @@ int main(int argc, char **argv)
             "ground, in a window or as a picture.",
         .body = &tc_sphere_body,
         .navigation = &tc_sphere_navigation,
-        .schemes = tc_rings_schemes,
-        .scheme_count = 2,
+        .schemes = schemes,
         .options = options,
         .option_count = sizeof options / sizeof *options,
     };

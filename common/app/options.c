@@ -75,10 +75,8 @@ static bool read_target(void *target_ms, const char *value)
 bool tc_read_scheme(void *options, const char *value)
 {
     tc_options *o = options;
-    for (int i = 0; i < o->program->scheme_count; i++)
-        if (strcmp(value, o->program->schemes[i].name) == 0)
-            o->scheme = &o->program->schemes[i];
-    return o->scheme && strcmp(value, o->scheme->name) == 0;
+    o->scheme = tc_scheme_named(o->program->schemes, NULL, value);
+    return o->scheme;
 }
 
 static bool read_samples(void *samples, const char *value)
@@ -204,15 +202,16 @@ typedef struct rows {
 static void name_schemes(const tc_viewer_program *program, rows *r)
 {
     size_t names = 0, help = 0;
-    for (int i = 0; i < program->scheme_count; i++) {
-        const tc_scheme *scheme = &program->schemes[i];
-        const char *before = i == 0 ? "" : i + 1 < program->scheme_count ? ", " : " or ";
+    const tc_scheme *scheme, *next = tc_scheme_at(program->schemes, NULL, 0);
+    for (int i = 0; (scheme = next); i++) {
+        next = tc_scheme_at(program->schemes, NULL, i + 1);
+        const char *before = i == 0 ? "" : next ? ", " : " or ";
         names += (size_t)snprintf(r->schemes + names, sizeof r->schemes - names, "%s%s", before, scheme->name);
-        before = i == 0 ? "" : i + 1 < program->scheme_count ? ", " : ", or ";
+        before = i == 0 ? "" : next ? ", " : ", or ";
         help += (size_t)snprintf(r->schemes_help + help, sizeof r->schemes_help - help, "%s%s%s%s", before,
                                  scheme->name, scheme->help ? ": " : "", scheme->help ? scheme->help : "");
     }
-    snprintf(r->schemes_help + help, sizeof r->schemes_help - help, " (%s)", program->schemes[0].name);
+    snprintf(r->schemes_help + help, sizeof r->schemes_help - help, " (%s)", tc_scheme_at(program->schemes, NULL, 0)->name);
 }
 
 static void make_rows(const tc_viewer_program *program, rows *r)

@@ -13,8 +13,7 @@ typedef struct tc_viewer_program {
     const char *summary;       /* one sentence for the help */
     const tc_body_class *body; /* that files are shown on */
     const tc_navigation *navigation;
-    const tc_scheme *schemes; /* the first one unless --scheme names another */
-    int scheme_count;
+    const tc_scheme *const *schemes; /* lists, ended by NULL: the first one unless --scheme names another */
     const tc_option *options; /* of its schemes and its body (options.h); they follow those of how a file is read */
     int option_count;
 } tc_viewer_program;

@@ -3,7 +3,7 @@
 
 const tc_scheme *tc_viewer_scheme(const tc_viewer *v)
 {
-    return v->options.scheme ? v->options.scheme : &v->program->schemes[0];
+    return v->options.scheme ? v->options.scheme : tc_scheme_at(v->program->schemes, NULL, 0);
 }
 
 static tc_surface_request request_of(const tc_viewer *v)

@@ -45,7 +45,7 @@ double tc_chart_face_spacing(double radius, int64_t cells)
 
 int64_t tc_chart_cells(int64_t least)
 {
-    int halvings = 0;
+    int halvings = 1;
     while (tc_ceil_shift(least, halvings) > TC_MOST_CELLS)
         halvings++;
     return tc_ceil_shift(least, halvings) << halvings;

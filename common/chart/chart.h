@@ -107,8 +107,9 @@ double tc_chart_face_spacing(double radius, int64_t cells);
 /* A tc_chart_class.height: that of the mesh of the level's triangles; none outside, by more than a sample. */
 tc_status tc_chart_mesh_height(const tc_chart *chart, int level, double x, double y, bool *there_ret, double *z_ret);
 
-/* Cells of a face at least as many as `least`: q 2^h with q of at most TC_MOST_CELLS, so that levels halve evenly. */
-enum { TC_MOST_CELLS = 125 };
+/* Cells of a face at least as many as `least`, even: q 2^h with q of at most TC_MOST_CELLS, so that levels halve evenly
+ * and blocks of cells fit them. */
+enum { TC_MOST_CELLS = 31 };
 int64_t tc_chart_cells(int64_t least);
 
 /* Shares of charts, one each, in the height at a place, by its unit normal: what lies under all others, the first, has

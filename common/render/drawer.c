@@ -29,11 +29,8 @@ struct tc_eye {
 
 static const tc_scheme *find_scheme(const tc_map *map, const char *name)
 {
-    for (const tc_scheme *const *list = tc_scheme_lists; *list; list++)
-        for (const tc_scheme *s = *list; s->name; s++)
-            if (tc_body_is(map->body.class, s->body) && (!name || strcmp(s->name, name) == 0))
-                return s;
-    return NULL;
+    return name ? tc_scheme_named(tc_scheme_lists, map->body.class, name)
+                : tc_scheme_at(tc_scheme_lists, map->body.class, 0);
 }
 
 static tc_status make_surface(tc_drawer *d, tc_error *error)

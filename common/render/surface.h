@@ -53,7 +53,7 @@ static inline void tc_set_index(tc_geometry *g, size_t at, uint32_t index)
 /* ---- Windows ----------------------------------------------------------------------------------------------------- */
 
 /* Charts of a map that a surface can draw. */
-enum { TC_MAX_CHARTS = 3 };
+enum { TC_MAX_CHARTS = 6 };
 
 /* What one viewer holds of a map: a clipmap for each chart, all of one size n and with the same contents. */
 typedef struct tc_windows {
@@ -81,10 +81,10 @@ typedef struct tc_instance {
  * Levels and charts that are not in use need not have one. What shaders know of a surface, vectors of four; frame.glsl
  * is told these sizes. */
 enum {
-    TC_MAX_LAYERS = TC_MAX_CHARTS * TC_MAX_LEVELS,
+    TC_MAX_LAYERS = 120, /* as many as fit the 16 KB that a uniform block has with every driver */
     TC_LAYER_VECTORS = 3,
-    TC_SURFACE_VECTORS = 14,
-    TC_SURFACE_INTEGERS = 3 /* vectors of integers */
+    TC_SURFACE_VECTORS = 34,
+    TC_SURFACE_INTEGERS = 31 /* vectors of integers */
 };
 
 /* The layers that there are: levels of each chart, from the coarsest on, that have one; and of them, from the coarsest

@@ -62,3 +62,14 @@ bool tc_frustum_sees(const tc_frustum *frustum, const double lo[3], const double
     }
     return true;
 }
+
+bool tc_frustum_sees_ball(const tc_frustum *frustum, const double middle[3], double radius)
+{
+    for (int p = 0; p < 4; p++) {
+        const double *n = frustum->normal[p];
+        double d = n[0] * middle[0] + n[1] * middle[1] + n[2] * middle[2];
+        if (d < 0 && d * d > radius * radius * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]))
+            return false;
+    }
+    return true;
+}

@@ -30,4 +30,7 @@ tc_frustum tc_camera_frustum(const tc_camera *camera);
 /* Whether a box, relative to the eye, may be seen; false only where it surely is not. */
 bool tc_frustum_sees(const tc_frustum *frustum, const double lo[3], const double hi[3]);
 
+/* The same of a ball. */
+bool tc_frustum_sees_ball(const tc_frustum *frustum, const double middle[3], double radius);
+
 #endif

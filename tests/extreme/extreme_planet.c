@@ -74,7 +74,8 @@ static void look_for_holes(globe_scene *globe, const tc_camera *camera, sight *s
     c.width = 160, c.height = 120;
     scene drawn = {.surface = globe->surface, .renderer = globe->renderer};
     globe_scene_frame(globe, &c, true);
-    globe_holes h = globe_holes_of(&drawn, &c, NULL, 200);
+    const globe_mesh mesh = globe_mesh_of_rings(drawn.surface, NULL);
+    globe_holes h = globe_holes_of(&drawn, &mesh, &c, NULL, 200);
     s->terrain += h.terrain, s->sure += h.sure, s->holes += h.holes;
     s->suspects += h.suspects, s->cracks += h.cracks;
     float *depth = planet_depth(&drawn, &c);

@@ -71,7 +71,8 @@ static void look_around(const tc_map *map, int missing)
     for (int v = 0; v < VIEWS; v++) {
         tc_camera c = planet_view(&r, map, 100, 3 * radius);
         scene_draw(&s, &c, true);
-        globe_holes h = globe_holes_of(&s, &c, NULL, 2000);
+        const globe_mesh mesh = globe_mesh_of_rings(s.surface, NULL);
+        globe_holes h = globe_holes_of(&s, &mesh, &c, NULL, 2000);
         terrain += h.terrain;
         if (h.holes || h.cracks)
             fail_msg("%d levels cut off, view %d: %d holes, %d cracks", missing, v, (int)h.holes, (int)h.cracks);

@@ -21,7 +21,8 @@ static bool read_n(void *n, const char *value)
     return tc_read_int(value, 15, 2047, samples) && (*samples & (*samples + 1)) == 0;
 }
 
-static const tc_scheme schemes[] = {{.name = "plain"}, {.name = "fancy", .help = "with frills"}};
+static const tc_scheme schemes[] = {{.name = "plain"}, {.name = "fancy", .help = "with frills"}, {0}};
+static const tc_scheme *const lists[] = {schemes, NULL};
 static const tc_option own[] = {
     {.help = "Geometry clipmap"},
     {0, "n", "N", "2^k - 1 of 15..2047", "samples", read_n, offsetof(tc_options, n)},
@@ -32,8 +33,7 @@ static const tc_option own[] = {
 static const tc_viewer_program program = {.name = "viewer",
                                           .summary = "Shows.",
                                           .navigation = &tc_plane_navigation,
-                                          .schemes = schemes,
-                                          .scheme_count = 2,
+                                          .schemes = lists,
                                           .options = own,
                                           .option_count = sizeof own / sizeof *own};
 

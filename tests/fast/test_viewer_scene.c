@@ -30,8 +30,9 @@ static const GLubyte *extension(GLenum name, GLuint i)
 
 static tc_viewer viewer(void)
 {
+    static const tc_scheme *const lists[] = {tc_square_schemes, NULL};
     static const tc_viewer_program program = {
-        .name = "test", .body = &tc_plane_body, .schemes = tc_square_schemes, .scheme_count = 1};
+        .name = "test", .body = &tc_plane_body, .schemes = lists};
     tc_grid grid = terrain_grid(TERRAIN_SMOOTH, 3000, 2000, 30, 1);
     tc_viewer v = {.program = &program, .gl = &gl, .options.output = "picture.png", .scene.budget = -1};
     tc_error error;

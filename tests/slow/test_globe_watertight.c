@@ -100,7 +100,8 @@ static void look(scene *s, const tc_camera *c, const tc_frame_options *options, 
         t->too_low += !lagging && options->throttle <= 0;
         return;
     }
-    globe_holes h = globe_holes_of(s, c, options, f == SOUND ? INT64_MAX : 300);
+    const globe_mesh mesh = globe_mesh_of_rings(s->surface, options);
+    globe_holes h = globe_holes_of(s, &mesh, c, options, f == SOUND ? INT64_MAX : 300);
     t->terrain_pixels += h.terrain, t->sure_pixels += h.sure, t->suspects += (int)h.suspects;
     if ((h.holes || h.cracks) && f == SOUND)
         printf("view %d: %d holes, %d cracks: lon %.17g lat %.17g z %.17g heading %.17g pitch %.17g fov %.17g throttle "

@@ -18,8 +18,10 @@ GLuint feedback_program(const tc_gl *gl, const tc_surface *surface, const char *
 {
     char defines[TC_FRAME_DEFINES], mask[400];
     tc_scene_frame_defines(defines);
-    size_t used =
-        (size_t)snprintf(mask, sizeof mask, "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n", surface->n);
+    size_t used = (size_t)snprintf(mask, sizeof mask,
+                                   "#define WINDOW_MASK %d\n#define INTERPOLATED centroid\n"
+                                   "#define NEARNESS_AT(p) (p.z / p.w)\n",
+                                   surface->n);
     for (const char *const *define = surface->defines; define && *define; define++)
         used += (size_t)snprintf(mask + used, sizeof mask - used, "#define %s\n", *define);
     const char *text[16] = {"#version 450 core\n", defines, mask, scene, tc_shader_text(NULL, "frame.glsl")};

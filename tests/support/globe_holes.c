@@ -12,6 +12,7 @@
 
 #include "common/view/camera.h"
 #include "common/measure/view_error.h"
+#include "spherical/faces_internal.h"
 #include "spherical/rings_internal.h"
 
 static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)
@@ -20,12 +21,55 @@ static bool magenta(const uint8_t *rgb, const tc_camera *c, int x, int y)
     return p[0] == 255 && p[1] == 0 && p[2] == 255;
 }
 
+/* ---- Meshes ----------------------------------------------------------------------------------------------------- */
+
+/* Corners of a triangle are at most this far from its middle. */
+static double half_of_rings(const globe_mesh *m, double theta)
+{
+    return 0.5 * hypot(2 * theta * m->apart[0], m->apart[1] * fmin(theta * 1.1, 1));
+}
+
+globe_mesh globe_mesh_of_rings(const tc_surface *surface, const tc_frame_options *options)
+{
+    const rings_surface *s = (const rings_surface *)surface;
+    double apart = options ? exp2(ceil(fmin(options->throttle, surface->most_throttle))) : 1;
+    return (globe_mesh){.body = s->map->body,
+                        .z_lo = s->z_lo,
+                        .z_hi = s->z_hi,
+                        .half = half_of_rings,
+                        .apart = {apart / s->geometry.m, apart * 2 * M_PI / s->geometry.n_phi}};
+}
+
+/* Cells of a place at a distance are at most half of the level's range long that it is in. */
+static double half_of_faces(const globe_mesh *m, double theta)
+{
+    return fmin(fmax(m->apart[0], theta * m->apart[2]), m->apart[1]);
+}
+
+globe_mesh globe_mesh_of_faces(const tc_surface *surface, const tc_camera *camera, const tc_frame_options *options,
+                               bool lagging)
+{
+    const faces_surface *s = (const faces_surface *)surface;
+    const double longest = 1.5; /* from a cell's middle to its corners, cells */
+    double cell = longest * s->cell, share = 2 * cell / s->range * (options ? exp2(options->throttle) : 1);
+    double most = cell * (double)(s->cells / tc_block_cells(&s->lattice, 1));
+    /* Blocks are drawn by a level as long as any of it is within its range. */
+    double height = s->kind->height_share * fmax(camera->z - s->z_lo, 0) / s->map->body.radius;
+    double least = fmin(fmax(cell, share * height), most);
+    return (globe_mesh){.body = s->map->body,
+                        .z_lo = s->z_lo,
+                        .z_hi = s->z_hi,
+                        .half = half_of_faces,
+                        .apart = {lagging ? most : least, most, share}};
+}
+
+/* ---- Rays ------------------------------------------------------------------------------------------------------- */
+
 /* The eye and a direction, along the eye's axes from the body's middle, in a space in which an ellipsoid is a sphere:
  * stretched along its axis by the ratio of what its semi-axes are with so much added to them. */
-static void stretch(const rings_surface *s, const tc_camera *c, double more, const double d[3], double eye[3],
+static void stretch(const tc_body *body, const tc_camera *c, double more, const double d[3], double eye[3],
                     double ray[3])
 {
-    const tc_body *body = &s->map->body;
     const double place[3] = {c->x, c->y, c->z}, pole[3] = {0, cos(c->y), sin(c->y)};
     double axes[3][3], p[3], of_eye = 0, of_ray = 0, length = 0;
     double stretched = (body->radius + more) / (body->radius * (1 - body->flattening) + more) - 1;
@@ -48,22 +92,20 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Whether the ray surely goes through the mesh, whose vertices are so many of its steps apart at most. */
-static bool ray_enters(const rings_surface *s, const tc_camera *c, double apart, const double d[3])
+/* Whether the ray surely goes through the mesh. */
+static bool ray_enters(const globe_mesh *m, const tc_camera *c, const double d[3])
 {
     /* A body as much lower is a little smaller than what semi-axes as much shorter make. */
-    const double flattening = s->map->body.flattening, slack = 1e-6 + (flattening > 0 ? 1e-4 * flattening : 0);
-    double low = s->map->body.radius + s->z_lo, eye[3], ray[3];
-    stretch(s, c, s->z_lo, d, eye, ray);
+    const double flattening = m->body.flattening, slack = 1e-6 + (flattening > 0 ? 1e-4 * flattening : 0);
+    double low = m->body.radius + m->z_lo, eye[3], ray[3];
+    stretch(&m->body, c, m->z_lo, d, eye, ray);
     double ahead = -dot(eye, ray), away = sqrt(dot(eye, eye));
     if (ahead <= 0)
         return false;
     /* Where it is nearest to the middle: the angle from the foot point, and how near. */
     double theta = asin(fmin(ahead / away, 1)), nearest = sqrt(fmax(away * away - ahead * ahead, 0));
     theta *= 1 + 2 * flattening;
-    /* Corners of a triangle there are at most this far from its middle. */
-    double step = 0.5 * apart * hypot(2 * theta / s->geometry.m, 2 * M_PI / s->geometry.n_phi * fmin(theta * 1.1, 1));
-    return nearest < low * cos(fmin(step, M_PI / 2)) * (1 - slack);
+    return nearest < low * cos(fmin(m->half(m, theta), M_PI / 2)) * (1 - slack);
 }
 
 static bool solid(const uint8_t *rgb, const tc_camera *c, int x, int y)
@@ -98,10 +140,10 @@ static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
 }
 
 /* Where the ray is within the sphere of the highest height; false where it never is ahead of the eye. */
-static bool ray_within(const rings_surface *s, const tc_camera *c, const double d[3], double *from_ret, double *to_ret)
+static bool ray_within(const globe_mesh *m, const tc_camera *c, const double d[3], double *from_ret, double *to_ret)
 {
-    double eye[3], ray[3], high = (s->map->body.radius + s->z_hi) / (1 - s->map->body.flattening);
-    stretch(s, c, 0, d, eye, ray);
+    double eye[3], ray[3], high = (m->body.radius + m->z_hi) / (1 - m->body.flattening);
+    stretch(&m->body, c, 0, d, eye, ray);
     double nearest = -dot(eye, ray), half = high * high - (dot(eye, eye) - nearest * nearest);
     if (half <= 0)
         return false;
@@ -112,18 +154,18 @@ static bool ray_within(const rings_surface *s, const tc_camera *c, const double 
 
 /* Whether the ray passes from above to below the drawn surface by more than a quarter of a pixel. From far away a
  * fraction of the way is many of a small planet's radii: a thousandth of what the ray has in front of it at most. */
-static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *c, const tc_frame_options *options,
+static bool ray_crosses(scene *s, const globe_mesh *m, const tc_camera *c, const tc_frame_options *options,
                         const double d[3])
 {
-    const tc_view *view = scene_look(scene_, c, options);
+    const tc_view *view = scene_look(s, c, options);
     double margin = 0.25 / tc_camera_pixel_scale(c), from, to;
-    if (!ray_within(s, c, d, &from, &to))
+    if (!ray_within(m, c, d, &from, &to))
         return false;
-    bool above = c->z > s->z_hi, below = false;
+    bool above = c->z > m->z_hi, below = false;
     for (double t = from; t < to && !(above && below); t += fmin(0.002 * t, 1e-3 * (to - from))) {
         double p[3], from_eye[3] = {t * d[0], t * d[1], t * d[2]}, z;
-        tc_view_place(c, &s->map->body, from_eye, p);
-        if (!s->head.height(view, p[0], p[1], &z))
+        tc_view_place(c, &m->body, from_eye, p);
+        if (!s->surface->height(view, p[0], p[1], &z))
             continue;
         above = above || p[2] > z + margin * t;
         below = below || p[2] < z - margin * t;
@@ -131,22 +173,21 @@ static bool ray_crosses(scene *scene_, const rings_surface *s, const tc_camera *
     return above && below;
 }
 
-globe_holes globe_holes_of(scene *s, const tc_camera *c, const tc_frame_options *options, int64_t most_suspects)
+globe_holes globe_holes_of(scene *s, const globe_mesh *mesh, const tc_camera *c, const tc_frame_options *options,
+                           int64_t most_suspects)
 {
-    double apart = options ? exp2(ceil(fmin(options->throttle, s->surface->most_throttle))) : 1;
-    const rings_surface *rings = (const rings_surface *)s->surface;
     globe_holes h = {0};
     uint8_t *rgb = scene_pixels(s, c);
     for (int y = 0; y < c->height; y++)
         for (int x = 0; x < c->width; x++) {
             double d[3];
             tc_view_ray(c, x + 0.5, y + 0.5, d);
-            bool sure = ray_enters(rings, c, apart, d), open = magenta(rgb, c, x, y);
+            bool sure = ray_enters(mesh, c, d), open = magenta(rgb, c, x, y);
             h.terrain += !open, h.sure += sure;
             h.holes += sure && open;
             if (open && !sure && terrain_above(rgb, c, x, y)) {
                 h.suspects++;
-                h.cracks += h.suspects <= most_suspects && ray_crosses(s, rings, c, options, d);
+                h.cracks += h.suspects <= most_suspects && ray_crosses(s, mesh, c, options, d);
             }
         }
     free(rgb);

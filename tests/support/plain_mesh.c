@@ -123,9 +123,9 @@ static bool fits(int64_t columns, int64_t rows)
 static void build(const tc_gl *gl, const lattice *l, plain_mesh *m)
 {
     tc_geometry g = {0};
-    square_geometry index;
+    tc_block_geometry index;
     tc_error error;
-    if (tc_square_geometry(B, &g, &index, &error))
+    if (tc_block_geometry_make(B, &g, &index, &error))
         exit(99);
     int64_t across = (l->columns - 1 + B - 1) / B, up = (l->rows - 1 + B - 1) / B, count = across * up;
     float(*positions)[3] = calloc((size_t)(count * g.vertex_count), sizeof *positions);
@@ -140,7 +140,7 @@ static void build(const tc_gl *gl, const lattice *l, plain_mesh *m)
         l->positions(l, r, positions + t * g.vertex_count);
         int64_t w = r.x1 - x - 1, h = r.y1 - y - 1;
         draws[t] =
-            (tc_draw){tc_square_strip_count(w, h), 1, index.strip_first[w - 1], (int32_t)(t * g.vertex_count), 0};
+            (tc_draw){tc_block_strip_count(w, h), 1, index.strip_first[w - 1], (int32_t)(t * g.vertex_count), 0};
     }
     plain_create(gl, l->camera->width, l->camera->height, m, (const float(*)[3])positions,
                  (size_t)(count * g.vertex_count), g.indices, g.index_count, draws, (int)count, 0);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/chart/atlas.h"
 #include "data/synth_planet.h"
 #include "kept.h"
 
@@ -149,6 +150,26 @@ tc_surface *planet_rings(const tc_map *atlas, const tc_rings_options *rings, con
     tc_surface *surface;
     tc_error error;
     must(tc_rings_create(atlas, &o, &surface, &error), &error);
+    return surface;
+}
+
+tc_map *planet_of_faces(tc_map *planet, const tc_chart_class *class)
+{
+    tc_map *faces;
+    tc_error error;
+    must(tc_map_resample(planet, tc_atlas_of(class), 0, &faces, &error), &error);
+    tc_map_destroy(planet);
+    return faces;
+}
+
+tc_surface *planet_faces(const tc_map *map, const faces_kind *kind, int n, const tc_scene_options *options)
+{
+    const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(map->chart[0].field));
+    const tc_faces_options o = {
+        .kind = kind, .n = n, .normals = needs.normals, .fine_normals = needs.fine_normals, .holes = needs.holes};
+    tc_surface *surface;
+    tc_error error;
+    must(tc_faces_create(map, &o, &surface, &error), &error);
     return surface;
 }
 

@@ -3,6 +3,7 @@
 #define PLANET_SCENE_H
 
 #include "scene.h"
+#include "spherical/faces.h"
 #include "spherical/rings.h"
 #include "terrains.h"
 
@@ -47,6 +48,11 @@ scene planet_scene(const tc_context *context, const tc_map *atlas, const tc_ring
 scene planet_scene_of(const tc_context *context, const tc_map *atlas, tc_surface *surface,
                       const tc_scene_options *options);
 tc_surface *planet_rings(const tc_map *atlas, const tc_rings_options *rings, const tc_scene_options *options);
+
+/* A planet of longitude and latitude resampled to faces of that class, in place of it; and a surface over such a one.
+ */
+tc_map *planet_of_faces(tc_map *planet, const tc_chart_class *class);
+tc_surface *planet_faces(const tc_map *map, const faces_kind *kind, int n, const tc_scene_options *options);
 
 float *planet_depth(scene *s, const tc_camera *camera); /* of the drawn frame; caller frees */
 

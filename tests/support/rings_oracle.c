@@ -55,7 +55,7 @@ oracle_vertex rings_oracle(const rings_surface *s, const rings_view *view, const
     long double p[3] = {up * cp * cl + south * sp * cl - east * sl, up * cp * sl + south * sp * sl + east * cl,
                         up * sp - south * cp};
     long double lo = sinl(TC_CAP_BLEND_START * pi / 180), hi = sinl(TC_CAP_BLEND_END * pi / 180);
-    if (s->map->charts == TC_MAX_CHARTS)
+    if (s->map->charts == 3)
         for (int cap = 1; cap <= 2; cap++)
             r.weight[cap] = fminl(fmaxl(((cap == 1 ? p[2] : -p[2]) - lo) / (hi - lo), 0), 1);
     r.weight[0] = 1 - r.weight[1] - r.weight[2];

@@ -1,4 +1,4 @@
-/* square_geometry.c - static support geometry of square grids: blocks as triangle strips, and crack closers.
+/* block_geometry.c - static support geometry: blocks as triangle strips, and crack closers.
  *
  * A level's frame is drawn in blocks, so that what lies outside the view can be left out. Each row of a block is a
  * strip; strips follow each other after a restart index (joined by degenerate triangles they cost the same, and show
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 
 #include "common/base/status.h"
-#include "square_internal.h"
+#include "block_geometry.h"
 
 static uint32_t strip(tc_geometry *g, uint32_t at, int w, int h, int stride)
 {
@@ -33,11 +33,11 @@ static uint32_t closers(tc_geometry *g, uint32_t at, int cells, int step)
     return at;
 }
 
-tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *index, tc_error *error)
+tc_status tc_block_geometry_make(int block, tc_geometry *geometry, tc_block_geometry *index, tc_error *error)
 {
     int stride = block + 1, count = 0;
     for (int w = 1; w <= block; w++)
-        count += (int)tc_square_strip_count(w, block);
+        count += (int)tc_block_strip_count(w, block);
     count += 2 * 3 * (block / 2);
     geometry->vertex_count = stride * stride;
     geometry->index_count = count;
@@ -48,7 +48,7 @@ tc_status tc_square_geometry(int block, tc_geometry *geometry, square_geometry *
     geometry->indices = malloc((size_t)count * (size_t)geometry->index_bytes);
     index->strip_first = malloc((size_t)block * sizeof *index->strip_first);
     if (!geometry->vertices || !geometry->indices || !index->strip_first)
-        return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
+        return tc_fail(error, TC_ERR_MEMORY, "blocks: not enough memory");
     for (int j = 0; j < stride; j++)
         for (int i = 0; i < stride; i++) {
             vertices[j * stride + i][0] = (uint16_t)i;

@@ -1,0 +1,150 @@
+// faces.frag - the ground at a fragment of a block of a face, for spherical/faces.c (ground.glsl).
+INTERPOLATED in vec4 v_terrain; // faces.vert
+INTERPOLATED in vec3 v_direction;
+flat in vec4 v_corner;
+flat in vec4 v_window;
+flat in vec3 v_aside;
+#ifdef NORMALS
+layout(binding = 2) uniform sampler2DArray normals_map;
+#ifdef FINE_NORMALS
+const float UPRIGHT = 1e-4; // of a normal's length, squared, that is told from none
+#else
+const float UPRIGHT = 0.01;
+#endif
+#endif
+#ifdef HOLES
+in float v_void;
+#endif
+
+int block_layer()
+{
+    return int(v_corner.w);
+}
+
+// Of a triangle that is edge on, a sample may lie outside by the rounding of its corners, and what is interpolated many
+// cells beside it, or anything: there a corner's is taken. A triangle is one cell wide.
+bool beside()
+{
+    vec2 way = abs(v_terrain.yz - v_corner.yz);
+    return !(max(way.x, way.y) < 1.25);
+}
+
+vec2 samples_seen()
+{
+    return beside() ? v_corner.yz : v_terrain.yz;
+}
+
+vec3 direction_seen()
+{
+    return beside() ? v_aside : v_direction;
+}
+
+// Metres above the reference height: what is interpolated has few digits, so that it is small where it is looked at.
+float told_height()
+{
+    return beside() ? v_corner.x : v_terrain.x;
+}
+
+// Unit, in the eye's axes: east, north, up.
+vec3 view_ray()
+{
+    return normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
+                     (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);
+}
+
+#ifdef NORMALS
+// How the height changes with the chart's coordinates, over the radius: the layer's and the coarser one's, by the same
+// alpha as the heights. No further than the window, beyond which the map holds what was there before.
+vec2 change_seen(int l, vec2 samples)
+{
+    float alpha = beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
+    vec4 w = window[l];
+    vec2 at = clamp(v_window.xy + samples, vec2(0.0), w.zw);
+    vec2 texel = (2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
+    vec4 n = textureLod(normals_map, vec3(texel, float(l)), 0.0);
+    vec2 xy = mix(n.xy, n.zw, alpha);
+    // Slopes were kept steeper where samples are further apart than that (tc_ground_options.relief).
+    float spacing = body_radius() * surface[1].x * exp2(layer[3 * l].y);
+    return -xy * inversesqrt(max(1.0 - dot(xy, xy), UPRIGHT)) * min(1.0, sqrt(RELIEF / spacing)) * 1.57079633;
+}
+#endif
+
+Ground surface_ground()
+{
+    Ground g;
+    int l = block_layer(), chart = int(layer[3 * l].x);
+    vec3 d = direction_seen(), up = normalize(vec3(d.xy, 1.0 + d.z)), pole = body[0].xyz;
+    vec2 samples = samples_seen(), from_viewer = samples * (exp2(layer[3 * l].y) * surface[0].z);
+    vec2 place = clamp(from_viewer + surface[FACE(chart) + 4].zw, 0.0, 1.0);
+    float told = told_height(), sine = dot(up, pole);
+    vec3 east = cross(pole, up);
+    float rho = length(east);
+    east = rho > 1e-6 ? east / rho : vec3(1.0, 0.0, 0.0);
+    vec3 north = cross(up, east);
+    g.height = (told + surface[1].z) + surface[1].y;
+    g.colour = vec4(0.0);
+#ifdef CONTOURS
+    g.rise = beside() ? v_corner.x : interpolateAtOffset(v_terrain, vec2(0.0)).x;
+#endif
+#ifdef NORMALS
+    // The body's functions have the axis as z.
+    vec3 slope = chart_slope(chart, place, change_seen(l, samples), up, east, north, sine);
+    vec3 s = body_slope(vec3(0.0, rho, sine), vec3(dot(slope, east), dot(slope, north) * vec2(-sine, rho)));
+    vec2 fall = vec2(s.x, rho * s.z - sine * s.y);
+    g.up = up;
+    g.normal = normalize(up - fall.x * east - fall.y * north);
+    float radius = body_radius();
+    g.fall = -fall * (radius / (radius + g.height));
+#endif
+#if defined(LIT) && defined(CLIMATE)
+    g.day = smoothstep(-0.22, 0.3, dot(up, sun.xyz));
+    // About that of the Earth's mountains at the equator, the sea near the poles.
+    g.snow_line = 5600.0 * (1.0 - pow(abs(sine) / 0.965, 3.0));
+#endif
+#ifdef IMAGERY
+    vec3 from_eye = body_place(d, g.height, told + surface[1].w);
+#ifdef NORMALS
+    Footprint f = footprint_of(from_eye, g.normal);
+#else
+    Footprint f = footprint_of(from_eye, up);
+#endif
+    float to_sphere = 1.0 / body_radius();
+    g.colour = image_colour(image_at(chart, from_viewer,
+                                     chart_step(chart, place, f.longer * to_sphere, up, east, north, sine),
+                                     chart_step(chart, place, f.shorter * to_sphere, up, east, north, sine)));
+#endif
+#ifdef LEVEL_COLOURS
+    g.level = layer[3 * l].y;
+#endif
+#ifdef HOLES
+    g.hole = v_void > 0.0;
+#endif
+    return g;
+}
+
+#ifdef CONTOURS
+float surface_datum()
+{
+    return surface[1].w;
+}
+#endif
+
+#ifdef HAZE
+// The way through air that thins out with height: to the terrain, or from where the air begins.
+float surface_haze()
+{
+    float radius = body_radius(), thickness = AIR_THICKNESS * radius, nearness = NEARNESS;
+#ifdef CLOSERS
+    nearness = v_window.z;
+#else
+    nearness = beside() ? v_window.z : nearness;
+#endif
+    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+    vec3 view = view_ray(), d = direction_seen(), up = vec3(d.xy, 1.0 + d.z);
+    float away = haze.w / nearness * sqrt(1.0 + dot(across, across));
+    float steep = max(-dot(view, up), 0.0), path = min(away, thickness / (steep + 0.035));
+    float height = (told_height() + surface[1].z) + surface[1].y;
+    float depth = path / (0.018 * radius) * exp(-max(height - heights.x, 0.0) / thickness);
+    return depth * depth;
+}
+#endif

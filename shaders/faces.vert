@@ -1,0 +1,99 @@
+// faces.vert - a vertex of a block of a face (spherical/faces.c): its place by its chart, its height from the level's window.
+//
+// A vertex passes over into the coarser level's mesh by alpha: a sample that the coarser level has, to the height that it has
+// there; another one to the middle of the coarser edge that it lies on, in space. With alpha = 1 the mesh is the
+// coarser one, bit for bit at shared vertices.
+layout(location = 0) in ivec2 in_vertex;   // of the static geometry
+layout(location = 1) in ivec4 in_instance; // its block: instance() in faces.c
+layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
+#ifdef HOLES
+layout(binding = 3) uniform sampler2DArray voids_map;
+out float v_void;
+#endif
+INTERPOLATED out vec4 v_terrain; // x: metres above the reference height; y, z: samples of the level from the viewer's; w: alpha
+INTERPOLATED out vec3 v_direction; // normal less the viewer's: east, north, up
+flat out vec4 v_corner;          // x, y, z: v_terrain's at a corner; w: layer
+flat out vec4 v_window;          // x, y: the viewer's place in samples from the window's first; z: NEARNESS at the corner
+flat out vec3 v_aside;           // v_direction's at the corner
+
+int block_layer()
+{
+    return in_instance.w & 127;
+}
+
+// The alpha of a vertex on the edge of its block where the mesh beyond is another level's (tc_leaf_alpha() in
+// common/blocks/blocks.h): 1 where it is coarser, 0 where it is finer; below 0: it is neither. missing: how much of the way
+// to the coarser level is due to blocks that are not held.
+float edge_alpha(out float missing)
+{
+    int bits = in_instance.w, cells = 1 << (in_instance.z >> 26 & 15);
+    vec4 f = vec4(bits >> 15 & 1, bits >> 16 & 1, bits >> 17 & 1, bits >> 18 & 1);
+    vec2 t = vec2(in_vertex) / float(cells);
+    missing = mix(mix(f.x, f.y, t.x), mix(f.z, f.w, t.x), t.y);
+    bool west = in_vertex.x == 0, east = in_vertex.x == cells, south = in_vertex.y == 0, north = in_vertex.y == cells;
+    if ((west || east) && (south || north)) {
+        int corner = (east ? 1 : 0) + (north ? 2 : 0);
+        return (bits >> 11 >> corner & 1) != 0 ? 1.0 : (bits >> 19 >> corner & 1) != 0 ? 0.0 : -1.0;
+    }
+    int side = west ? 0 : east ? 1 : south ? 2 : north ? 3 : -1;
+    if (side < 0)
+        return -1.0;
+    int along = 2 * (side < 2 ? in_vertex.y : in_vertex.x), halves = (along <= cells ? 1 : 0) + (along >= cells ? 2 : 0);
+    return (bits >> 7 >> side & 1) != 0 ? 1.0 : ((bits >> 23 & 255) >> 2 * side & halves) != 0 ? 0.0 : -1.0;
+}
+
+vec3 direction_at(int chart, ivec2 at)
+{
+    settle_chart(chart, at);
+    precise vec3 d = chart_direction(chart, at);
+    return d;
+}
+
+vec3 position_of(vec3 d, float height)
+{
+    precise float above = (height - eye.x) - eye.y;
+    precise vec3 p = body_place(d, height, above);
+    return p;
+}
+
+vec3 surface_vertex()
+{
+    int l = block_layer();
+    vec4 level = layer[3 * l];
+    int chart = int(level.x), shift = int(level.y);
+    ivec2 texel = ivec2(in_instance.z & 0x1fff, in_instance.z >> 13 & 0x1fff) + in_vertex, at = in_instance.xy + (in_vertex << shift);
+    vec2 z = texelFetch(heights_map, ivec3(texel & WINDOW_MASK, l), 0).rg;
+    vec3 d = direction_at(chart, at);
+    float missing, edge = edge_alpha(missing);
+    float alpha = clamp((viewer_distance(d) * level.z - surface[2].x) * surface[2].y, 0.0, 1.0);
+    alpha = edge < 0.0 ? max(alpha, missing) : edge;
+    alpha = level.z > 0.0 ? alpha * surface[2].z : 0.0;
+    ivec2 odd = texel & 1;
+    bool between = odd != ivec2(0);
+    precise float height = between ? z.x : (1.0 - alpha) * z.x + alpha * z.y;
+    precise vec3 position = position_of(d, height);
+    if (between && alpha > 0.0) {
+        // Ends of the coarser edge: along a row, a column, or the diagonal that all cells are cut by.
+        ivec2 way = ivec2(odd.x, odd.x == 1 ? -odd.y : 1);
+        float z0 = texelFetch(heights_map, ivec3((texel + way) & WINDOW_MASK, l), 0).g;
+        float z1 = texelFetch(heights_map, ivec3((texel - way) & WINDOW_MASK, l), 0).g;
+        vec3 d0 = direction_at(chart, at + (way << shift)), d1 = direction_at(chart, at - (way << shift));
+        position = (1.0 - alpha) * position + alpha * (0.5 * (position_of(d0, z0) + position_of(d1, z1)));
+        d = (1.0 - alpha) * d + alpha * (0.5 * (d0 + d1));
+    }
+    float told = ((1.0 - alpha) * (z.x - surface[1].y) + alpha * (z.y - surface[1].y)) - surface[1].z;
+    // Samples of the level from the viewer's place on the chart.
+    ivec2 nearest = ivec2(whole[PLACES(chart) + 1].w, whole[PLACES(chart) + 2].w);
+    vec2 place = (vec2(at - nearest) - surface[FACE(chart) + 4].xy) * exp2(-float(shift));
+    vec2 viewer = mod(vec2(texel) - window[l].xy, 2.0 * float(WINDOW_MASK + 1)) - place;
+    vec4 corner = view_projection * vec4(position, 1.0);
+    v_terrain = vec4(told, place, alpha);
+    v_direction = d;
+    v_corner = vec4(told, place, float(l));
+    v_window = vec4(viewer, corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0, 0.0);
+    v_aside = d;
+#ifdef HOLES
+    v_void = texelFetch(voids_map, ivec3(texel & WINDOW_MASK, l), 0).r;
+#endif
+    return position;
+}

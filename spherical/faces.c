@@ -1,0 +1,397 @@
+/* faces.c - surfaces over faces: what a frame draws of the blocks that it calls for.
+ *
+ * Each leaf of the tree of blocks is a draw, culled by a ball around it against the view and the horizon; crack closers
+ * follow along its sides where the mesh beyond is coarser. */
+#include "faces.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "common/base/rect.h"
+#include "common/base/status.h"
+#include "common/field/field.h"
+#include "common/view/camera.h"
+#include "faces_internal.h"
+
+/* Spacing, metres, from which on normals are kept steeper than the terrain. */
+#define RELIEF 60.0
+/* A constant as GLSL is told it. */
+#define TEXT(constant) #constant
+#define TEXT_OF(constant) TEXT(constant)
+
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
+
+/* All that is looked at while a frame is put together. */
+typedef struct assembly {
+    const faces_view *v;
+    const faces_surface *s;
+    const tc_layers *layers;
+    tc_frame *frame;
+    tc_frustum frustum; /* of the camera culled for, */
+    double eye[3];      /* where it is in space, */
+    double axes[3][3];  /* and its axes */
+    int strips, lists, blocks;
+    int levels[TC_BLOCK_LEVELS]; /* leaves drawn of each */
+    int64_t triangles, triangles_unculled;
+} assembly;
+
+/* A block's heights: its own level's and the coarser one's, into which it passes over. */
+static void height_bounds(const assembly *a, tc_block b, double *lo_ret, double *hi_ret)
+{
+    const tc_clipmap *clipmap = a->v->head.windows->clipmap[b.chart];
+    const tc_field *field = tc_clipmap_field(clipmap);
+    const int level = tc_clipmap_field_level(clipmap, b.level);
+    const tc_rect r = tc_faces_samples(&a->s->lattice, b);
+    tc_range own = tc_field_range(field, level, r);
+    *lo_ret = own.lo, *hi_ret = own.hi;
+    if (b.level > 1) {
+        tc_range coarse = tc_field_range(field, level - 1, (tc_rect){r.x0 / 2, r.y0 / 2, r.x1 / 2 + 1, r.y1 / 2 + 1});
+        *lo_ret = fmin(*lo_ret, coarse.lo), *hi_ret = fmax(*hi_ret, coarse.hi);
+    }
+}
+
+/* The unit normal at a place of a chart. */
+static void normal_at(const assembly *a, int chart, double u, double v, double n[3])
+{
+    const tc_chart *c = &a->s->map->chart[chart];
+    double at[3] = {0};
+    c->class->to_place(c, u / (double)a->s->cells, v / (double)a->s->cells, &at[0], &at[1]);
+    a->s->map->body.class->normal(&a->s->map->body, at, n);
+}
+
+static double apart(const double a[3], const double b[3])
+{
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+/* Whether a block may be seen: by a ball that holds all of its vertices. */
+static bool visible(const assembly *a, tc_block b)
+{
+    if (a->v->head.options.no_cull)
+        return true;
+    const double block = (double)a->s->cells / a->s->lattice.blocks[b.level - 1];
+    const tc_body *body = &a->s->map->body;
+    double middle[3], n[3], place[3], around = 0, lo, hi;
+    normal_at(a, b.chart, (b.x + 0.5) * block, (b.y + 0.5) * block, middle);
+    for (int k = 0; k < 9; k++) {
+        normal_at(a, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, n);
+        around = fmax(around, apart(middle, n));
+    }
+    around *= 1.1;
+    if (2 * asin(fmin(0.5 * apart(middle, a->axes[2]), 1)) - 2 * asin(fmin(0.5 * around, 1)) > a->v->horizon)
+        return false;
+    height_bounds(a, b, &lo, &hi);
+    const double z_base = tc_field_info(a->s->head.field)->z_base;
+    body->class->place(body, middle, place);
+    place[0] = atan2(middle[1], middle[0]), place[1] = atan2(middle[2], hypot(middle[0], middle[1]));
+    place[2] = z_base + 0.5 * (lo + hi);
+    double p[3], way[3] = {0}, radius = around * (body->radius + z_base + hi) + 0.5 * (hi - lo);
+    body->class->position(body, place, p);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            way[i] += a->axes[i][k] * (p[k] - a->eye[k]);
+    radius += 1e-5 * (radius + fabs(way[0]) + fabs(way[1]) + fabs(way[2])); /* what float makes of it */
+    return tc_frustum_sees_ball(&a->frustum, way, radius);
+}
+
+/* What faces.vert reads: the first sample in cells of the finest level; its place in the window of normals, which is
+ * twice as large as that of heights, and cells along a side; layer, what the leaf says of its edges. */
+static tc_instance instance(const assembly *a, const tc_leaf *leaf, int level, int64_t x, int64_t y, int cells)
+{
+    const int shift = a->s->lattice.levels - level, torus = 2 * (a->s->head.n + 1);
+    const uint32_t layer = (uint32_t)(tc_first_layer(a->layers, leaf->block.chart) + level - 1);
+    uint32_t at = (uint32_t)(x & (torus - 1)) | (uint32_t)(y & (torus - 1)) << 13;
+    while (cells >>= 1)
+        at += 1u << 26;
+    return (tc_instance){
+        {(int32_t)(x << shift), (int32_t)(y << shift), (int32_t)at,
+         (int32_t)(layer | (uint32_t)leaf->sides << 7 | (uint32_t)leaf->corners << 11 | (uint32_t)leaf->forced << 15 |
+                   (uint32_t)leaf->finer_corners << 19 | (uint32_t)leaf->finer_halves << 23)}};
+}
+
+/* Closers along a leaf's sides: rows and columns of vertices, all of which are the coarser level's. */
+static void add_closers(assembly *a, const tc_leaf *leaf, tc_rect samples, int cells)
+{
+    for (int side = 0; side < TC_SIDES; side++) {
+        if (!(leaf->sides & 1 << side))
+            continue;
+        const bool column = side == TC_WEST || side == TC_EAST;
+        const int64_t x = side == TC_EAST ? samples.x1 - 1 : samples.x0,
+                      y = side == TC_NORTH ? samples.y1 - 1 : samples.y0;
+        const tc_leaf along = {.block = leaf->block, .sides = 15, .corners = 15};
+        /* From the end of the room on backwards, until all strips are known. */
+        const int at = a->s->head.draw_capacity - 1 - a->lists++;
+        assert(a->lists <= a->s->lists);
+        a->frame->instances[at] = instance(a, &along, leaf->block.level, x, y, cells);
+        a->frame->draws[at] = (tc_draw){.count = (uint32_t)(3 * (cells / 2)),
+                                        .instance_count = 1,
+                                        .first_index = column ? a->s->index.column_first : a->s->index.row_first};
+    }
+}
+
+static void add_leaf(void *context, const tc_leaf *leaf)
+{
+    assembly *a = context;
+    const tc_block b = leaf->block;
+    const int level = b.level - leaf->coarse, side = a->s->lattice.side[b.level - 1], cells = side >> leaf->coarse;
+    if (a->layers->ready[b.chart] < level)
+        return; /* none of the chart is in sight */
+    a->triangles_unculled += 2 * cells * cells;
+    a->blocks++;
+    if (!visible(a, b))
+        return;
+    const tc_rect r = tc_faces_samples(&a->s->lattice, b);
+    a->triangles += 2 * cells * cells;
+    a->levels[level - 1]++;
+    assert(a->strips < a->s->strips);
+    a->frame->instances[a->strips] = instance(a, leaf, level, r.x0 >> leaf->coarse, r.y0 >> leaf->coarse, cells);
+    a->frame->draws[a->strips++] = (tc_draw){.count = tc_block_strip_count(cells, cells),
+                                             .instance_count = 1,
+                                             .first_index = a->s->index.strip_first[cells - 1]};
+    if (leaf->sides && !a->v->head.options.no_closers && !a->v->head.options.no_stitch)
+        add_closers(a, leaf, r, cells);
+}
+
+static void set4(float *out, double x, double y, double z, double w)
+{
+    out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
+}
+
+/* What faces.glsl says of surface[...], whole[...] and layer[...]. */
+static void set_uniforms(assembly *a)
+{
+    const faces_view *v = a->v;
+    const faces_surface *s = a->s;
+    const tc_frame_options *options = &v->head.options;
+    tc_frame *f = a->frame;
+    float(*u)[4] = f->surface;
+    int32_t(*whole)[4] = f->integers;
+    set4(u[0], v->axes[2][2], hypot(v->axes[2][0], v->axes[2][1]), 1 / (double)s->cells, v->height);
+    const double reference = fmin(v->z_eye, s->z_hi);
+    set4(u[1], s->cell, reference, reference - (double)(float)reference, reference - v->z_eye);
+    const double start = FACES_PASSED * (1 - FACES_PASSAGE), width = FACES_PASSED * FACES_PASSAGE;
+    const bool passes = s->kind->morphs && !options->no_morph && !options->no_stitch;
+    set4(u[2], passes ? start : 1, passes ? 1 / width : 0, !options->no_stitch, 0);
+    const int32_t common[4] = {(int32_t)s->cells};
+    memcpy(whole[0], common, sizeof common);
+    for (int chart = 0; chart < s->map->charts; chart++) {
+        float(*vectors)[4] = u + FACES_FIRST_VECTOR + chart * FACES_VECTORS;
+        int32_t(*integers)[4] = whole + FACES_FIRST_INTEGER + chart * FACES_INTEGERS;
+        memset(vectors, 0, FACES_VECTORS * sizeof *vectors);
+        memset(integers, 0, FACES_INTEGERS * sizeof *integers);
+        s->kind->place(v, chart, vectors, integers);
+        double at[2];
+        for (int k = 0; k < 2; k++)
+            at[k] = fmin(fmax(v->chart[chart][k], 0), (double)s->cells);
+        const faces_spot here = tc_faces_spot(at[0], at[1]);
+        set4(vectors[FACES_VECTORS - 1], here.rest[0], here.rest[1], at[0] / (double)s->cells,
+             at[1] / (double)s->cells);
+        for (int side = 0; side < TC_SIDES; side++) {
+            const tc_seam *seam = &s->lattice.seam[chart][side];
+            int32_t *seams = integers[FACES_INTEGERS - TC_SIDES + side];
+            seams[0] = seam->chart;
+            for (int k = 0; k < 4; k++)
+                seams[0] |= (seam->m[k] + 8) << (8 + 4 * k);
+            seams[1] = (int32_t)(seam->dx * s->cells), seams[2] = (int32_t)(seam->dy * s->cells);
+            seams[3] = side < 2 ? (int32_t)here.at[side] : 0;
+        }
+        const int first = tc_first_layer(a->layers, chart);
+        for (int level = 1; level <= a->layers->held[chart]; level++)
+            set4(f->layer[first + level - 1][0], chart, s->lattice.levels - level,
+                 level == 1 ? 0 : 1 / tc_faces_range(v, level), 0);
+    }
+}
+
+/* Whether all that a view calls for is held, and in the textures. */
+static bool all_ready(const faces_view *v, const tc_layers *layers)
+{
+    bool all = true;
+    for (int chart = 0; chart < v->head.windows->charts; chart++)
+        all &= layers->ready[chart] == layers->held[chart] && tc_faces_all_held(v, chart);
+    return all;
+}
+
+static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *frame)
+{
+    const faces_view *v = (const faces_view *)head;
+    const faces_surface *s = tc_faces_of(v);
+    assembly a = {.v = v, .s = s, .layers = layers, .frame = frame, .frustum = tc_camera_frustum(&head->culled)};
+    const double place[3] = {head->culled.x, head->culled.y, head->culled.z};
+    s->map->body.class->position(&s->map->body, place, a.eye);
+    s->map->body.class->axes(&s->map->body, place, a.axes);
+    tc_block_tree held; /* of what is called for, where something is missing */
+    const bool all = all_ready(v, layers);
+    if (!all)
+        tc_faces_tree(v, layers->ready, &held);
+    tc_block_leaves(all ? &v->tree : &held, add_leaf, &a);
+    for (int i = 0, end = s->head.draw_capacity - 1; i < a.lists; i++) {
+        frame->draws[a.strips + i] = frame->draws[end - i];
+        frame->instances[a.strips + i] = frame->instances[end - i];
+    }
+    for (int i = 0; i < a.strips + a.lists; i++)
+        frame->draws[i].base_instance = (uint32_t)i;
+    set_uniforms(&a);
+    const double eye[3] = {head->camera.x, head->camera.y, head->camera.z};
+    s->map->body.class->uniforms(&s->map->body, eye, tc_field_info(s->head.field)->z_base, frame->body);
+    double z;
+    frame->strip_draws = a.strips, frame->list_draws = a.lists;
+    frame->triangles = a.triangles, frame->triangles_unculled = a.triangles_unculled;
+    frame->draws_unculled = a.blocks;
+    frame->one_sided = !head->options.two_sided && !tc_ground_voids(head->windows->clipmap[0], 1) &&
+                       tc_faces_height_in(v, all ? &v->tree : &held, head->camera.x, head->camera.y, &z) &&
+                       head->camera.z > z + 1e-6 * fabs(z);
+    frame->levels_active = frame->levels_fine = frame->levels_beyond = 0;
+    for (int level = s->lattice.levels; level >= 1; level--)
+        frame->levels_active += a.levels[level - 1] > 0;
+    frame->levels_fine = s->lattice.levels - frame->levels_active;
+}
+
+/* ---- Creation ---------------------------------------------------------------------------------------------------- */
+
+static void faces_destroy(tc_surface *surface)
+{
+    faces_surface *s = (faces_surface *)surface;
+    free(s->head.geometry.vertices);
+    free(s->head.geometry.indices);
+    free(s->index.strip_first);
+    free(s);
+}
+
+static tc_status faces_windows(const tc_surface *surface, tc_windows *windows_ret, tc_error *error)
+{
+    const faces_surface *s = (const faces_surface *)surface;
+    *windows_ret = (tc_windows){.charts = s->map->charts};
+    tc_status status = TC_OK;
+    for (int chart = 0; chart < s->map->charts && !status; chart++)
+        status = tc_ground_create(s->map->chart[chart].field, &s->windows, &windows_ret->clipmap[chart], error);
+    if (status)
+        tc_windows_destroy(windows_ret);
+    return status;
+}
+
+/* Of all charts on all levels. */
+static void set_heights(faces_surface *s)
+{
+    s->z_lo = INFINITY, s->z_hi = -INFINITY;
+    for (int chart = 0; chart < s->map->charts; chart++) {
+        const tc_field *field = s->map->chart[chart].field;
+        for (int l = 1; l <= tc_field_info(field)->levels; l++) {
+            tc_level size = tc_field_level(field, l);
+            tc_range all = tc_field_range(field, l, (tc_rect){0, 0, size.width, size.height});
+            s->z_lo = fmin(s->z_lo, all.lo), s->z_hi = fmax(s->z_hi, all.hi);
+        }
+    }
+}
+
+/* Levels of the windows, and blocks of them. */
+static tc_status set_lattice(faces_surface *s, tc_error *error)
+{
+    const tc_map *map = s->map;
+    const tc_field *field = map->chart[0].field;
+    int first = tc_field_info(field)->levels;
+    while (first > 1 && tc_field_level(field, first).width > s->windows.n)
+        first--;
+    int levels = tc_field_info(field)->levels - first + 1;
+    if (s->windows.max_levels && levels > s->windows.max_levels)
+        levels = s->windows.max_levels;
+    s->cells = tc_field_level(field, first + levels - 1).width - 1;
+    s->cell = M_PI / 2 / (double)s->cells;
+    if (!tc_block_lattice_set(&s->lattice, map->chart, map->charts,
+                              tc_field_level(field, tc_field_info(field)->levels).width - 1, s->cells, levels,
+                              (s->windows.n + 1) / 16))
+        return tc_fail(error, TC_ERR_UNSUPPORTED,
+                       "%s: expected charts of 16 to 31 cells halved again, found %lld cells", s->kind->name,
+                       (long long)s->cells);
+    if (levels * map->charts > TC_MAX_LAYERS)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d levels of detail, found %d", s->kind->name,
+                       TC_MAX_LAYERS / map->charts, levels);
+    return TC_OK;
+}
+
+/* The most draws: of the coarsest level every block, and of each other one those that a window holds, per chart. */
+static void set_capacity(faces_surface *s)
+{
+    const int across = TC_BLOCKS_ACROSS;
+    s->strips = s->map->charts * s->lattice.levels * across * across;
+    s->lists = s->map->charts * s->lattice.levels * across * across / 2;
+    s->head.draw_capacity = s->strips + s->lists;
+}
+
+tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc_surface **surface_ret, tc_error *error)
+{
+    static const tc_surface_words words = {.levels = "levels",
+                                           .blocks = "blocks",
+                                           .fine = "too fine for the height above ground",
+                                           .outside = "beyond the horizon or outside the view",
+                                           .charts = true};
+    static const char *const defines[] = {"CLIMATE", "RELIEF " TEXT_OF(RELIEF), NULL};
+    const faces_kind *kind = options->kind;
+    const int n = options->n ? options->n : 255;
+    if (tc_clipmap_check_n(n, error) != TC_OK)
+        return TC_ERR_USAGE;
+    if (n < TC_FACES_LEAST_N)
+        return tc_fail(error, TC_ERR_USAGE, "--n: expected at least %d, found %d", TC_FACES_LEAST_N, n);
+    if (map->chart[0].class != kind->chart || map->charts != kind->charts)
+        return tc_fail(
+            error, TC_ERR_UNSUPPORTED,
+            "%s: expected a planet in charts of that kind, found one in %s; `terraclip pack --planet --atlas "
+            "%s` makes them",
+            kind->name, map->chart[0].class->name, kind->chart->name);
+    faces_surface *s = calloc(1, sizeof *s);
+    if (!s)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", kind->name);
+    s->kind = kind;
+    s->map = map;
+    s->windows = (tc_ground_options){.n = n,
+                                     .max_levels = options->max_levels,
+                                     .normals = options->normals,
+                                     .fine_normals = options->fine_normals,
+                                     .holes = options->holes,
+                                     .relief = RELIEF};
+    const char *const body = map->body.class->glsl, *const chart = kind->chart->glsl;
+    const char *const vertex[] = {body, kind->metric, "faces.glsl", chart, "faces.vert", NULL};
+    const char *const fragment[] = {body, "faces.glsl", chart, "air.glsl", "faces.frag", NULL};
+    const char *const sky[] = {"air.glsl", body, "globe_sky.frag", NULL};
+    memcpy(s->vertex_parts, vertex, sizeof vertex);
+    memcpy(s->fragment_parts, fragment, sizeof fragment);
+    memcpy(s->sky_parts, sky, sizeof sky);
+    s->head = (tc_surface){.name = kind->name,
+                           .words = &words,
+                           .defines = defines,
+                           .vertex_parts = s->vertex_parts,
+                           .fragment_parts = s->fragment_parts,
+                           .sky_parts = s->sky_parts,
+                           .closers = true,
+                           .instances = true,
+                           .own_haze = true,
+                           .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
+                           .extent = 2 * map->body.radius,
+                           .field = map->chart[0].field,
+                           .n = n,
+                           .most_throttle = 3,
+                           .view_bytes = sizeof(faces_view),
+                           .make_windows = faces_windows,
+                           .look = tc_faces_look,
+                           .wanted = tc_faces_wanted,
+                           .stand = tc_faces_stand,
+                           .draws = faces_draws,
+                           .height = tc_faces_drawn_height,
+                           .destroy = faces_destroy};
+    tc_status status = set_lattice(s, error);
+    /* A window reaches (n - 1) / 2 cells to all sides of the viewer; a block lies partly beyond what asks for it, and
+     * windows begin on even samples. */
+    s->range = s->cell * ((n - 1) / 2 - s->lattice.side[s->lattice.levels - 1] - 2) / kind->reach;
+    s->windows.spacing_x = s->windows.spacing_y = s->cell * map->body.radius;
+    set_heights(s);
+    set_capacity(s);
+    if (status == TC_OK)
+        status = tc_block_geometry_make((n + 1) / 16, &s->head.geometry, &s->index, error);
+    if (status != TC_OK) {
+        faces_destroy(&s->head);
+        return status;
+    }
+    *surface_ret = &s->head;
+    return TC_OK;
+}

@@ -1,0 +1,117 @@
+/* faces_internal.h - what the files of the surfaces over faces share.
+ *
+ * Directions are unit normals of the body; d is one less the viewer's, in the viewer's axes: east, north, up.
+ * Distances are in lengths on the unit sphere. Places on a chart are counted in cells of its finest level from its
+ * first sample. */
+#ifndef TC_FACES_INTERNAL_H
+#define TC_FACES_INTERNAL_H
+
+#include "common/blocks/blocks.h"
+#include "common/render/block_geometry.h"
+#include "faces.h"
+
+enum {
+    FACES_VECTORS = 5,  /* of surface[] for each chart; faces.glsl */
+    FACES_INTEGERS = 5, /* and of whole[] */
+    FACES_FIRST_VECTOR = 4,
+    FACES_FIRST_INTEGER = 1
+};
+
+/* A place on a chart as floats have it: its nearest sample, and the rest, cells. */
+typedef struct faces_spot {
+    int64_t at[2];
+    double rest[2];
+} faces_spot;
+
+typedef struct faces_view faces_view;
+
+struct faces_kind {
+    const char *name, *help;
+    const tc_chart_class *chart;
+    int charts;
+    const char *metric; /* file of shaders/ that says `distance` to a shader */
+    /* How far a place is from the viewer, for the choice of its level; height: what counts of the eye's above the
+     * ground, which it never is less than. Continuous all around the globe. */
+    double (*distance)(const double d[3], double height);
+    double height_share; /* of the eye's height counts */
+    /* Cells along a side of a chart that a distance of as many mean cells can cover. */
+    double reach;
+    bool morphs;
+    /* What the chart's GLSL reads of its vectors and integers. */
+    void (*place)(const faces_view *view, int chart, float (*vectors)[4], int32_t (*integers)[4]);
+};
+
+typedef struct faces_surface {
+    tc_surface head;
+    const faces_kind *kind;
+    const tc_map *map;
+    tc_block_lattice lattice;
+    tc_block_geometry index;
+    int64_t cells;     /* of a chart along a side, finest level */
+    double cell;       /* mean length of one on the unit sphere: that of a quarter of the equator */
+    double range;      /* distance up to which the finest level is drawn */
+    double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
+    int strips, lists; /* the most draws of either kind */
+    tc_ground_options windows;
+    const char *vertex_parts[6], *fragment_parts[6], *sky_parts[4];
+} faces_surface;
+
+struct faces_view {
+    tc_view head;
+    double axes[3][3];              /* east, north, up of the viewer, in the body's */
+    double place[2];                /* longitude and latitude */
+    double z_eye;                   /* metres above z_base */
+    double above;                   /* metres, of the eye above the ground below it */
+    double radius;                  /* metres, of what heights are above; z_base added */
+    double height;                  /* what counts of the eye's above the ground below it, lengths on the unit sphere */
+    double range;                   /* as the surface's; shorter in a throttled frame */
+    double horizon;                 /* angle from the viewer beyond which no ground can be seen */
+    double chart[TC_MAX_CHARTS][2]; /* the viewer's place, also beyond a chart's sides */
+    tc_block_tree tree;             /* of blocks that the view calls for */
+    tc_block_tree held;             /* of what windows held of them when the view was made, */
+    bool all;                       /* unless that was all */
+};
+
+/* Share of a level's range in which it passes over into the coarser one, up to FACES_PASSED of it. */
+#define FACES_PASSAGE 0.2
+#define FACES_PASSED 0.98
+
+static inline const faces_surface *tc_faces_of(const faces_view *view)
+{
+    return (const faces_surface *)view->head.surface;
+}
+
+/* ---- Where the viewer is (faces_view.c) ----------------------------------------------------------------------------
+ */
+
+void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
+                   const tc_frame_options *options, bool wait, tc_view *view_ret);
+void tc_faces_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS]);
+bool tc_faces_stand(const tc_view *view, int chart, const double texel[2], tc_standing *standing_ret);
+
+/* The tree of what the windows hold of what the view calls for: levels up to ready[chart] of each. */
+void tc_faces_tree(const faces_view *view, const int ready[TC_MAX_CHARTS], tc_block_tree *tree_ret);
+
+/* Whether windows, as they stand, hold all that the view's tree has of a chart. */
+bool tc_faces_all_held(const faces_view *view, int chart);
+
+/* d of a place on a chart. */
+void tc_faces_direction(const faces_view *view, int chart, double u, double v, double d_ret[3]);
+/* Distance up to which a level is drawn. */
+double tc_faces_range(const faces_view *view, int level);
+/* Nearest sample and rest of a place. */
+faces_spot tc_faces_spot(double u, double v);
+/* Samples of a block at its level: the first one, and one beyond the last. */
+tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block block);
+
+/* ---- Heights drawn (faces_map.c) ------------------------------------------------------------------------------------
+ */
+
+/* Share of the coarser level's height at vertex (i, j) of the `cells` cells a side that a leaf is drawn by. */
+double tc_faces_alpha(const faces_view *view, const tc_leaf *leaf, int level, int64_t cells, int64_t i, int64_t j,
+                      const double d[3]);
+/* As a tree has it; and as that of the view has it of what windows held. */
+bool tc_faces_height_in(const faces_view *view, const tc_block_tree *tree, double x, double y, double *z_ret);
+bool tc_faces_drawn_height(const tc_view *view, double x, double y, double *z_ret);
+
+#endif

@@ -1,0 +1,272 @@
+/* faces_view.c - where the viewer is: on the charts, above what ground, which blocks and windows follow from that. */
+#include <math.h>
+#include <string.h>
+
+#include "common/base/rect.h"
+#include "common/field/field.h"
+#include "common/base/mesh.h"
+#include "faces_internal.h"
+
+/* ---- Places ----------------------------------------------------------------------------------------------------- */
+
+void tc_faces_direction(const faces_view *v, int chart, double u, double w, double d[3])
+{
+    const faces_surface *s = tc_faces_of(v);
+    const tc_chart *c = &s->map->chart[chart];
+    const double cells = (double)s->cells;
+    double lon, lat;
+    c->class->to_place(c, u / cells, w / cells, &lon, &lat);
+    /* By half angles, so that what is next to the viewer keeps its digits. */
+    double dlon = lon - v->place[0], dlat = lat - v->place[1], sl = sin(dlon / 2), sp = sin(dlat / 2);
+    d[0] = cos(lat) * sin(dlon);
+    d[1] = sin(dlat) + 2 * sin(v->place[1]) * cos(lat) * sl * sl;
+    d[2] = -2 * (sp * sp + cos(lat) * cos(v->place[1]) * sl * sl);
+}
+
+faces_spot tc_faces_spot(double u, double v)
+{
+    const double at[2] = {rint(u), rint(v)};
+    return (faces_spot){{(int64_t)at[0], (int64_t)at[1]}, {u - at[0], v - at[1]}};
+}
+
+double tc_faces_range(const faces_view *v, int level)
+{
+    return ldexp(v->range, tc_faces_of(v)->lattice.levels - level);
+}
+
+tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block b)
+{
+    const int64_t side = lattice->side[b.level - 1];
+    return (tc_rect){b.x * side, b.y * side, (b.x + 1) * side + 1, (b.y + 1) * side + 1};
+}
+
+/* ---- Ground ----------------------------------------------------------------------------------------------------- */
+
+/* The chart that answers for the viewer's place. */
+static int own_chart(const faces_view *v)
+{
+    double share[TC_MAP_CHARTS];
+    const tc_map *map = tc_faces_of(v)->map;
+    int own = 0;
+    tc_map_shares(map, v->axes[2], share);
+    for (int k = 1; k < map->charts; k++)
+        if (share[k] > share[own])
+            own = k;
+    return own;
+}
+
+/* What counts of a height above the ground, metres. */
+static double counts(const faces_view *v, double height)
+{
+    return tc_faces_of(v)->kind->height_share * height / v->radius;
+}
+
+/* Height above the ground that windows hold, metres: of level after level for as long as the eye is low enough for it
+ * to be drawn. A level by whose own ground it would be too high says nothing, or it would be dropped and wanted in
+ * turns. */
+static double held_height(const faces_view *v)
+{
+    const faces_surface *s = tc_faces_of(v);
+    const double middle[3] = {0, 0, 0};
+    const int chart = own_chart(v);
+    const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
+    double height = 0;
+    for (int level = 1; level <= s->lattice.levels; level++) {
+        const tc_clip_level *l = tc_clipmap_level(clipmap, level);
+        if (level > 1 && s->kind->distance(middle, counts(v, height)) > tc_faces_range(v, level))
+            break;
+        const int64_t last = tc_block_cells(&s->lattice, level), mask = tc_clipmap_n(clipmap);
+        const double scale = (double)last / (double)s->cells, u = v->chart[chart][0] * scale,
+                     w = v->chart[chart][1] * scale;
+        const int64_t i = tc_clamp64((int64_t)floor(u), 0, last - 1), j = tc_clamp64((int64_t)floor(w), 0, last - 1);
+        if (!tc_rect_contains(l->active, i, j) || !tc_rect_contains(l->active, i + 1, j + 1))
+            continue;
+        double z[4];
+        for (int k = 0; k < 4; k++)
+            z[k] = tc_ground_heights(clipmap, level)[((j + (k >> 1)) & mask) * (mask + 1) + ((i + (k & 1)) & mask)][0];
+        double own = fabs(v->z_eye - tc_triangle_height(z[0], z[1], z[2], z[3], u - (double)i, w - (double)j));
+        if (level == 1 || s->kind->distance(middle, counts(v, own)) <= tc_faces_range(v, level))
+            height = own;
+    }
+    return height;
+}
+
+/* ---- Horizon ---------------------------------------------------------------------------------------------------- */
+
+/* Angle at which a sphere so high is seen edge-on from a place so high. */
+static double edge_on(double low, double high)
+{
+    return acos(fmin(1, fmax(low, 0) / fmax(high, low)));
+}
+
+/* What hides is the lowest ground, less the sag of the coarsest mesh's chords. */
+static void set_horizon(faces_view *v)
+{
+    const faces_surface *s = tc_faces_of(v);
+    double step = 1.7 * s->cell * (double)(s->cells / tc_block_cells(&s->lattice, 1));
+    double low = (v->radius + s->z_lo) * cos(fmin(0.5 * step, M_PI / 2));
+    v->horizon = edge_on(low, v->radius + v->z_eye) + edge_on(low, v->radius + s->z_hi);
+}
+
+/* ---- Blocks ----------------------------------------------------------------------------------------------------- */
+
+/* What is known of a tree while it is made. */
+typedef struct growing {
+    const faces_view *view;
+    const int *ready; /* NULL: as many levels as there are, each as far as a window can reach */
+} growing;
+
+/* A distance on a block at one of 3 x 3 places. */
+static double distance_at(const faces_view *v, tc_block b, int k)
+{
+    const faces_surface *s = tc_faces_of(v);
+    const double block = (double)s->cells / s->lattice.blocks[b.level - 1];
+    double d[3];
+    tc_faces_direction(v, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, d);
+    return s->kind->distance(d, v->height);
+}
+
+static bool wanted(void *context, tc_block b)
+{
+    const growing *g = context;
+    const double range = tc_faces_range(g->view, b.level);
+    for (int k = 0; k < 9; k++)
+        if (distance_at(g->view, b, k) < range)
+            return true;
+    return false;
+}
+
+static bool held(void *context, tc_block b)
+{
+    const growing *g = context;
+    const faces_view *v = g->view;
+    if (!g->ready)
+        return true;
+    const tc_clip_level *l = tc_clipmap_level(v->head.windows->clipmap[b.chart], b.level);
+    return b.level <= g->ready[b.chart] && tc_rect_within(tc_faces_samples(&tc_faces_of(v)->lattice, b), l->active);
+}
+
+void tc_faces_tree(const faces_view *v, const int ready[TC_MAX_CHARTS], tc_block_tree *tree)
+{
+    growing g = {v, ready};
+    const tc_block_rule rule = {wanted, held, &g};
+    tc_block_tree_make(tree, &tc_faces_of(v)->lattice, &rule);
+}
+
+bool tc_faces_all_held(const faces_view *v, int chart)
+{
+    tc_rect blocks;
+    for (int level = 2; level <= tc_faces_of(v)->lattice.levels; level++)
+        if (tc_block_bounds(&v->tree, chart, level, &blocks)) {
+            const int64_t side = tc_faces_of(v)->lattice.side[level - 1];
+            const tc_rect r = {blocks.x0 * side, blocks.y0 * side, blocks.x1 * side + 1, blocks.y1 * side + 1};
+            if (!tc_rect_within(r, tc_clipmap_level(v->head.windows->clipmap[chart], level)->active))
+                return false;
+        }
+    return true;
+}
+
+/* ---- The view --------------------------------------------------------------------------------------------------- */
+
+void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
+                   const tc_frame_options *options, bool wait, tc_view *view)
+{
+    const faces_surface *s = (const faces_surface *)surface;
+    faces_view *v = (faces_view *)view;
+    const double z_base = tc_field_info(surface->field)->z_base, at[3] = {camera->x, camera->y, camera->z};
+    v->head = tc_view_of(surface, windows, camera, options);
+    v->place[0] = camera->x, v->place[1] = camera->y;
+    s->map->body.class->axes(&s->map->body, at, v->axes);
+    v->z_eye = camera->z - z_base;
+    v->radius = s->map->body.radius + z_base;
+    v->range = s->range * exp2(-fmax(options->throttle, 0));
+    for (int k = 0; k < s->map->charts; k++) {
+        const tc_chart *c = &s->map->chart[k];
+        c->class->from_place(c, camera->x, camera->y, &v->chart[k][0], &v->chart[k][1]);
+        v->chart[k][0] *= (double)s->cells, v->chart[k][1] *= (double)s->cells;
+    }
+    double ground = 0;
+    if (wait && tc_map_height(s->map, camera->x, camera->y, &ground))
+        ground = z_base + s->z_lo;
+    v->above = wait ? fabs(camera->z - ground) : held_height(v);
+    v->height = counts(v, v->above);
+    set_horizon(v);
+    tc_faces_tree(v, NULL, &v->tree);
+    int levels[TC_MAX_CHARTS] = {0};
+    v->all = true;
+    for (int chart = 0; chart < s->map->charts; chart++) {
+        levels[chart] = s->lattice.levels;
+        v->all &= tc_faces_all_held(v, chart);
+    }
+    if (!v->all)
+        tc_faces_tree(v, levels, &v->held);
+}
+
+/* A window no larger than it may be, in the middle of what is wanted. */
+static tc_rect window(tc_rect r, int n)
+{
+    const int64_t too_wide = r.x1 - r.x0 - n, too_high = r.y1 - r.y0 - n;
+    if (too_wide > 0)
+        r.x0 += (too_wide / 2 + 1) & ~(int64_t)1, r.x1 = tc_min64(r.x0 + n, r.x1);
+    if (too_high > 0)
+        r.y0 += (too_high / 2 + 1) & ~(int64_t)1, r.y1 = tc_min64(r.y0 + n, r.y1);
+    return r;
+}
+
+/* Whether any block of a chart's coarsest level is this side of the horizon. */
+static bool in_sight(const faces_view *v, int chart)
+{
+    const faces_surface *s = tc_faces_of(v);
+    const double block = (double)s->cells / s->lattice.blocks[0];
+    for (int32_t y = 0; y <= s->lattice.blocks[0]; y++)
+        for (int32_t x = 0; x <= s->lattice.blocks[0]; x++) {
+            double d[3];
+            tc_faces_direction(v, chart, x * block, y * block, d);
+            /* As far as to a block's middle, wherever that is. */
+            if (2 * asin(fmin(0.5 * sqrt(-2 * d[2]), 1)) < v->horizon + 1.7 * block * s->cell)
+                return true;
+        }
+    return false;
+}
+
+void tc_faces_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
+{
+    const faces_view *v = (const faces_view *)view;
+    const faces_surface *s = tc_faces_of(v);
+    for (int chart = 0; chart < s->map->charts; chart++) {
+        memset(wanted[chart], 0, sizeof wanted[chart]);
+        if (!v->head.options.no_cull && !in_sight(v, chart))
+            continue;
+        const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
+        wanted[chart][0] = tc_clipmap_level(clipmap, 1)->extent;
+        for (int level = 2; level <= s->lattice.levels; level++) {
+            tc_rect blocks;
+            const int64_t side = s->lattice.side[level - 1];
+            if (tc_block_bounds(&v->tree, chart, level, &blocks))
+                wanted[chart][level - 1] =
+                    window((tc_rect){blocks.x0 * side, blocks.y0 * side, blocks.x1 * side + 1, blocks.y1 * side + 1},
+                           tc_clipmap_n(clipmap));
+        }
+    }
+}
+
+bool tc_faces_stand(const tc_view *view, int chart, const double texel[2], tc_standing *at)
+{
+    const faces_view *v = (const faces_view *)view;
+    const faces_surface *s = tc_faces_of(v);
+    const double cells = (double)s->cells, kx = 1 / (cells * texel[0]), ky = 1 / (cells * texel[1]);
+    const double far = 1.7 * v->horizon / s->cell; /* cells */
+    double x[2];
+    if (!in_sight(v, chart))
+        return false;
+    for (int a = 0; a < 2; a++)
+        x[a] = fmin(fmax(v->chart[chart][a], 0), cells);
+    *at = (tc_standing){.x = x[0] * kx,
+                        .y = x[1] * ky,
+                        .per_place = {1 / texel[0], 1 / texel[1]}, /* places are chart coordinates */
+                        .lo = {-fmin(far, x[0]) * kx, -fmin(far, x[1]) * ky},
+                        .hi = {fmin(far, cells - x[0]) * kx, fmin(far, cells - x[1]) * ky},
+                        .texel = texel[1] * cells * s->cell * v->radius,
+                        .distance = v->above};
+    return true;
+}
