@@ -92,7 +92,7 @@ static int finer_by(const tc_map *map, double pixels, tc_level data)
 {
     const double slack = 0.15; /* of a power: pixels are seldom as sharp */
     int finer = (int)fmin(ceil(log2(pixels) - slack), FINEST), coarsest = 0;
-    if (map->grid.wraps) /* or columns would not come round again */
+    if (map->chart[0].wraps) /* or columns would not come round again */
         while (coarsest < 30 && (data.width >> coarsest) % 2 == 0)
             coarsest++;
     else
