@@ -92,6 +92,8 @@ equal area.tif bound.tif within=3
 
 # ---- Other atlases
 
+refuses 1 'belt.tif: expected a planet as a whole' $globe belt.tif --scheme hex -o out/picture.png
+
 for atlas in hex cube; do
     does '' $terraclip pack area.tif -o $atlas.tclip --planet --atlas $atlas --rms 1
     holds 'resampled to [0-9]+ samples on' stdout.txt
@@ -125,6 +127,10 @@ for atlas in hex cube; do
         $globe $atlas.tclip -o out/picture.png
     refuses 1 "$atlas.tclip: expected a flat terrain or a planet in longitude and latitude, found one packed with --atlas $atlas" \
         $viewer $atlas.tclip -o out/picture.png
+    does '' $globe $atlas.tclip --scheme $atlas -o picture.png --size 96x64
+    does '' $globe area.tif --scheme $atlas -o picture.png --size 96x64
+    refuses 1 "area.tclip: expected a planet packed with --atlas $atlas, found one with --atlas lonlat" \
+        $globe area.tclip --scheme $atlas -o out/picture.png
     does '' $terraclip pack short.tif -o again.tclip --planet --atlas $atlas --rms 5 # a row short of either pole
     does '' $terraclip pack odd.tif -o again.tclip --planet --atlas $atlas --rms 5 --synthesis-fit
     does '' $terraclip extract again.tclip --synthesis 1 -o again.tif

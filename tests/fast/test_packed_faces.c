@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "common/base/crc32c.h"
 #include "common/base/rect.h"
@@ -250,6 +251,44 @@ static void steps_hold_at_seams(void **state)
     tc_map_destroy(map);
 }
 
+/* What is not at hand comes, what lies beyond a side with all that it takes of the neighbours; then it is what is read
+ * by who waits. */
+static void what_is_asked_for_comes(void **state)
+{
+    (void)state;
+    for (int a = 0; a < ATLASES; a++) {
+        tc_pack_result result;
+        pack(made_path("a.tclip"), atlases[a], true, (tc_pack_options){.mode = TC_PACK_RMS, .error = 5}, &result);
+        tc_map *map = open_file(made_path("a.tclip")), *again = open_file(made_path("a.tclip"));
+        int waited = 0;
+        for (int k = 0; k < map->charts; k++) {
+            const tc_field *field = map->chart[k].field;
+            int m = tc_field_info(field)->levels;
+            int64_t side = tc_field_level(field, m).width;
+            const tc_rect rects[] = {{-8, -8, 20, 20}, {side - 10, 40, side + 8, 60}, {50, side - 2, 90, side + 8}};
+            for (int n = 0; n < 3; n++) {
+                enum { ROOM = 40 * 28 };
+                float now[ROOM], then[ROOM];
+                uint8_t v[ROOM], u[ROOM];
+                int64_t w = rects[n].x1 - rects[n].x0;
+                size_t count = (size_t)tc_rect_area(rects[n]);
+                tc_ready ready;
+                while ((ready = tc_field_read_ready(field, m, rects[n], now, v, w, TC_SOON)) == TC_COMING) {
+                    waited++;
+                    nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+                }
+                assert_int_equal(ready, TC_READY);
+                assert_int_equal(tc_field_ready(field, m, rects[n], TC_ONLY_ASK), TC_READY);
+                assert_int_equal(tc_field_read(again->chart[k].field, m, rects[n], then, u, w), TC_OK);
+                assert_memory_equal(now, then, count * sizeof *now);
+                assert_memory_equal(v, u, count);
+            }
+        }
+        assert_true(waited > 0);
+        tc_map_destroy(map), tc_map_destroy(again);
+    }
+}
+
 static void threads_make_no_difference(void **state)
 {
     (void)state;
@@ -431,6 +470,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(faces_come_back),
         cmocka_unit_test(seams_are_one),
+        cmocka_unit_test(what_is_asked_for_comes),
         cmocka_unit_test(steps_hold_at_seams),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(a_part_is_a_coarser_planet),
