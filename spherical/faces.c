@@ -285,14 +285,16 @@ static void set_heights(faces_surface *s)
     }
 }
 
-/* Levels of the windows, and blocks of them. */
+/* Levels of the windows, from one that is coarse enough to be seen from afar, and blocks of them. */
 static tc_status set_lattice(faces_surface *s, tc_error *error)
 {
     const tc_map *map = s->map;
     const tc_field *field = map->chart[0].field;
     int first = tc_field_info(field)->levels;
-    while (first > 1 && tc_field_level(field, first).width > s->windows.n)
-        first--;
+    int64_t coarsest = tc_field_level(field, first).width - 1;
+    while (first > 1 && coarsest > (s->windows.n + 1) / 4 && coarsest % 4 == 0)
+        first--, coarsest /= 2;
+    s->windows.coarsest = (int)coarsest + 1;
     int levels = tc_field_info(field)->levels - first + 1;
     if (s->windows.max_levels && levels > s->windows.max_levels)
         levels = s->windows.max_levels;
@@ -379,6 +381,8 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .draws = faces_draws,
                            .height = tc_faces_drawn_height,
                            .destroy = faces_destroy};
+    s->shear.turn = kind->chart->turn;
+    s->windows.shear = kind->chart->turn ? &s->shear : NULL;
     tc_status status = set_lattice(s, error);
     /* A window reaches (n - 1) / 2 cells to all sides of the viewer; a block lies partly beyond what asks for it, and
      * windows begin on even samples. */

@@ -83,8 +83,9 @@ static void place_cube(const faces_view *v, int chart, float (*vectors)[4], int3
 
 /* ---- Tables ----------------------------------------------------------------------------------------------------- */
 
-/* Squares drop a level where the eye is 0.8 n of its cells above the ground; a range is some 0.28 n of them. */
-#define HEIGHT_SHARE 0.36
+/* LH04 drops a level where the eye is 0.4 n of its cells above the ground, squares here at 0.8 n; a range is some 0.28
+ * n. */
+#define HEIGHT_SHARE 0.5
 
 const faces_kind tc_faces_hex = {.name = "hex",
                                  .chart = &tc_chart_hex,

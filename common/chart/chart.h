@@ -52,6 +52,9 @@ typedef struct tc_chart_class {
      */
     void (*spread)(const tc_chart *chart, double x, double y, double *along_x_ret, double *along_y_ret,
                    double *area_ret);
+    /* Of charts whose axes meet at an angle across a seam: the share f of y at chart coordinates with which
+     * (1 - f) x + f y is a direction that both sides have, as y - x is; 0 and 1 on sides. NULL: there are none. */
+    double (*turn)(double x, double y);
     /* What is beyond a side of chart `face` of so many cells a side. NULL: nothing, or the other end of what wraps. */
     tc_seam (*seam)(int face, int side, int64_t cells);
     /* Height of a level at chart coordinates, metres above z_base; *there_ret: there is one. */

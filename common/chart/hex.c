@@ -74,11 +74,20 @@ static tc_seam seam(int face, int side, int64_t cells)
     return seams[side];
 }
 
+/* Along the meridian; y - x is along the parallel. */
+static double turn(double x, double y)
+{
+    const bool north = x + y <= 1;
+    const double t = north ? x + y : 2 - x - y;
+    return t > 0 ? fmin(fmax((north ? y : 1 - x) / t, 0), 1) : 0.5;
+}
+
 const tc_chart_class tc_chart_hex = {.name = "hex",
                                      .glsl = "chart_hex.glsl",
                                      .to_place = to_place,
                                      .from_place = from_place,
                                      .share = share,
                                      .spread = spread,
+                                     .turn = turn,
                                      .seam = seam,
                                      .height = tc_chart_mesh_height};

@@ -6,6 +6,7 @@ tc_status tc_ground_create(const tc_field *field, const tc_ground_options *optio
 {
     tc_clipmap_options windows = {.n = options->n,
                                   .max_levels = options->max_levels,
+                                  .coarsest = options->coarsest,
                                   .wraps = options->wraps,
                                   .spacing_x = options->spacing_x,
                                   .spacing_y = options->spacing_y};
@@ -13,7 +14,8 @@ tc_status tc_ground_create(const tc_field *field, const tc_ground_options *optio
     if (options->normals)
         windows.content[windows.contents++] =
             (tc_content){.class = options->fine_normals ? &tc_fine_normals_content : &tc_normals_content,
-                         .parameter = options->relief};
+                         .parameter = options->relief,
+                         .context = options->shear};
     if (options->holes)
         windows.content[windows.contents++] = (tc_content){.class = &tc_voids_content};
     return tc_clipmap_create(field, &windows, clipmap_ret, error);

@@ -68,10 +68,28 @@ static void NAME(own_normals)(const float *c, ptrdiff_t stride, float ix, float 
     }
 }
 
+/* The same where axes are sheared: by the difference across, along the diagonal of a cell, and that along what is
+ * neither across nor along seams. */
+static void NAME(sheared_normals)(const float *c, ptrdiff_t stride, float ix, float iy, const float *turn,
+                                  int64_t count, ROW *out)
+{
+    for (int64_t i = 0; i < count; i++) {
+        float across = (c[i - 1 + stride] - c[i + 1 - stride]) * 0.5f * (ix + iy), share = turn[i];
+        float along = (1 - share) * (c[i + 1] - c[i - 1]) * ix + share * (c[i + stride] - c[i - stride]) * iy;
+        float dx = along - share * across, dy = along + (1 - share) * across;
+        float scale = -ONE / sqrtf(1 + dx * dx + dy * dy);
+        out->xy[0][i] = (SUM)(int)(dx * scale + (dx < 0 ? 0.5f : -0.5f));
+        out->xy[1][i] = (SUM)(int)(dy * scale + (dy < 0 ? 0.5f : -0.5f));
+    }
+}
+
 static inline void NAME(make_normals)(const normal_source *from, int64_t count, TEXEL (*row)[4])
 {
     ROW own, coarse;
-    NAME(own_normals)(from->z, from->stride, from->ix, from->iy, count, &own);
+    if (from->turn)
+        NAME(sheared_normals)(from->z, from->stride, from->ix, from->iy, from->turn, count, &own);
+    else
+        NAME(own_normals)(from->z, from->stride, from->ix, from->iy, count, &own);
     const ROW *beside = &own;
     if (from->coarse) {
         beside = &coarse;

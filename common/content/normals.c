@@ -55,6 +55,7 @@ typedef struct normal_source {
     float steeper;      /* than the coarser level's normals */
     int64_t x, y;       /* the first texel */
     int64_t mask;       /* of the toroidal rows */
+    const float *turn;  /* of its texels (tc_shear); NULL: none */
 } normal_source;
 
 #define TEXEL int8_t
@@ -79,6 +80,14 @@ ROW_MAKER(make, , make_normals)
 ROW_MAKER(make_avx2, TC_TARGET_AVX2, make_normals)
 ROW_MAKER(make_fine, , fine_make_normals)
 ROW_MAKER(make_fine_avx2, TC_TARGET_AVX2, fine_make_normals)
+
+/* Shares of a row of texels, of a level of so many cells a side. */
+static void turns_of(const tc_shear *shear, const normal_source *from, int64_t cells, int64_t count, float *turn)
+{
+    const double scale = 0.5 / (double)cells, y = (double)from->y * scale;
+    for (int64_t i = 0; i < count; i++)
+        turn[i] = (float)shear->turn((double)(from->x + i) * scale, y);
+}
 
 /* By how much a level's normals are steeper than the terrain. */
 static double relief_of(const tc_fill *f, int level)
@@ -116,8 +125,14 @@ static tc_status fill(const tc_fill *f)
                           .mask = mask};
     if (f->coarse)
         from.steeper = (float)(relief / relief_of(f, f->level - 1));
+    const tc_shear *shear = f->content->context;
+    const tc_level size = tc_field_level(tc_clipmap_field(f->clipmap), tc_clipmap_field_level(f->clipmap, f->level));
+    float turn[2 * (TC_CLIPMAP_MAX_N + 1)];
+    from.turn = shear ? turn : NULL;
     for (int64_t j = 0; j < h; j++, from.y++) {
         from.z += stride;
+        if (shear)
+            turns_of(shear, &from, size.width - 1, w, turn);
         make_row(&from, w, row);
         tc_torus_store((char *)f->texels + (size_t)((from.y & mask) * f->size) * texel, from.x, mask, row, w, texel);
     }

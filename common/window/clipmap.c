@@ -276,7 +276,8 @@ tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *opt
     const tc_terrain_info *info = tc_field_info(field);
     tc_level top = tc_field_level(field, info->levels);
     int first = info->levels;
-    while (first > 1 && !fits_window(field, first, options->wraps, n))
+    while (first > 1 && (!fits_window(field, first, options->wraps, n) ||
+                         (options->coarsest > 0 && tc_field_level(field, first).width > options->coarsest)))
         first--;
     if (options->wraps && !(tc_field_wraps(field, first) && fits_window(field, first, true, n)))
         return tc_fail(error, TC_ERR_UNSUPPORTED,

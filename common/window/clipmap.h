@@ -78,6 +78,7 @@ struct tc_content_class {
 typedef struct tc_clipmap_options {
     int n;          /* window size, 2^k - 1, 15 .. TC_CLIPMAP_MAX_N; 0: 255 */
     int max_levels; /* 0: as many as the field needs */
+    int coarsest;   /* samples a side of the coarsest level at most; 0: as many as fit a window */
     bool wraps;     /* go on in x beyond the field's sides, where its levels wrap; a sample then has many numbers */
     double spacing_x, spacing_y; /* metres between the finest samples; 0: the field's */
     tc_content content[TC_MAX_CONTENTS];
