@@ -126,9 +126,9 @@ typedef struct planet {
 } planet;
 
 /* In place, since its parts point at one another. */
-static void planet_make(planet *p, globe_function f, double radius)
+static void planet_make(planet *p, globe_function f, double radius, double flattening)
 {
-    p->atlas = globe_atlas(f, WIDTH, radius);
+    p->atlas = planet_flattened(globe_atlas(f, WIDTH, radius), flattening);
     p->globe = globe_scene_create(context, p->atlas, &(tc_rings_options){.n_phi = 256});
     p->capture = rings_capture_create(&p->globe);
 }
@@ -150,7 +150,7 @@ static void radii(void)
     for (int decade = 0; decade <= 8; decade++) {
         double radius = pow(10, decade);
         planet body;
-        planet_make(&body, globe_rough, radius);
+        planet_make(&body, globe_rough, radius, 0);
         test_random r = {(uint64_t)decade + 1};
         sight s = {0};
         for (int k = decade % 2; k < PLACES; k += 2) {
@@ -169,13 +169,37 @@ static void radii(void)
                     PIXELS, "%lld vertices in frames, up to level %d", (long long)deep.deep.seen, deep.finest);
 }
 
+/* From the Earth's flattening to that of a disc, whose normals turn a hundred times as fast at its rim as a sphere's.
+ */
+static void flattenings(void)
+{
+    static const double flattening[] = {1e-9, WGS84_FLATTENING, 0.1, 0.5, 0.9};
+    place p[PLACES];
+    places_of(p);
+    for (int i = 0; i < 5; i++) {
+        planet body;
+        planet_make(&body, globe_rough, EARTH, flattening[i]);
+        test_random r = {(uint64_t)i + 50};
+        sight s = {0};
+        for (int k = i % 2; k < PLACES; k += 2) {
+            tc_camera c = rings_view_at(body.atlas, p[k].longitude, p[k].latitude,
+                                        rings_altitude((5 * k + i) % RINGS_ALTITUDES, EARTH), &r);
+            view(&body.capture, &c, &s);
+        }
+        char name[60];
+        snprintf(name, sizeof name, "flattening %.2g", flattening[i]);
+        rows(name, &s, PIXELS);
+        planet_drop(&body);
+    }
+}
+
 static void altitudes(void)
 {
     enum { VIEWS = 3 };
     place p[PLACES];
     planet body;
     places_of(p);
-    planet_make(&body, globe_rough, EARTH);
+    planet_make(&body, globe_rough, EARTH, 0);
     test_random r = {77};
     for (int decade = -3; decade <= 9; decade++) {
         sight s = {0};
@@ -213,7 +237,7 @@ static void tall(globe_function f, double part, const char *name)
     planet body;
     places_of(p);
     share = part;
-    planet_make(&body, f, EARTH);
+    planet_make(&body, f, EARTH, 0);
     test_random r = {9};
     sight s = {0};
     for (int k = 0; k < PLACES; k++) {
@@ -232,7 +256,7 @@ static void open_disc(globe_function f, double radius, const char *name, bool as
     place p[PLACES];
     planet body;
     places_of(p);
-    planet_make(&body, f, radius);
+    planet_make(&body, f, radius, 0);
     const rings_geometry *g = &((const rings_surface *)body.globe.surface)->geometry;
     tc_renderer_destroy(body.globe.renderer);
     for (int i = 0; i < g->levels; i++) {
@@ -362,6 +386,7 @@ int main(void)
     context = scene_context();
     if (context) {
         radii();
+        flattenings();
         altitudes();
         open_disc(globe_rough, 1e6, "a disc smaller than its hole", false);
         tall(hills, 0.99, "hills and valleys of 0.99 radii");

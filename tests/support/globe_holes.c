@@ -96,7 +96,7 @@ static double dot(const double a[3], const double b[3])
 static bool ray_enters(const globe_mesh *m, const tc_camera *c, const double d[3])
 {
     /* A body as much lower is a little smaller than what semi-axes as much shorter make. */
-    const double flattening = m->body.flattening, slack = 1e-6 + (flattening > 0 ? 1e-4 * flattening : 0);
+    const double flattening = m->body.flattening, slack = 1e-6 + flattening * fabs(m->z_lo) / m->body.radius;
     double low = m->body.radius + m->z_lo, eye[3], ray[3];
     stretch(&m->body, c, m->z_lo, d, eye, ray);
     double ahead = -dot(eye, ray), away = sqrt(dot(eye, eye));
@@ -104,7 +104,7 @@ static bool ray_enters(const globe_mesh *m, const tc_camera *c, const double d[3
         return false;
     /* Where it is nearest to the middle: the angle from the foot point, and how near. */
     double theta = asin(fmin(ahead / away, 1)), nearest = sqrt(fmax(away * away - ahead * ahead, 0));
-    theta *= 1 + 2 * flattening;
+    theta /= (1 - flattening) * (1 - flattening); /* or less, by how normals turn */
     return nearest < low * cos(fmin(m->half(m, theta), M_PI / 2)) * (1 - slack);
 }
 
