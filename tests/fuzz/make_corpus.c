@@ -39,6 +39,7 @@ typedef struct seed {
     enum { WHOLE, VOIDS, NOISE } kind;
     bool planet, fit;
     const char *atlas; /* NULL: the planet's own */
+    double flattening;
 } seed;
 
 static tc_pack_terrain terrain_of(const seed *s)
@@ -48,7 +49,7 @@ static tc_pack_terrain terrain_of(const seed *s)
     t.georef.crs_wkt = s->kind == VOIDS ? (char *)"LOCAL_CS[\"x\"]" : NULL;
     if (s->planet) {
         double dx = 360.0 / (double)s->w, dy = 180.0 / (double)s->h;
-        t.radius = 6371000, t.wraps_x = true;
+        t.radius = 6371000, t.flattening = s->flattening, t.wraps_x = true;
         t.georef.known = t.georef.geographic = true;
         memcpy(t.georef.transform, (double[]){-180, dx, 0, 90, 0, -dy}, sizeof t.georef.transform);
     }
@@ -268,6 +269,7 @@ int main(int argc, char **argv)
         {"faces-hex", 96, 48, TC_PACK_RMS, TC_CODEC_LIFTING, 9, WHOLE, true, false, "hex"},
         {"faces-cube", 72, 36, TC_PACK_RMS, TC_CODEC_LIFTING, 9, VOIDS, true, false, "cube"},
         {"faces-fit", 80, 40, TC_PACK_MAX_ERROR, TC_CODEC_LIFTING, 30, WHOLE, true, true, "hex"},
+        {"planet-flattened", 66, 41, TC_PACK_RMS, TC_CODEC_LIFTING, 30, WHOLE, true, false, NULL, 0.1},
     };
     if (argc != 2)
         stop("expected a folder");
