@@ -5,13 +5,13 @@
 #include "globe_scene.h"
 #include "rings_oracle.h"
 
-enum { RINGS_MAX_LEVELS = 48 };
+enum { RINGS_MAX_LEVELS = 48, RINGS_CHARTS = 3 }; /* longitude and latitude, caps */
 
 /* One captured vertex: what rings.vert puts out, and what it looked up. */
 typedef struct captured_vertex {
-    float clip[4];               /* gl_Position */
-    float position[3];           /* from the eye, metres */
-    float map[TC_MAX_CHARTS][4]; /* of a chart: samples from the viewer's cell, layer (-1: none), coarser share */
+    float clip[4];              /* gl_Position */
+    float position[3];          /* from the eye, metres */
+    float map[RINGS_CHARTS][4]; /* of a chart: samples from the viewer's cell, layer (-1: none), coarser share */
 } captured_vertex;
 
 typedef struct rings_capture {
