@@ -6,10 +6,10 @@
 #include "common/app/viewer.h"
 #include "common/base/numbers.h"
 
-static bool read_n_phi(void *n, const char *value)
+/* Steps of rings, or samples of the other schemes' windows: those say which numbers they take. */
+static bool read_n(void *n, const char *value)
 {
-    int *steps = n;
-    return tc_read_int(value, TC_RINGS_LEAST_N_PHI, TC_RINGS_MOST_N_PHI, steps) && *steps % 32 == 0;
+    return tc_read_int(value, TC_RINGS_LEAST_N_PHI, TC_RINGS_MOST_N_PHI, n);
 }
 
 static bool read_steps(void *steps, const char *value)
@@ -30,10 +30,10 @@ int main(int argc, char **argv)
         TC_BUDGET_OPTION,
         {.help = "Planet"},
         TC_SCHEME_OPTION,
-        {0, "n", "N", "a multiple of 32 of 64..4096",
-         "steps of a ring around the viewer (by the frame's width, 512 to 4096; in a window on a software renderer "
-         "256)",
-         read_n_phi, offsetof(tc_options, n)},
+        {0, "n", "N", "a number of 64..4096",
+         "steps of a ring around the viewer, a multiple of 32 (by the frame's width, 512 to 4096; in a window on a "
+         "software renderer 256); of hex and cube samples a side of the windows, 2^k - 1 of 127 to 2047",
+         read_n, offsetof(tc_options, n)},
         {0, "steps", "M", "an even number of 4..128",
          "steps outwards in a level of rings (as long as those around, N / 12.6, at most 128)", read_steps,
          offsetof(tc_options, steps)},

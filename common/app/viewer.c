@@ -23,128 +23,24 @@
 #include <malloc.h>
 #endif
 
-enum { WINDOW_FRAMES = 65536 };          /* that a window's statistics look back */
-static const double LEAST_HEIGHT = 0.01; /* metres above the ground; less where samples are a few of them apart */
+enum { WINDOW_FRAMES = 65536 }; /* that a window's statistics look back */
 
 /* ---- Starting ----------------------------------------------------------------------------------------------- */
-
-/* What the source has to say. */
-static void say(void *context, bool warning, const char *line)
-{
-    const tc_viewer *viewer = context;
-    if (warning ? !viewer->options.quiet : viewer->options.verbose)
-        fprintf(stderr, "%s: %s%s\n", viewer->program->name, warning ? "warning: " : "", line);
-}
-
-static tc_status open_file(tc_viewer *v, tc_error *error)
-{
-    tc_source_options source = v->options.source;
-    source.say = say;
-    source.say_context = v;
-    source.outputs = &v->outputs;
-    const tc_load_options load = {.body = v->program->body,
-                                  .globe = v->options.globe,
-                                  .atlas = tc_viewer_scheme(v)->atlas,
-                                  .threads = v->options.threads};
-    tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
-    if (status == TC_OK)
-        status = tc_map_synthesise(v->map, v->options.synthesis, error);
-    return status;
-}
 
 bool tc_viewer_interactive(const tc_options *options)
 {
     return !options->output && (!options->path || options->backend == TC_BACKEND_WINDOW);
 }
 
-/* The ground under the eye. Where a person waits for the next frame, nothing is read or decoded for it: it is what is
- * drawn, which the eye must be above, or else a rough one; pictures and measured flights have the true one, or that of
- * a coarser level which is drawn in its place and may be higher. */
-static double ground_height(void *context, double x, double y)
-{
-    const tc_viewer *v = context;
-    double z = 0, drawn;
-    const tc_view *view = v->renderer ? tc_renderer_view(v->renderer) : NULL;
-    bool shown = view && view->surface->height(view, x, y, &drawn);
-    if (shown && tc_viewer_interactive(&v->options))
-        return drawn;
-    if (tc_viewer_interactive(&v->options))
-        tc_map_rough_height(v->map, x, y, &z);
-    else
-        tc_map_height(v->map, x, y, &z);
-    return shown ? fmax(z, drawn) : z;
-}
-
-static tc_status load_terrain(tc_viewer *v, tc_error *error)
-{
-    tc_status status = open_file(v, error);
-    if (status != TC_OK)
-        return status;
-    const tc_field *field = tc_map_field(v->map, 0);
-    const tc_terrain_info *info = tc_field_info(field);
-    const tc_level finest = tc_field_level(field, info->levels);
-    v->spacing = fmin(finest.spacing_x, finest.spacing_y);
-    v->least_height = fmin(LEAST_HEIGHT, 0.25 * v->spacing);
-    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->map->body};
-    if (v->options.verbose)
-        fprintf(stderr,
-                "%s: %s: %" PRId64 " x %" PRId64 " samples every %g x %g m, heights %.2f to %.2f m, %" PRId64
-                " voids; %s in %.0f ms, %d levels in %.0f ms\n",
-                v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
-                info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
-                tc_field_packed_info(field) ? "opened" : "read", v->map->read_ms, info->levels, v->map->build_ms);
-    const tc_body *body = &v->map->body;
-    char about[64];
-    if (v->options.verbose && body->class->describe) {
-        body->class->describe(body, about, sizeof about);
-        fprintf(stderr, "%s: %s, %d charts\n", v->program->name, about, v->map->charts);
-    }
-    return TC_OK;
-}
-
-/* A line that tells a person how far making a picture's levels is. */
-typedef struct levels_line {
-    bool shown, begun; /* to a person; and not ended yet */
-} levels_line;
-
-static void end_line(levels_line *line)
-{
-    if (line->begun)
-        fputc('\n', stderr);
-    line->begun = false;
-}
-
-/* False: that is to end. */
-static bool show_levels(void *context, double done)
-{
-    levels_line *line = context;
-    if (line->shown)
-        line->begun = fprintf(stderr, "\rimagery: %3.0f %%", floor(100 * done)) > 0;
-    if (done >= 1)
-        end_line(line);
-    return !tc_interrupted();
-}
-
-static tc_status load_imagery(tc_viewer *v, tc_error *error)
-{
-    const tc_source_options source = {.say = say, .say_context = v, .outputs = &v->outputs};
-    levels_line line = {.shown = !v->options.quiet && isatty(STDERR_FILENO)};
-    const tc_image_options options = {.source = &source, .progress = show_levels, .progress_context = &line};
-    tc_status status = tc_imagery_load(v->map, v->options.imagery, v->options.imagery_count, v->options.threads,
-                                       &options, &v->imagery, error);
-    end_line(&line); /* what is said of a failure has its own */
-    return status;
-}
-
 static tc_flight_box whole_box(const tc_viewer *v)
 {
-    const tc_chart *c = &v->map->chart[0];
-    const tc_terrain_info *info = tc_field_info(c->field);
-    const tc_level finest = tc_field_level(c->field, info->levels);
-    return (tc_flight_box){.west = c->x0,
-                           .south = c->y0,
-                           .east = c->x0 + (double)(finest.width - 1) * c->dx,
-                           .north = c->y0 + (double)(finest.height - 1) * c->dy,
+    const tc_terrain_info *info = tc_field_info(tc_map_field(v->map, 0));
+    double lo[2], hi[2];
+    tc_map_extent(v->map, lo, hi);
+    return (tc_flight_box){.west = lo[0],
+                           .south = lo[1],
+                           .east = hi[0],
+                           .north = hi[1],
                            .z_min = info->z_base + info->z_min,
                            .z_max = info->z_base + info->z_max,
                            .radius = v->map->body.radius};
@@ -165,7 +61,7 @@ void tc_viewer_place(tc_viewer *v, const tc_pose *view)
         return;
     double z = 0; /* an eye under the ground sees nothing, or the terrain's underside */
     if (tc_viewer_interactive(&v->options))
-        z = ground_height(v, view->x, view->y);
+        z = v->ground.height(v->ground.context, view->x, view->y);
     else
         tc_map_height(v->map, view->x, view->y, &z);
     say_lifted(v, z - v->camera.z);
@@ -418,10 +314,7 @@ static tc_status run(tc_viewer *v, tc_error *error)
     if (status == TC_OK && v->options.colours)
         status = tc_colour_file_read(v->options.colours, &v->colours, error);
     if (status == TC_OK)
-        status = load_terrain(v, error);
-    tc_watch_interrupts();
-    if (status == TC_OK && v->options.imagery_count > 0)
-        status = load_imagery(v, error);
+        status = tc_viewer_load(v, error);
     if (status == TC_OK)
         status = place_camera(v, error);
     if (status == TC_OK)
@@ -478,8 +371,7 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
         viewer.window_plugin->close(viewer.window);
     if (viewer.surface)
         viewer.surface->destroy(viewer.surface);
-    tc_imagery_destroy(viewer.imagery);
-    tc_map_destroy(viewer.map);
+    tc_viewer_unload(&viewer);
     tc_flight_path_free(&viewer.path);
     tc_outputs_free(&viewer.outputs);
     tc_stats_destroy(viewer.stats);

@@ -48,6 +48,14 @@ typedef struct tc_viewer {
     tc_stats *stats;
 } tc_viewer;
 
+/* The terrain, in the charts that the scheme draws, and its pictures; and what frees both (viewer_terrain.c). */
+tc_status tc_viewer_load(tc_viewer *viewer, tc_error *error);
+void tc_viewer_unload(tc_viewer *viewer);
+
+/* Goes on to the program's next scheme, at the same view: reads the file anew where that draws other charts. On failure
+ * all is as it was, *name_ret is that of the one that could not be had. */
+tc_status tc_viewer_next_scheme(tc_viewer *viewer, const char **name_ret, tc_error *error);
+
 /* Puts the camera where the view says; above the ground of a planet. */
 void tc_viewer_place(tc_viewer *viewer, const tc_pose *view);
 

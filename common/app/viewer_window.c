@@ -72,6 +72,20 @@ static void do_freeze(session *s)
     changed(s, "frozen culling", frame->cull_camera != NULL);
 }
 
+static void do_scheme(session *s)
+{
+    tc_viewer *v = s->viewer;
+    const char *name;
+    tc_error error;
+    v->scene.frame.cull_camera = NULL; /* of the scheme that it was frozen in */
+    const tc_status status = tc_viewer_next_scheme(v, &name, &error);
+    if (status != TC_OK)
+        fprintf(stderr, "%s: %s: %s\n", v->program->name, name, error.text);
+    else if (!v->options.quiet)
+        fprintf(stderr, "%s\n", name);
+    s->quit |= v->renderer == NULL;
+}
+
 static void do_tell(session *s)
 {
     s->tell = !s->tell;
@@ -130,6 +144,7 @@ static const struct key {
     {{'L'}, "L", "level colours", do_level_colours},
     {{'M'}, "M", "morph on or off", do_morph},
     {{'C'}, "C", "freeze culling: fly on and see what is left out", do_freeze},
+    {{'X'}, "X", "the next scheme, at the same view", do_scheme},
     {{'T'}, "T", "statistics on the terminal, every second", do_tell},
     {{TC_KEY_F11}, "F11", "full screen", do_full_screen},
     {{'H', TC_KEY_F1}, "H, F1", "print this", do_help},

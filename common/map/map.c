@@ -125,6 +125,16 @@ tc_status tc_map_rough_height(const tc_map *map, double x, double y, double *z_r
     return height(map, TC_ROUGH_SIZE, x, y, z_ret);
 }
 
+void tc_map_extent(const tc_map *map, double lo[2], double hi[2])
+{
+    const tc_chart *c = &map->chart[0];
+    const tc_level finest = tc_field_level(c->field, tc_field_info(c->field)->levels);
+    lo[0] = c->x0, hi[0] = c->x0 + (double)(finest.width - 1) * c->dx;
+    lo[1] = c->y0, hi[1] = c->y0 + (double)(finest.height - 1) * c->dy;
+    if (c->class->seam) /* faces: all around */
+        lo[0] = -M_PI, hi[0] = M_PI, lo[1] = -M_PI / 2, hi[1] = M_PI / 2;
+}
+
 bool tc_map_has_ground(const tc_map *map, double x, double y)
 {
     const tc_chart *c = &map->chart[0];

@@ -58,6 +58,9 @@ void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret)
 enum { TC_ROUGH_SIZE = 250 };
 tc_status tc_map_rough_height(const tc_map *map, double x, double y, double *z_ret);
 
+/* Places between which it lies: metres, or longitudes and latitudes. */
+void tc_map_extent(const tc_map *map, double lo_ret[2], double hi_ret[2]);
+
 /* Whether there is ground at a place: beside a flat terrain there is none. */
 bool tc_map_has_ground(const tc_map *map, double x, double y);
 

@@ -152,6 +152,28 @@ else
     skip 'xwd is not installed'
 fi
 
+# Schemes change at the same view: their pictures, of one planet, are alike.
+viewer_before=$viewer viewer=$globe
+$terraclip synth --kind planet --size 512 -o globe.tif -q
+rm -f terraclip-*.png
+if start globe.tif --size 320x240 --view 20,30,3000000,40,-50; then
+    key p '^terraclip-0001.png'
+    number=1
+    for scheme in rings-ch06 hex cube cube-pt rings; do
+        key x "^$scheme\$"
+        number=$((number + 1))
+        sleep 0.5
+        key p "^terraclip-000$number.png"
+        key v '^--view 20(\.0*)?,30(\.0*)?,3000000(\.000)?,40(\.0000)?,-50(\.0000)?$'
+        cases=$((cases + 1))
+        off=$("$make_picture" differ terraclip-0001.png "terraclip-000$number.png") && awk "BEGIN { exit !($off <= 3) }" ||
+            fail "$scheme: its picture is $off of 255 off that of rings"
+    done
+    xdotool key Escape
+    ends 'after changing schemes'
+fi
+viewer=$viewer_before
+
 # The mesh follows: cells cover as many pixels as before.
 if start hills.tif --size 150x100 --explain; then
     cases=$((cases + 1))

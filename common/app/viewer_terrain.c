@@ -1,0 +1,185 @@
+/* viewer_terrain.c - what a viewer shows: the terrain in the charts that its scheme draws, with its pictures; and other
+ * schemes at the same view. */
+#include "viewer_internal.h"
+#include "common/base/status.h"
+#include "interrupt.h"
+#include "load_imagery.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <unistd.h>
+
+static const double LEAST_HEIGHT = 0.01; /* metres above the ground; less where samples are a few of them apart */
+
+/* What the source has to say. */
+static void say(void *context, bool warning, const char *line)
+{
+    const tc_viewer *viewer = context;
+    if (warning ? !viewer->options.quiet : viewer->options.verbose)
+        fprintf(stderr, "%s: %s%s\n", viewer->program->name, warning ? "warning: " : "", line);
+}
+
+static tc_status open_file(tc_viewer *v, tc_error *error)
+{
+    tc_source_options source = v->options.source;
+    source.say = say;
+    source.say_context = v;
+    source.outputs = &v->outputs;
+    const tc_load_options load = {.body = v->program->body,
+                                  .globe = v->options.globe,
+                                  .atlas = tc_viewer_scheme(v)->atlas,
+                                  .threads = v->options.threads};
+    tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
+    if (status == TC_OK)
+        status = tc_map_synthesise(v->map, v->options.synthesis, error);
+    return status;
+}
+
+/* The ground under the eye. Where a person waits for the next frame, nothing is read or decoded for it: it is what is
+ * drawn, which the eye must be above, or else a rough one; pictures and measured flights have the true one, or that of
+ * a coarser level which is drawn in its place and may be higher. */
+static double ground_height(void *context, double x, double y)
+{
+    const tc_viewer *v = context;
+    double z = 0, drawn;
+    const tc_view *view = v->renderer ? tc_renderer_view(v->renderer) : NULL;
+    bool shown = view && view->surface->height(view, x, y, &drawn);
+    if (shown && tc_viewer_interactive(&v->options))
+        return drawn;
+    if (tc_viewer_interactive(&v->options))
+        tc_map_rough_height(v->map, x, y, &z);
+    else
+        tc_map_height(v->map, x, y, &z);
+    return shown ? fmax(z, drawn) : z;
+}
+
+static tc_status load_terrain(tc_viewer *v, tc_error *error)
+{
+    tc_status status = open_file(v, error);
+    if (status != TC_OK)
+        return status;
+    const tc_field *field = tc_map_field(v->map, 0);
+    const tc_terrain_info *info = tc_field_info(field);
+    const tc_level finest = tc_field_level(field, info->levels);
+    v->spacing = fmin(finest.spacing_x, finest.spacing_y);
+    v->least_height = fmin(LEAST_HEIGHT, 0.25 * v->spacing);
+    v->ground = (tc_ground){ground_height, v, tc_flight_clearance(v->spacing), v->map->body};
+    if (v->options.verbose)
+        fprintf(stderr,
+                "%s: %s: %" PRId64 " x %" PRId64 " samples every %g x %g m, heights %.2f to %.2f m, %" PRId64
+                " voids; %s in %.0f ms, %d levels in %.0f ms\n",
+                v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
+                info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
+                tc_field_packed_info(field) ? "opened" : "read", v->map->read_ms, info->levels, v->map->build_ms);
+    const tc_body *body = &v->map->body;
+    char about[64];
+    if (v->options.verbose && body->class->describe) {
+        body->class->describe(body, about, sizeof about);
+        fprintf(stderr, "%s: %s, %d charts\n", v->program->name, about, v->map->charts);
+    }
+    return TC_OK;
+}
+
+/* A line that tells a person how far making a picture's levels is. */
+typedef struct levels_line {
+    bool shown, begun; /* to a person; and not ended yet */
+} levels_line;
+
+static void end_line(levels_line *line)
+{
+    if (line->begun)
+        fputc('\n', stderr);
+    line->begun = false;
+}
+
+/* False: that is to end. */
+static bool show_levels(void *context, double done)
+{
+    levels_line *line = context;
+    if (line->shown)
+        line->begun = fprintf(stderr, "\rimagery: %3.0f %%", floor(100 * done)) > 0;
+    if (done >= 1)
+        end_line(line);
+    return !tc_interrupted();
+}
+
+static tc_status load_imagery(tc_viewer *v, tc_error *error)
+{
+    const tc_source_options source = {.say = say, .say_context = v, .outputs = &v->outputs};
+    levels_line line = {.shown = !v->options.quiet && isatty(STDERR_FILENO)};
+    const tc_image_options options = {.source = &source, .progress = show_levels, .progress_context = &line};
+    tc_status status = tc_imagery_load(v->map, v->options.imagery, v->options.imagery_count, v->options.threads,
+                                       &options, &v->imagery, error);
+    end_line(&line); /* what is said of a failure has its own */
+    return status;
+}
+
+tc_status tc_viewer_load(tc_viewer *v, tc_error *error)
+{
+    tc_status status = load_terrain(v, error);
+    tc_watch_interrupts();
+    if (status == TC_OK && v->options.imagery_count > 0)
+        status = load_imagery(v, error);
+    return status;
+}
+
+void tc_viewer_unload(tc_viewer *v)
+{
+    tc_imagery_destroy(v->imagery);
+    tc_map_destroy(v->map);
+    v->imagery = NULL, v->map = NULL;
+}
+
+/* ---- Other schemes ----------------------------------------------------------------------------------------------- */
+
+/* Loads anew what the scheme draws; what there was stays where that fails. */
+static tc_status load_for(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
+{
+    tc_viewer before = *v;
+    v->options.scheme = scheme;
+    v->map = NULL, v->imagery = NULL;
+    tc_status status = tc_viewer_load(v, error);
+    if (status == TC_OK) {
+        v->surface = NULL, v->renderer = NULL; /* of the old map, until the new ones stand */
+        v->scene.imagery = v->imagery;
+        status = tc_viewer_make_surface(v, error);
+    }
+    tc_viewer gone = status == TC_OK ? before : *v;
+    tc_renderer_destroy(gone.renderer);
+    if (gone.surface)
+        gone.surface->destroy(gone.surface);
+    tc_viewer_unload(&gone);
+    if (status != TC_OK)
+        *v = before;
+    return status;
+}
+
+/* The same map drawn by another one. */
+static tc_status draw_by(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
+{
+    const tc_scheme *before = v->options.scheme;
+    v->options.scheme = scheme;
+    tc_status status = tc_viewer_make_surface(v, error);
+    tc_error unused;
+    if (status != TC_OK) {
+        v->options.scheme = before;
+        if (tc_viewer_make_surface(v, &unused) != TC_OK)
+            return tc_fail(error, status, "%s: cannot be drawn any more", v->options.terrain);
+    }
+    return status;
+}
+
+tc_status tc_viewer_next_scheme(tc_viewer *v, const char **name_ret, tc_error *error)
+{
+    const tc_scheme *const *lists = v->program->schemes, *now = tc_viewer_scheme(v), *next;
+    int k = 0;
+    while (tc_scheme_at(lists, NULL, k) != now)
+        k++;
+    if (!(next = tc_scheme_at(lists, NULL, k + 1)))
+        next = tc_scheme_at(lists, NULL, 0);
+    *name_ret = next->name;
+    if (next == now)
+        return TC_OK;
+    v->halvings = 0;
+    return next->atlas == now->atlas ? draw_by(v, next, error) : load_for(v, next, error);
+}
