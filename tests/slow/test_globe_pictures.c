@@ -6,20 +6,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "spherical/faces_internal.h"
 #include "tests/support/planet_scene.h"
 
-enum { PLANETS = 4, DATA = 3 }; /* the first DATA of them are */
+enum { PLANETS = 8, DATA = 6 }; /* the first DATA of them are */
 static const struct {
+    const faces_kind *faces; /* NULL: drawn by rings */
     planet_kind kind;
     int width;
     double radius;
     int synthesised, views; /* levels finer than the data; flights that end in one */
     int64_t budget;         /* of a slow flight */
     double flattening;
-} made[PLANETS] = {{PLANET_DEFAULT, 1024, 6371000, 0, 30, 5000, 0},
-                   {PLANET_CLIFF, 1024, 400e3, 0, 30, 5000, 0},
-                   {PLANET_DEFAULT, 512, 6378137, 0, 10, 5000, WGS84_FLATTENING},
-                   {PLANET_DEFAULT, 512, 6371000, 10, 12, 40000, 0}};
+} made[PLANETS] = {{NULL, PLANET_DEFAULT, 1024, 6371000, 0, 30, 5000, 0},
+                   {NULL, PLANET_CLIFF, 1024, 400e3, 0, 30, 5000, 0},
+                   {NULL, PLANET_DEFAULT, 512, 6378137, 0, 10, 5000, WGS84_FLATTENING},
+                   {&tc_faces_hex, PLANET_CLIFF, 1024, 400e3, 0, 20, 5000, 0},
+                   {&tc_faces_cube, PLANET_CLIFF, 1024, 400e3, 0, 15, 5000, 0},
+                   {&tc_faces_hex, PLANET_DEFAULT, 2048, 6378137, 0, 10, 5000, WGS84_FLATTENING},
+                   {NULL, PLANET_DEFAULT, 512, 6371000, 10, 12, 40000, 0},
+                   {&tc_faces_hex, PLANET_DEFAULT, 512, 6371000, 6, 8, 40000, 0}};
 static tc_context *context;
 static tc_map *planet[PLANETS];
 
@@ -27,10 +33,12 @@ static int set_up(void **state)
 {
     (void)state;
     context = scene_context();
-    for (int k = 0; k < PLANETS; k++)
-        planet[k] = planet_flattened(
-            planet_synthesised(planet_made(made[k].kind, made[k].width, made[k].radius, 7), made[k].synthesised),
-            made[k].flattening);
+    for (int k = 0; k < PLANETS; k++) {
+        planet[k] = planet_flattened(planet_made(made[k].kind, made[k].width, made[k].radius, 7), made[k].flattening);
+        if (made[k].faces)
+            planet[k] = planet_of_faces(planet[k], made[k].faces->chart);
+        planet[k] = planet_synthesised(planet[k], made[k].synthesised);
+    }
     return context ? 0 : -1;
 }
 
@@ -41,6 +49,14 @@ static int tear_down(void **state)
         tc_map_destroy(planet[k]);
     tc_context_destroy(context);
     return 0;
+}
+
+static scene scene_of(int k, int m, const tc_scene_options *options)
+{
+    return planet_scene_of(context, planet[k],
+                           made[k].faces ? planet_faces(planet[k], made[k].faces, 127, options)
+                                         : planet_rings(planet[k], &(tc_rings_options){.n_phi = 128, .m = m}, options),
+                           options);
 }
 
 static int64_t different_pixels(const uint8_t *a, const uint8_t *b, const tc_camera *c)
@@ -65,8 +81,8 @@ static void culling_removes_nothing_visible(void **state)
     int64_t drawn = 0, without = 0, views = 0;
     for (int k = 0; k < DATA; k++) {
         test_random r = {2 + (uint64_t)k};
-        scene s = planet_scene(context, planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
-        for (int view = 0; view < 50; view++, views++) {
+        scene s = scene_of(k, 10, &culled);
+        for (int view = 0; view < (made[k].faces ? 30 : 50); view++, views++) {
             tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &culled, &stats);
@@ -93,7 +109,7 @@ static void the_test_finds_what_is_missing(void **state)
     (void)state;
     test_random r = {2};
     tc_scene_options culled = {.budget = -1};
-    scene s = planet_scene(context, planet[0], &(tc_rings_options){.n_phi = 128, .m = 10}, &culled);
+    scene s = scene_of(0, 10, &culled);
     int found = 0;
     for (int view = 0; view < 20; view++) {
         tc_camera c = planet_view(&r, planet[0], 0.5, 5 * planet[0]->body.radius), other = c;
@@ -119,8 +135,8 @@ static void backs_are_not_missed(void **state)
     int64_t different = 0, views = 0, pixels = 0;
     for (int k = 0; k < DATA; k++) {
         test_random r = {4 + (uint64_t)k};
-        scene s = planet_scene(context, planet[k], &(tc_rings_options){.n_phi = 128, .m = 10}, &front);
-        for (int view = 0; view < 50; view++, views++) {
+        scene s = scene_of(k, 10, &front);
+        for (int view = 0; view < (made[k].faces ? 30 : 50); view++, views++) {
             tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &front, &stats), *b = picture(&s, &c, &both, &stats);
@@ -140,11 +156,10 @@ static void a_picture_depends_on_the_view_alone(void **state)
     int64_t differing = 0, views = 0;
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {1 + (uint64_t)k};
-        const tc_rings_options rings = {.n_phi = 128, .m = 8};
         const tc_scene_options options[2] = {{.budget = 0}, {.budget = made[k].budget}};
         scene s[2];
         for (int i = 0; i < 2; i++)
-            s[i] = planet_scene(context, planet[k], &rings, &options[i]);
+            s[i] = scene_of(k, 8, &options[i]);
         for (int view = 0; view < made[k].views; view++, views++) {
             tc_camera end = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             uint8_t *pixels[3];
@@ -158,7 +173,7 @@ static void a_picture_depends_on_the_view_alone(void **state)
             }
             int count = 2;
             if (view % 5 == 0) { /* making one takes long */
-                scene fresh = planet_scene(context, planet[k], &rings, &options[0]);
+                scene fresh = scene_of(k, 8, &options[0]);
                 pixels[count++] = picture(&fresh, &end, &options[0], &stats);
                 scene_destroy(&fresh);
             }
