@@ -4,7 +4,7 @@
  * angles theta~ from pi 2^(-i-1) to pi 2^-i around the viewer's foot point, in n_phi steps of phi~ around it and m
  * steps of theta~. The geometry never changes; the map transform turns it to where the viewer is, and heights come from
  * the charts of a map. For this surface a camera's x and y are longitude and latitude, radians, its z the height
- * above the sphere, and heading and pitch are those of a local observer.
+ * above sphere or ellipsoid, and heading and pitch are those of a local observer.
  *
  * Beside the exact transform there is the paper's own (TC_RINGS_CH06), to compare. */
 #ifndef TC_RINGS_H

@@ -33,7 +33,7 @@ typedef struct rings_geometry {
     rings_strips ring_strips[RINGS_STAGES + 1][2], fill_strips[RINGS_STAGES + 1][2];
 } rings_geometry;
 
-/* Where terrain ends, as a share of the distance from the viewer: heights come down to the sphere within it. */
+/* Where terrain ends, as a share of the distance from the viewer: heights come down to the body within it. */
 #define RINGS_APRON 0.05
 /* Passage to the coarser level at the sides of windows, per sample and window. */
 #define RINGS_PASSAGE 10.0
