@@ -17,7 +17,7 @@
 #include "tests/support/made_files.h"
 #include "tests/support/packing.h"
 
-enum { WIDTH = 512, HEIGHT = 256, ATLASES = 2 };
+enum { WIDTH = 256, HEIGHT = 128, ATLASES = 2 };
 static const tc_atlas *const atlases[ATLASES] = {&tc_atlas_hex, &tc_atlas_cube};
 static const double radius = 1737400;
 
@@ -47,8 +47,8 @@ static tc_grid grid_of(bool voids)
             double x = cos(lat) * cos(lon), y = cos(lat) * sin(lon), z = sin(lat);
             int at = j * WIDTH + i;
             g.z[at] =
-                (float)(2000 * sin(3 * x + 2 * y) + 900 * sin(9 * z + 4 * x) + 70 * sin(60 * y) * cos(50 * x + 30 * z));
-            if (voids && (hypot(i - 256, j - 128) < 20 || j > 250))
+                (float)(2000 * sin(3 * x + 2 * y) + 900 * sin(9 * z + 4 * x) + 70 * sin(30 * y) * cos(25 * x + 15 * z));
+            if (voids && (hypot(i - 128, j - 64) < 12 || j > 124))
                 g.voids[at] = 1, g.void_count++;
             else
                 g.z_min = fminf(g.z_min, g.z[at]), g.z_max = fmaxf(g.z_max, g.z[at]);
@@ -119,10 +119,10 @@ static void faces_come_back(void **state)
     const tc_pack_options ways[] = {{.mode = TC_PACK_RMS, .error = 3},
                                     {.mode = TC_PACK_MAX_ERROR, .error = 2},
                                     {.mode = TC_PACK_RMS, .error = 3, .max_error = 8}};
-    for (int k = 0; k < 2 * 3 * ATLASES; k++) {
+    for (int k = 0; k < 3 * ATLASES; k++) {
         const tc_atlas *atlas = atlases[k % ATLASES];
-        const tc_pack_options *how = &ways[k / ATLASES % 3];
-        bool voids = k / ATLASES / 3;
+        const tc_pack_options *how = &ways[k / ATLASES];
+        bool voids = how->max_error > 0;
         tc_pack_result result;
         pack(made_path("a.tclip"), atlas, voids, *how, &result);
         assert_int_equal(made_folder_count(), 1);
@@ -151,7 +151,7 @@ static void faces_come_back(void **state)
             }
             free(z), free(v), free(y), free(u);
         }
-        assert_true(voids == (holes > 300));
+        assert_true(voids == (holes > 100));
         double rms = sqrt(sum / count);
         /* On sides a sample stands for several. */
         assert_true(fabs(rms / result.rms - 1) < 0.02 && fabs(most - result.max_error) < 0.01);
@@ -216,7 +216,7 @@ static void seams_are_one(void **state)
                 assert_int_equal(tc_field_read(own[0], m, (tc_rect){u, v, u + 1, v + 1}, &its, NULL, 1), TC_OK);
                 differ += z != its;
             }
-        assert_true(differ > 50);
+        assert_true(differ > 30);
         tc_field_destroy(own[0]), tc_field_destroy(own[1]);
         tc_map_destroy(map);
     }
@@ -265,7 +265,7 @@ static void what_is_asked_for_comes(void **state)
             const tc_field *field = map->chart[k].field;
             int m = tc_field_info(field)->levels;
             int64_t side = tc_field_level(field, m).width;
-            const tc_rect rects[] = {{-8, -8, 20, 20}, {side - 10, 40, side + 8, 60}, {50, side - 2, 90, side + 8}};
+            const tc_rect rects[] = {{-8, -8, 20, 20}, {side - 10, 40, side + 8, 60}, {20, side - 2, 60, side + 8}};
             for (int n = 0; n < 3; n++) {
                 enum { ROOM = 40 * 28 };
                 float now[ROOM], then[ROOM];
