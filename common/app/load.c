@@ -112,12 +112,6 @@ tc_status tc_map_load_packed(const char *path, const tc_source_options *source, 
     return TC_OK;
 }
 
-/* By name: each library has tables of its own. */
-static bool same_atlas(const tc_atlas *a, const tc_atlas *b)
-{
-    return a == b || (a && b && strcmp(a->name, b->name) == 0);
-}
-
 /* Onto the charts that are asked for. */
 static tc_status lay_out(const char *path, bool packed, const tc_load_options *options, tc_map **map, tc_error *error)
 {
@@ -127,7 +121,7 @@ static tc_status lay_out(const char *path, bool packed, const tc_load_options *o
                        "%s: expected a flat terrain or a planet in longitude and latitude, found one packed with "
                        "--atlas %s",
                        path, has->name);
-    if (!wanted || same_atlas(has, wanted))
+    if (!wanted || tc_atlas_same(has, wanted))
         return TC_OK;
     if (packed)
         return tc_fail(error, TC_ERR_UNSUPPORTED,

@@ -27,9 +27,11 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     source.outputs = &v->outputs;
     const tc_load_options load = {.body = v->program->body,
                                   .globe = v->options.globe,
-                                  .atlas = tc_viewer_scheme(v)->atlas,
+                                  .atlas = v->options.scheme ? v->options.scheme->atlas : NULL,
                                   .threads = v->options.threads};
     tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
+    if (status == TC_OK && !v->options.scheme) /* as the file has its charts */
+        v->options.scheme = tc_scheme_for(v->program->schemes, v->map);
     if (status == TC_OK)
         status = tc_map_synthesise(v->map, v->options.synthesis, error);
     return status;

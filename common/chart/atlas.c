@@ -24,3 +24,8 @@ const tc_atlas *tc_atlas_of(const tc_chart_class *class)
             return atlases[k];
     return NULL;
 }
+
+bool tc_atlas_same(const tc_atlas *a, const tc_atlas *b)
+{
+    return a == b || (a && b && strcmp(a->name, b->name) == 0);
+}

@@ -16,4 +16,7 @@ extern const tc_atlas tc_atlas_lonlat, tc_atlas_hex, tc_atlas_cube;
 const tc_atlas *tc_atlas_named(const char *name);
 const tc_atlas *tc_atlas_of(const tc_chart_class *class);
 
+/* By name: each library has tables of its own. Both NULL: the same. */
+bool tc_atlas_same(const tc_atlas *a, const tc_atlas *b);
+
 #endif

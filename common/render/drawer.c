@@ -29,8 +29,7 @@ struct tc_eye {
 
 static const tc_scheme *find_scheme(const tc_map *map, const char *name)
 {
-    return name ? tc_scheme_named(tc_scheme_lists, map->body.class, name)
-                : tc_scheme_at(tc_scheme_lists, map->body.class, 0);
+    return name ? tc_scheme_named(tc_scheme_lists, map->body.class, name) : tc_scheme_for(tc_scheme_lists, map);
 }
 
 static tc_status make_surface(tc_drawer *d, tc_error *error)

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "common/chart/atlas.h"
+
 const tc_scheme *tc_scheme_at(const tc_scheme *const *lists, const tc_body_class *body, int k)
 {
     for (; *lists; lists++)
@@ -17,6 +19,16 @@ const tc_scheme *tc_scheme_named(const tc_scheme *const *lists, const tc_body_cl
     const tc_scheme *s;
     for (int k = 0; (s = tc_scheme_at(lists, body, k)); k++)
         if (strcmp(s->name, name) == 0)
+            return s;
+    return NULL;
+}
+
+const tc_scheme *tc_scheme_for(const tc_scheme *const *lists, const tc_map *map)
+{
+    const tc_atlas *atlas = tc_atlas_of(map->chart[0].class);
+    const tc_scheme *s;
+    for (int k = 0; (s = tc_scheme_at(lists, map->body.class, k)); k++)
+        if (tc_atlas_same(s->atlas, atlas))
             return s;
     return NULL;
 }

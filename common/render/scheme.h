@@ -31,8 +31,10 @@ typedef struct tc_scheme {
  * ended by NULL. */
 extern const tc_scheme *const tc_scheme_lists[];
 
-/* Number k of the schemes in such lists, and that of a name, of those for a body (NULL: for any). NULL: there is none. */
+/* Number k of the schemes in such lists, and that of a name, of those for a body (NULL: for any). NULL: there is none.
+ */
 const tc_scheme *tc_scheme_at(const tc_scheme *const *lists, const tc_body_class *body, int k);
+const tc_scheme *tc_scheme_for(const tc_scheme *const *lists, const tc_map *map); /* the first that draws its charts */
 const tc_scheme *tc_scheme_named(const tc_scheme *const *lists, const tc_body_class *body, const char *name);
 
 #endif

@@ -124,7 +124,8 @@ for atlas in hex cube; do
     does '' $terraclip height $atlas.tclip 180 10
     near "$out" "$one" 0.001 "$atlas: turns"
     refuses 1 "$atlas.tclip: expected a planet packed with --atlas lonlat, found one with --atlas $atlas; 'terraclip pack --planet --atlas lonlat INPUT" \
-        $globe $atlas.tclip -o out/picture.png
+        $globe $atlas.tclip --scheme rings -o out/picture.png
+    does '' $globe $atlas.tclip -o picture.png --size 96x64 # by the scheme that draws such charts
     refuses 1 "$atlas.tclip: expected a flat terrain or a planet in longitude and latitude, found one packed with --atlas $atlas" \
         $viewer $atlas.tclip -o out/picture.png
     does '' $globe $atlas.tclip --scheme $atlas -o picture.png --size 96x64
