@@ -4,7 +4,6 @@
  * follow along its sides where the mesh beyond is coarser. */
 #include "faces.h"
 
-#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -73,7 +72,7 @@ static bool visible(const assembly *a, tc_block b)
         return true;
     const double block = (double)a->s->cells / a->s->lattice.blocks[b.level - 1];
     const tc_body *body = &a->s->map->body;
-    double middle[3], n[3], place[3], around = 0, lo, hi;
+    double middle[3], n[3], place[3], around = 0, lo, hi, least, most;
     normal_at(a, b.chart, (b.x + 0.5) * block, (b.y + 0.5) * block, middle);
     for (int k = 0; k < 9; k++) {
         normal_at(a, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, n);
@@ -84,10 +83,10 @@ static bool visible(const assembly *a, tc_block b)
         return false;
     height_bounds(a, b, &lo, &hi);
     const double z_base = tc_field_info(a->s->head.field)->z_base;
-    body->class->place(body, middle, place);
     place[0] = atan2(middle[1], middle[0]), place[1] = atan2(middle[2], hypot(middle[0], middle[1]));
     place[2] = z_base + 0.5 * (lo + hi);
-    double p[3], way[3] = {0}, radius = around * (body->radius + z_base + hi) + 0.5 * (hi - lo);
+    body->class->curvatures(body, &least, &most);
+    double p[3], way[3] = {0}, radius = around * (most + z_base + hi) + 0.5 * (hi - lo);
     body->class->position(body, place, p);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
@@ -122,8 +121,9 @@ static void add_closers(assembly *a, const tc_leaf *leaf, tc_rect samples, int c
                       y = side == TC_NORTH ? samples.y1 - 1 : samples.y0;
         const tc_leaf along = {.block = leaf->block, .sides = 15, .corners = 15};
         /* From the end of the room on backwards, until all strips are known. */
+        if (a->lists == a->s->lists)
+            return;
         const int at = a->s->head.draw_capacity - 1 - a->lists++;
-        assert(a->lists <= a->s->lists);
         a->frame->instances[at] = instance(a, &along, leaf->block.level, x, y, cells);
         a->frame->draws[at] = (tc_draw){.count = (uint32_t)(3 * (cells / 2)),
                                         .instance_count = 1,
@@ -145,7 +145,6 @@ static void add_leaf(void *context, const tc_leaf *leaf)
     const tc_rect r = tc_faces_samples(&a->s->lattice, b);
     a->triangles += 2 * cells * cells;
     a->levels[level - 1]++;
-    assert(a->strips < a->s->strips);
     a->frame->instances[a->strips] = instance(a, leaf, level, r.x0 >> leaf->coarse, r.y0 >> leaf->coarse, cells);
     a->frame->draws[a->strips++] = (tc_draw){.count = tc_block_strip_count(cells, cells),
                                              .instance_count = 1,
@@ -292,7 +291,9 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     const tc_field *field = map->chart[0].field;
     int first = tc_field_info(field)->levels;
     int64_t coarsest = tc_field_level(field, first).width - 1;
-    while (first > 1 && coarsest > (s->windows.n + 1) / 4 && coarsest % 4 == 0)
+    const int finest = first, most = TC_MAX_LAYERS / map->charts;
+    while (first > 1 && coarsest % 4 == 0 &&
+           (coarsest >= s->windows.n || (coarsest > (s->windows.n + 1) / 4 && finest - first + 1 < most)))
         first--, coarsest /= 2;
     s->windows.coarsest = (int)coarsest + 1;
     int levels = tc_field_info(field)->levels - first + 1;
@@ -306,13 +307,18 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
         return tc_fail(error, TC_ERR_UNSUPPORTED,
                        "%s: expected charts of 16 to 31 cells halved again, found %lld cells", s->kind->name,
                        (long long)s->cells);
+    enum { MOST_CELLS = 1 << 29 }; /* places are 32-bit numbers, also what seams make of them */
+    if (s->cells > MOST_CELLS)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most 2^29 samples along a chart's side, found %lld",
+                       s->kind->name, (long long)s->cells);
     if (levels * map->charts > TC_MAX_LAYERS)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d levels of detail, found %d", s->kind->name,
                        TC_MAX_LAYERS / map->charts, levels);
     return TC_OK;
 }
 
-/* The most draws: of the coarsest level every block, and of each other one those that a window holds, per chart. */
+/* The most draws: as many blocks as a tree has room for; and of closers as many as a window full of blocks can have
+ * sides to coarser ones, every second one of 16 x 16 being held. */
 static void set_capacity(faces_surface *s)
 {
     const int across = TC_BLOCKS_ACROSS;

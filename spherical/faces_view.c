@@ -93,19 +93,26 @@ static double held_height(const faces_view *v)
 
 /* ---- Horizon ---------------------------------------------------------------------------------------------------- */
 
-/* Angle at which a sphere so high is seen edge-on from a place so high. */
-static double edge_on(double low, double high)
+/* Angle by which normals turn up to where a body of ground so high is seen edge-on from a place so high, metres above
+ * z_base. What is as curved as a ball of its least radius or less is touched no farther away than the ball, by that
+ * angle; chords lie below it as those of one of its most. */
+static double edge_on(const faces_view *v, double ground, double sag, double place)
 {
-    return acos(fmin(1, fmax(low, 0) / fmax(high, low)));
+    double least, most;
+    const tc_body *body = &tc_faces_of(v)->map->body;
+    body->class->curvatures(body, &least, &most);
+    const double z_base = v->radius - body->radius;
+    const double low = fmax((most + z_base + ground) * sag - (most - least), 0), high = least + z_base + place;
+    return acos(fmin(1, low / fmax(high, low)));
 }
 
 /* What hides is the lowest ground, less the sag of the coarsest mesh's chords. */
 static void set_horizon(faces_view *v)
 {
     const faces_surface *s = tc_faces_of(v);
-    double step = 1.7 * s->cell * (double)(s->cells / tc_block_cells(&s->lattice, 1));
-    double low = (v->radius + s->z_lo) * cos(fmin(0.5 * step, M_PI / 2));
-    v->horizon = edge_on(low, v->radius + v->z_eye) + edge_on(low, v->radius + s->z_hi);
+    const double step = 1.7 * s->cell * (double)(s->cells / tc_block_cells(&s->lattice, 1)),
+                 sag = cos(fmin(0.5 * step, M_PI / 2));
+    v->horizon = edge_on(v, s->z_lo, sag, v->z_eye) + edge_on(v, s->z_lo, sag, s->z_hi);
 }
 
 /* ---- Blocks ----------------------------------------------------------------------------------------------------- */

@@ -1,6 +1,8 @@
 /* load.c - a map from any file: which way it is read. */
 #include "load.h"
 
+#include <stdlib.h>
+
 #include "common/base/clock.h"
 #include "common/base/status.h"
 #include "common/input/source_internal.h"
@@ -131,8 +133,16 @@ static tc_status lay_out(const char *path, bool packed, const tc_load_options *o
     tc_status status = tc_map_check_whole(*map, path, error);
     double start = tc_clock_ms();
     tc_map *made;
-    if (status || (status = tc_map_resample(*map, wanted, options->threads, &made, error)))
+    struct tc_synthesis_fit *fit = NULL;
+    if (status == TC_OK && options->synthesises)
+        status = tc_map_learn(*map, &fit, error);
+    if (status == TC_OK)
+        status = tc_map_resample(*map, wanted, options->threads, &made, error);
+    if (status != TC_OK) {
+        free(fit);
         return status;
+    }
+    made->fit = fit;
     made->build_ms += tc_clock_ms() - start;
     tc_map_destroy(*map);
     *map = made;

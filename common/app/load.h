@@ -12,6 +12,7 @@ typedef struct tc_load_options {
     tc_globe_choice globe;     /* of what is to lie on one */
     bool whole;                /* it must go around a globe */
     const tc_atlas *atlas;     /* whose charts it is to have; NULL: as it comes */
+    bool synthesises;          /* levels finer than the data are to follow */
     int threads;               /* that build the levels; 0: as many as there are processors */
 } tc_load_options;
 
@@ -23,7 +24,8 @@ typedef struct tc_load_options {
  * rows on the poles or half a row from them; they are resampled along longitude where their width cannot be halved
  * often enough. Others, packed flat terrains in degrees too, become a part of the globe. A raster without georeference
  * that is twice as wide as high is taken for the whole globe. With an atlas of faces it is resampled in memory; packed
- * planets have one atlas, and are refused for another (TC_ERR_UNSUPPORTED). source->spacing must be 0 (errors of planet_place.h). */
+ * planets have one atlas, and are refused for another (TC_ERR_UNSUPPORTED). source->spacing must be 0 (errors of
+ * planet_place.h). */
 tc_status tc_map_load(const char *path, const tc_source_options *source, const tc_load_options *options,
                       tc_map **map_ret, tc_error *error);
 

@@ -28,6 +28,7 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     const tc_load_options load = {.body = v->program->body,
                                   .globe = v->options.globe,
                                   .atlas = v->options.scheme ? v->options.scheme->atlas : NULL,
+                                  .synthesises = v->options.synthesis != 0,
                                   .threads = v->options.threads};
     tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
     if (status == TC_OK && !v->options.scheme) /* as the file has its charts */

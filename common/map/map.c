@@ -45,6 +45,7 @@ void tc_map_destroy(tc_map *map)
         tc_field_destroy(map->chart[k].field);
     free(map->chart);
     free(map->noise);
+    free(map->fit);
     free(map);
 }
 

@@ -21,10 +21,11 @@ struct tc_map {
     tc_chart grid; /* what the georeference counts samples of: no field */
     /* Of chart 0's finest level: metres; on a globe at the equator, of faces a quarter of that over their cells. */
     double spacing_x, spacing_y;
-    tc_void_policy voids;       /* how they are to be shown */
-    double read_ms, build_ms;   /* that it took, where it was loaded from a file */
-    int synthesised;            /* levels finer than the data */
-    struct tc_map_noise *noise; /* of them, one a chart */
+    tc_void_policy voids;         /* how they are to be shown */
+    double read_ms, build_ms;     /* that it took, where it was loaded from a file */
+    int synthesised;              /* levels finer than the data */
+    struct tc_map_noise *noise;   /* of them, one a chart */
+    struct tc_synthesis_fit *fit; /* that they go by: of what the map was resampled from; NULL: its own heights' */
 };
 
 enum { TC_MAP_CHARTS = 6 }; /* at most */
@@ -53,6 +54,10 @@ tc_status tc_map_check_whole(const tc_map *map, const char *name, tc_error *erro
 /* Shares of the charts, one each, in the height at a place, by its unit normal. Where all charts but the first are caps
  * only normal[2], the sine of the latitude, is looked at. */
 void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret);
+
+/* Fits synthesis to the heights, for a map that is resampled from this one: what comes of that is smoother, and no one
+ * face is like all of a planet. *fit_ret: to be put there as its own, or freed. */
+tc_status tc_map_learn(const tc_map *map, struct tc_synthesis_fit **fit_ret, tc_error *error);
 
 /* Height at a place of levels that every kind of field has at hand: nothing is read or decoded. */
 enum { TC_ROUGH_SIZE = 250 };

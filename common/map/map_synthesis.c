@@ -85,10 +85,27 @@ static tc_status find_fit(const tc_map *map, tc_synthesis_fit *fit_ret, tc_error
     const tc_field *field = map->chart[0].field;
     const tc_container *c = tc_field_container(field);
     const tc_packed_info *info = tc_field_packed_info(field);
+    if (map->fit) {
+        *fit_ret = *map->fit;
+        return TC_OK;
+    }
     if (!c || !c->synthesis || !info || info->levels_missing > 0)
         return tc_synthesis_learn(field, fit_ret, error);
     *fit_ret = *c->synthesis;
     return TC_OK;
+}
+
+tc_status tc_map_learn(const tc_map *map, struct tc_synthesis_fit **fit_ret, tc_error *error)
+{
+    tc_synthesis_fit *fit = malloc(sizeof *fit);
+    if (!fit)
+        return tc_fail(error, TC_ERR_MEMORY, "synthesis: not enough memory");
+    tc_status status = find_fit(map, fit, error);
+    if (status == TC_OK)
+        *fit_ret = fit;
+    else
+        free(fit);
+    return status;
 }
 
 /* The data's samples on sides are those of one face already; of what is synthesised it is not known. */
