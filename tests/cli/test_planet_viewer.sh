@@ -129,9 +129,9 @@ refuses 2 '--radius: expected metres' $globe globe.tif $picture --radius=-5
 refuses 2 '--radius: expected metres' $globe globe.tif $picture --radius nan
 refuses 2 '--n: expected a multiple of 32' $globe globe.tif $picture --n 255
 refuses 2 '--steps: expected an even number' $globe globe.tif $picture --steps 7
-refuses 2 '--scheme: expected rings' $globe globe.tif $picture --scheme hex
+refuses 2 '--scheme: expected rings' $globe globe.tif $picture --scheme octahedron
 accepts '' $globe globe.tif -q $picture --size 64x48 --n 2048 --steps 64
-refuses 2 '--n: expected a multiple of 32' $globe globe.tif $picture --n 4128
+refuses 2 '--n: expected a number of 64..4096' $globe globe.tif $picture --n 4128
 refuses 2 '--steps: expected an even number' $globe globe.tif $picture --steps 130
 refuses 2 '--scheme' $viewer globe.tif $picture --scheme rings
 refuses 2 '--radius: expected none for globe.tclip, a packed planet' $globe globe.tclip $picture --radius 1e6
