@@ -250,12 +250,15 @@ $(O)/tests/compare-heights: $(OBJ)/tests/cli/compare_heights.o $(APP_LIBRARY) $(
 	@mkdir -p $(@D)
 	$(LINK)
 
+# What compares schemes, of whose tables tests/cli/test_report.sh knows what they must say.
+COMPARED := $(addprefix $(O)/tests/bench_,schemes triangle_size popping hexagons)
+
 .PHONY: check test test-extreme bench report report-full
 check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
 test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights \
-      $(O)/tests/make-picture $(O)/tests/used $(O)/tests/window-pixels
+      $(O)/tests/make-picture $(O)/tests/used $(O)/tests/window-pixels $(COMPARED)
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SLOW) $(wildcard tests/cli/test_*.sh) $(EXTREME) $(FAST)
 

@@ -13,7 +13,7 @@
 #include "tests/support/measure.h"
 #include "tests/support/scheme_planets.h"
 
-enum { PLACES = 4, YAWS = 24, SYNTHESIS = 14, WIDTH = 640, HEIGHT = 480 };
+enum { PLACES = 3, YAWS = 12, SYNTHESIS = 14, WIDTH = 640, HEIGHT = 480 };
 
 /* Smaller ones have no area but for rounding, pixels. */
 #define LEAST_AREA 1e-6

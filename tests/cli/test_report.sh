@@ -1,6 +1,7 @@
 #!/bin/sh
 # The report: its page is made of small tables made here, and its measuring half runs programs made here, one of which
-# fails, one hangs up without rows and most are missing. Nothing is measured.
+# fails, one hangs up without rows and most are missing. What compares schemes is measured, quickly: its tables are whole,
+# and what they must say they say.
 . "${0%/*}/lib.sh"
 limit=60
 report=$root/tests/report
@@ -253,4 +254,91 @@ holds '<tr class="grey"><td>extreme_heights</td><td>old</td>.*did not fit into t
 holds '<td>FAILED</td>' 'old rows'
 run sh "$report/report.sh" made slowly
 [ $rc = 2 ] || fail "an unknown kind of report ends with $rc instead of 2"
+
+# ---- The comparison of schemes, measured ------------------------------------------------------------------------------
+
+whole_table() { # NAME ROWS HEADER: all but the words are numbers
+    cases=$((cases + 3))
+    file=compared/$1.csv
+    [ "$(head -n 1 "$file")" = "$3" ] || fail "$1.csv: begins with $(head -n 1 "$file")"
+    [ "$(sed 1d "$file" | wc -l)" = "$2" ] || fail "$1.csv: $(sed 1d "$file" | wc -l) rows instead of $2"
+    wrong=$(awk -f "$report/csv.awk" -f - "$file" <<'END'
+NR == 1 { count = csv_header($0, at); next }
+{
+    fields = csv_split($0, f)
+    for (name in at)
+        if (fields != count || (name !~ /^(planet|view|scheme)$/ && !is_number(f[at[name]]))) { print; exit }
+}
+END
+)
+    [ -z "$wrong" ] || fail "$1.csv: not a row of numbers: $wrong"
+}
+
+# Prints how often a condition of two rows of a table, p and q, that belong together does not hold, and of how many
+# pairs; `pairs` says which belong together.
+broken() { # NAME PAIRS CONDITION
+    awk -f "$report/csv.awk" -f - "compared/$1.csv" <<END
+function p(name) { return row[i, at[name]] }
+function q(name) { return row[k, at[name]] }
+NR == 1 { csv_header(\$0, at); next }
+{ rows++; fields = csv_split(\$0, f); for (c = 1; c <= fields; c++) row[rows, c] = f[c] }
+END {
+    for (i = 1; i <= rows; i++)
+        for (k = 1; k <= rows; k++)
+            if (p("planet") == q("planet") && p("view") == q("view") && ($2)) { pairs++; wrong += !($3) }
+    print wrong + 0 " of " pairs + 0
+}
+END
+}
+relation() { # WHAT PAIRS-THERE-ARE NAME PAIRS CONDITION
+    cases=$((cases + 1))
+    found=$(broken "$3" "$4" "$5")
+    [ "$found" = "0 of $2" ] || fail "$1: $found, expected 0 of $2"
+}
+scheme='p("scheme") == q("scheme")'
+
+mkdir compared
+limit=300
+compare=schemes\ triangle_size\ popping\ hexagons
+case $build in */sanitize | */thread) compare= && skip 'the comparison of schemes, which takes minutes here' ;; esac
+for name in $compare; do
+    does '' env -u TERRACLIP_DATA TERRACLIP_TERRAINS="$work/compared" "$build/tests/bench_$name" --quick --csv "compared/$name.csv"
+done
+if [ "$compare" ]; then
+    whole_table schemes 30 planet,view,scheme,n,triangles,err_rms_px,err_p999_px,err_max_px,own_rms_px,own_p999_px,own_max_px,samples_held,bytes_per_km,update_ms,frame_ms,frame_ratio,memory_bytes,map_samples
+    whole_table triangle_size 40 planet,view,scheme,n,yaw_deg,triangles,mean_px,spread
+    whole_table popping 8 planet,view,scheme,n,frames,changes,rms_px,p999_px,max_px
+    whole_table hexagons 6 scheme,n,spacings,triangles,frame_ms,frames_per_s,ratio,ratio_low,ratio_high
+    # Of five schemes in three views; the paper's own transform is off by its rounding at the ground, whatever the size.
+    relation 'larger sizes are nearer' 14 schemes \
+        "$scheme && p(\"n\") < q(\"n\") && !(p(\"scheme\") == \"rings-ch06\" && p(\"view\") == \"ground\")" \
+        'p("triangles") < q("triangles") && p("own_p999_px") > q("own_p999_px") && p("samples_held") > 0'
+    relation "at the ground the paper's transform is off by more than the exact one" 1 schemes \
+        'p("view") == "ground" && p("n") == 256 && q("n") == 256 && p("scheme") == "rings" && q("scheme") == "rings-ch06"' \
+        'q("own_p999_px") > 1.5 * p("own_p999_px")'
+    relation 'without a passage blocks are as many and as large' 6 schemes \
+        'p("n") == q("n") && p("scheme") == "cube" && q("scheme") == "cube-pt"' \
+        'p("triangles") == q("triangles") && p("samples_held") == q("samples_held") && p("memory_bytes") == q("memory_bytes")'
+    relation 'faces store fewer samples' 18 schemes \
+        'p("scheme") == "rings" && q("scheme") !~ /rings/ && (p("n") < 200) == (q("n") < 200)' \
+        'q("map_samples") < 0.7 * p("map_samples")'
+    relation 'resampling is an error of faces alone' 6 schemes \
+        "$scheme && p(\"view\") == \"space\" && p(\"n\") == q(\"n\") && p(\"scheme\") !~ /pt|ch06/" \
+        '(p("scheme") == "rings") == (p("err_rms_px") == p("own_rms_px"))'
+    relation 'blocks that are exchanged at once pop' 2 popping \
+        'p("scheme") == "cube" && q("scheme") == "cube-pt"' 'q("max_px") > 3 * p("max_px") && p("max_px") > 0'
+    relation 'vertices that go with the viewer swim' 4 popping \
+        'p("scheme") == "rings" && q("scheme") ~ /^(hex|cube)$/' 'p("p999_px") > 3 * q("p999_px")'
+    relation 'triangles of both transforms are as large' 8 triangle_size \
+        'p("scheme") == "rings" && q("scheme") == "rings-ch06" && p("yaw_deg") == q("yaw_deg")' \
+        'q("mean_px") / p("mean_px") > 0.97 && q("mean_px") / p("mean_px") < 1.03 && p("spread") > 0 && p("spread") < 1.5'
+    sh "$report/page.sh" compared || fail 'no page of the comparison'
+    page=compared/index.html
+    is_whole 'a page of the comparison'
+    lacks 'No plot' 'plots of the comparison'
+    cases=$((cases + 1))
+    [ "$(grep -c '<svg' "$page")" = 8 ] || fail "$(grep -c '<svg' "$page") plots instead of 8" # 3 views twice, 2 by yaw
+    holds "<td>hex${n}264,196${n}0.4[0-9]*</td>" 'samples stored'
+    holds "hexagons of 257 over a sphere of four Puget Sounds: frames a second${n}520</td><td>1/s${n}[0-9]" "BN08's rates"
+fi
 finish

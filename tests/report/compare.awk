@@ -25,6 +25,7 @@ FNR == 1 {
     if (FILENAME == papers) paper_row(f[1], f[2], f[3], f[4], f[5], f[6])
     else if ("copy_ratio" in at) update_row(f[1], f[at["us"]] / 1000, "processor time: " f[1])
     else if ("triangles_levels" in at) view_row()
+    else if ("frames_per_s" in at) hexagon_row()
     else if ("err_p999_px" in at) error_row()
     else if ("update_ms" in at && f[1] == "speed" && f[at["value"]] + 0 == 16 && f[at["frame_ms"]] + 0 > 0)
         note("frames a second in flight (nearly)", 1000 / f[at["frame_ms"]],
@@ -73,9 +74,13 @@ function view_row(    ms, size, where) {
         note("frames a second with 4 samples a pixel", 1000 / ms, where)
     if (f[at["scheme"]] == "rings" && f[at["fov_deg"]] == 90)
         note("fewer triangles by culling at 90 degrees (expected)", f[at["triangles_levels"]] / f[at["triangles"]], where)
-    if (f[at["scheme"]] == "rings" && f[at["fov_deg"]] != 90)
-        note("hexagons of 257 over a sphere of four Puget Sounds: frames a second", 1000 / ms,
-             "no hexagons in this version; rings of " f[at["n"]] ": " where)
+}
+
+# Squares of 255 and hexagons in turns, from the lowest height.
+function hexagon_row(    where) {
+    where = "n = " f[at["n"]] ", lit, 640 x 480, " grouped(f[at["triangles"]]) " triangles, in turns"
+    note(f[at["scheme"]] == "square" ? "squares of 255 over Puget Sound: frames a second" \
+         : "hexagons of 257 over a sphere of four Puget Sounds: frames a second", f[at["frames_per_s"]], where)
 }
 
 function error_row(    ms, where) {

@@ -16,7 +16,7 @@ quick= limit=1500 # seconds after which a program counts as hanging
 [ "$mode" = quick ] && quick=--quick limit=600
 all=${TERRACLIP_REPORT_SECONDS:-170} # of a quick report: what is left of them the extreme cases may take
 start=$(date +%s)
-total=$(($(set -- "$build"/tests/extreme_*; [ -e "$1" ] && echo $# || echo 0) + 17))
+total=$(($(set -- "$build"/tests/extreme_*; [ -e "$1" ] && echo $# || echo 0) + 18))
 
 quoted() { # TEXT: as a field of CSV
     printf '"%s"' "$(printf '%s' "$1" | tr '\n\r\t' '   ' | sed 's/"/""/g')"
@@ -208,6 +208,7 @@ bench triangles triangles.csv
 bench views views.csv
 bench precision precision.csv
 bench schemes schemes.csv
+bench atlas atlas.csv
 bench triangle_size triangle_size.csv
 bench popping popping.csv
 bench hexagons hexagons.csv

@@ -1,6 +1,6 @@
 # sections.sh - the parts of the report's page, in their order; read by page.sh, whose functions it uses.
 
-parts='summary contents error fidelity hillshades update levels space figures9 ch06 bn08 compression scaling extreme left_out runs'
+parts='summary contents error fidelity hillshades update levels space figures9 ch06 bn08 schemes compression scaling extreme left_out runs'
 
 gp() { # TEXT: as a string of gnuplot
     printf "'%s'" "$(printf '%s' "$1" | tr '\n\\' '  ' | sed "s/'/''/g")"
@@ -10,7 +10,7 @@ gp() { # TEXT: as a string of gnuplot
 papers() { # PAPER TABLE
     of_paper=$1 of_table=$2
     set --
-    for f in views update error_time space scaling precision; do
+    for f in hexagons views update error_time space scaling precision; do
         [ ! -f "$out/$f.csv" ] || set -- "$@" "$out/$f.csv"
     done
     awk -v paper="$of_paper" -v table="$of_table" -v papers="$here/papers.csv" -f "$here/csv.awk" \
@@ -291,10 +291,82 @@ the default planet, lit, 60 degrees, from 2 m, 10 km and 10,000 km.</p>'
 }
 
 part_bn08() {
-    section bn08 'BN08: hexagons'
-    echo '<div class="grey">Not there yet: this version has no hexagonal scheme, so that rings stand beside them.</div>'
-    echo '<p>BN08: GeForce 8800 GT. Ours: the views above, by squares and by rings.</p>'
+    section bn08 'BN08: planar squares against a planet of hexagons'
+    if measured hexagons hexagons.csv; then
+        echo '<p>BN08: GeForce 8800 GT, 630 frames a second for squares of n = 255 over Puget Sound, 520 for hexagons of
+n = 257 over a sphere of four of them, a ratio of 0.83. Ours: windows of 255 for both, a plane and four charts of as many
+samples a side, 640 x 480, 90 degrees, lit; frames of both in turns, and the median of the ratios within a turn. The
+planet hides behind its horizon what a plane goes on to show, so that triangles a second compare what frames do not.</p>'
+        awk -f "$here/csv.awk" -f "$here/hexagons.awk" "$out/hexagons.csv" >"$work/hexagons.csv"
+        table "$work/hexagons.csv" 'columns=spacings=Samples above ground;scheme=Scheme;n=n;triangles=Triangles:int;
+            frame_ms=Frame, ms:4;frames_per_s=Frames a second:4;ratio=over squares:3;ratio_low=10 %:3;
+            ratio_high=90 %:3;mtriangles=Million triangles a second:3' group=1
+    fi
     papers BN08 rates
+}
+
+part_schemes() {
+    section schemes 'Rings, hexagons and cube over the same planets'
+    if measured schemes schemes.csv; then
+        cat <<'END'
+<p>The same samples in longitude and latitude (rings) and resampled to the faces of an octahedron (hex) and a cube; the
+same cameras at random for all: ground 2 to 100 m above it, aircraft 5 to 50 km, space 300 to 20,000 km, pole 5 to 2,000
+km within a degree of one. Sizes: 128, 256, ... steps around, windows of 127, 255, ... Errors are those against the
+source's samples, interpolated; "own" are those against the charts that are drawn. "-detail": with synthesis below the
+ground, against the charts' own. Without it a view from the ground shows the data's own cells: rings draw them curved, the
+others as two triangles each.</p>
+END
+        awk -v form=plots -f "$here/csv.awk" -f "$here/schemes.awk" "$out/schemes.csv" >"$work/schemes.csv"
+        echo '<h3>Error against triangles</h3>'
+        curves schemestris "$work/schemes.csv" what scheme triangles err_p999_px 'triangles drawn' \
+            '99.9 % of pixels within, px' positive=1 -- xlog=1 ylog=1
+        echo '<h3>Error against time</h3><p>Milliseconds a frame, of held windows; all schemes of a size in turns.</p>'
+        curves schemesms "$work/schemes.csv" what scheme frame_ms err_p999_px 'milliseconds a frame' \
+            '99.9 % of pixels within, px' positive=1 -- xlog=1 ylog=1
+        echo '<h3>At equal triangles</h3><p>Between the two nearest sizes of each, in logarithms; views whose schemes have
+no number of triangles in common are left out. Uploads and updates are those of a flight straight on.</p>'
+        awk -v form=equal -f "$here/csv.awk" -f "$here/schemes.awk" "$out/schemes.csv" >"$work/equal.csv"
+        table "$work/equal.csv" 'columns=planet=Planet;view=View;triangles=Triangles:int;scheme=Scheme;err_rms_px=rms, px:3;
+            err_p999_px=99.9 %, px:3;err_max_px=Largest, px:3;own_p999_px=Own 99.9 %, px:3;frame_ms=Frame, ms:3;
+            update_ms=Update, ms:3;bytes_per_km=Uploaded a km:bytes;samples_held=Samples held:int;
+            memory_bytes=Memory:bytes' group=3
+        echo '<details><summary>All rows</summary>'
+        table "$out/schemes.csv" 'columns=planet=Planet;view=View;scheme=Scheme;n=n;triangles=Triangles:int;
+            err_rms_px=rms, px:3;err_p999_px=99.9 %, px:3;err_max_px=Largest, px:3;own_rms_px=Own rms, px:3;
+            own_p999_px=Own 99.9 %, px:3;own_max_px=Own largest, px:3;frame_ms=Frame, ms:4;
+            frame_ratio=over the first:3;update_ms=Update, ms:3;bytes_per_km=Uploaded a km:bytes;
+            samples_held=Samples held:int;memory_bytes=Memory:bytes' group=3
+        echo '</details><h3>Samples stored</h3><p>At equal spacing along the equator; of longitude and latitude with
+its polar caps.</p>'
+        awk -v form=stored -f "$here/csv.awk" -f "$here/schemes.awk" "$out/schemes.csv" >"$work/stored.csv"
+        table "$work/stored.csv" 'columns=planet=Planet;scheme=Scheme;samples=Samples:int;share=Share:3' group=1
+    fi
+    echo '<h3>What samples are worth</h3>'
+    if measured atlas atlas.csv; then
+        echo '<p>Levels against the source, by area, of what is drawn between their samples. Bytes of files at equal rms:
+<code>docs/figures.md</code>, Planets.</p>'
+        table "$out/atlas.csv" 'columns=planet=Planet;atlas=Atlas;coarser=Levels coarser;samples=Samples:int;
+            cap_samples=of caps:int;rms_m=rms, m:4;max_error_m=Largest, m:4' group=2
+    fi
+    echo '<h3>Size of triangles by yaw</h3>'
+    if measured triangle_size triangle_size.csv; then
+        echo '<p>Square root of the area in pixels of what lies whole in the frame, from the same places at all yaws.
+BN08: triangles of hexagons are alike at any yaw. Spread: standard deviation over mean, within a yaw. "By yaw": largest over
+smallest of all yaws.</p>'
+        awk -v form=plots -f "$here/csv.awk" -f "$here/yaws.awk" "$out/triangle_size.csv" >"$work/yaws.csv"
+        curves yaws "$work/yaws.csv" what curve yaw_deg mean_px 'yaw, degrees' 'mean size, px' -- xlog=0 ylog=0
+        awk -v form=summary -f "$here/csv.awk" -f "$here/yaws.awk" "$out/triangle_size.csv" >"$work/yaws.csv"
+        table "$work/yaws.csv" 'columns=view=View;scheme=Scheme;n=n;triangles=Triangles:int;mean_px=Mean size, px:3;
+            spread=Spread:3;mean_ratio=Mean size by yaw:3;count_ratio=Triangles by yaw:3' group=1
+    fi
+    echo '<h3>What changes from frame to frame</h3>'
+    if measured popping popping.csv; then
+        echo '<p>A slow flight, 0.3 of the height above ground a second at 60 frames: change of the height drawn at one and the
+same place from a frame to the next, in pixels. A mesh of all samples has none. cube-pt exchanges levels at once, as PT
+does; hex and cube let them pass over; vertices of rings go with the viewer, so that they change all the time.</p>'
+        table "$out/popping.csv" 'columns=view=View;n=n;scheme=Scheme;frames=Frames;changes=Changes:int;rms_px=rms, px:3;
+            p999_px=99.9 %, px:3;max_px=Largest, px:3' group=2
+    fi
 }
 
 # ---- Compression, scaling, extreme cases, what is left out -----------------------------------------------------------

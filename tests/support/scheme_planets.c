@@ -104,7 +104,7 @@ static tc_map *open_file(const void *name)
 void scheme_default_planet(bool quick, int synthesis, void (*measure)(void *context, const scheme_planet *p),
                            void *context)
 {
-    const int64_t width = quick ? 2048 : 4096;
+    const int64_t width = quick ? 1024 : 4096;
     measure_planet(synthesis ? "default-planet-detail" : "default-planet", open_default, &width, synthesis, measure,
                    context);
 }
