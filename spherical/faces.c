@@ -30,24 +30,24 @@ typedef struct assembly {
     tc_frame *frame;
     tc_frustum frustum; /* of the camera culled for, */
     double eye[3];      /* where it is in space, */
-    double axes[3][3];  /* and its axes */
+    double axes[3][3];  /* its axes, */
+    double horizon;     /* and how far it sees, as faces_view has it */
     int strips, lists, blocks;
     int levels[TC_BLOCK_LEVELS]; /* leaves drawn of each */
     int64_t triangles, triangles_unculled;
 } assembly;
 
-/* A block's heights: its own level's and the coarser one's, into which it passes over. */
-static void height_bounds(const assembly *a, tc_block b, double *lo_ret, double *hi_ret)
+/* A leaf's heights: those of the level that it is drawn by, and of the coarser one into which that passes over. */
+static void height_bounds(const assembly *a, const tc_leaf *leaf, double *lo_ret, double *hi_ret)
 {
-    const tc_clipmap *clipmap = a->v->head.windows->clipmap[b.chart];
+    const tc_clipmap *clipmap = a->v->head.windows->clipmap[leaf->block.chart];
     const tc_field *field = tc_clipmap_field(clipmap);
-    const int level = tc_clipmap_field_level(clipmap, b.level);
-    const tc_rect r = tc_faces_samples(&a->s->lattice, b);
-    tc_range own = tc_field_range(field, level, r);
-    *lo_ret = own.lo, *hi_ret = own.hi;
-    if (b.level > 1) {
-        tc_range coarse = tc_field_range(field, level - 1, (tc_rect){r.x0 / 2, r.y0 / 2, r.x1 / 2 + 1, r.y1 / 2 + 1});
-        *lo_ret = fmin(*lo_ret, coarse.lo), *hi_ret = fmax(*hi_ret, coarse.hi);
+    tc_rect r = tc_faces_samples(&a->s->lattice, leaf->block);
+    *lo_ret = INFINITY, *hi_ret = -INFINITY;
+    for (int level = leaf->block.level, least = level - leaf->coarse - 1; level >= least && level >= 1; level--) {
+        const tc_range range = tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
+        *lo_ret = fmin(*lo_ret, range.lo), *hi_ret = fmax(*hi_ret, range.hi);
+        r = (tc_rect){r.x0 / 2, r.y0 / 2, r.x1 / 2 + 1, r.y1 / 2 + 1};
     }
 }
 
@@ -66,8 +66,9 @@ static double apart(const double a[3], const double b[3])
 }
 
 /* Whether a block may be seen: by a ball that holds all of its vertices. */
-static bool visible(const assembly *a, tc_block b)
+static bool visible(const assembly *a, const tc_leaf *leaf)
 {
+    const tc_block b = leaf->block;
     if (a->v->head.options.no_cull)
         return true;
     const double block = (double)a->s->cells / a->s->lattice.blocks[b.level - 1];
@@ -79,9 +80,9 @@ static bool visible(const assembly *a, tc_block b)
         around = fmax(around, apart(middle, n));
     }
     around *= 1.1;
-    if (2 * asin(fmin(0.5 * apart(middle, a->axes[2]), 1)) - 2 * asin(fmin(0.5 * around, 1)) > a->v->horizon)
+    if (2 * asin(fmin(0.5 * apart(middle, a->axes[2]), 1)) - 2 * asin(fmin(0.5 * around, 1)) > a->horizon)
         return false;
-    height_bounds(a, b, &lo, &hi);
+    height_bounds(a, leaf, &lo, &hi);
     const double z_base = tc_field_info(a->s->head.field)->z_base;
     place[0] = atan2(middle[1], middle[0]), place[1] = atan2(middle[2], hypot(middle[0], middle[1]));
     place[2] = z_base + 0.5 * (lo + hi);
@@ -140,7 +141,7 @@ static void add_leaf(void *context, const tc_leaf *leaf)
         return; /* none of the chart is in sight */
     a->triangles_unculled += 2 * cells * cells;
     a->blocks++;
-    if (!visible(a, b))
+    if (!visible(a, leaf))
         return;
     const tc_rect r = tc_faces_samples(&a->s->lattice, b);
     a->triangles += 2 * cells * cells;
@@ -220,6 +221,7 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
     const double place[3] = {head->culled.x, head->culled.y, head->culled.z};
     s->map->body.class->position(&s->map->body, place, a.eye);
     s->map->body.class->axes(&s->map->body, place, a.axes);
+    a.horizon = tc_faces_horizon(v, head->culled.z - tc_field_info(s->head.field)->z_base);
     tc_block_tree held; /* of what is called for, where something is missing */
     const bool all = all_ready(v, layers);
     if (!all)
@@ -299,21 +301,28 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     int levels = tc_field_info(field)->levels - first + 1;
     if (s->windows.max_levels && levels > s->windows.max_levels)
         levels = s->windows.max_levels;
+    /* Places are 32-bit numbers, also what seams make of them. What is finer than that has room for is left out where
+     * it is made up. */
+    enum { MOST_CELLS = 1 << 29 };
+    const int data = levels - tc_field_info(field)->synthesised;
+    while (levels > 1 && levels > data &&
+           (levels > most || tc_field_level(field, first + levels - 1).width - 1 > MOST_CELLS))
+        levels--;
+    s->windows.max_levels = levels;
     s->cells = tc_field_level(field, first + levels - 1).width - 1;
     s->cell = M_PI / 2 / (double)s->cells;
+    if (s->cells > MOST_CELLS)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most 2^29 samples along a chart's side, found %lld",
+                       s->kind->name, (long long)s->cells);
+    if (levels > most)
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d levels of detail, found %d", s->kind->name,
+                       most, levels);
     if (!tc_block_lattice_set(&s->lattice, map->chart, map->charts,
                               tc_field_level(field, tc_field_info(field)->levels).width - 1, s->cells, levels,
                               (s->windows.n + 1) / 16))
         return tc_fail(error, TC_ERR_UNSUPPORTED,
                        "%s: expected charts of 16 to 31 cells halved again, found %lld cells", s->kind->name,
                        (long long)s->cells);
-    enum { MOST_CELLS = 1 << 29 }; /* places are 32-bit numbers, also what seams make of them */
-    if (s->cells > MOST_CELLS)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most 2^29 samples along a chart's side, found %lld",
-                       s->kind->name, (long long)s->cells);
-    if (levels * map->charts > TC_MAX_LAYERS)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d levels of detail, found %d", s->kind->name,
-                       TC_MAX_LAYERS / map->charts, levels);
     return TC_OK;
 }
 
@@ -390,14 +399,15 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
     s->shear.turn = kind->chart->turn;
     s->windows.shear = kind->chart->turn ? &s->shear : NULL;
     tc_status status = set_lattice(s, error);
-    /* A window reaches (n - 1) / 2 cells to all sides of the viewer; a block lies partly beyond what asks for it, and
-     * windows begin on even samples. */
-    s->range = s->cell * ((n - 1) / 2 - s->lattice.side[s->lattice.levels - 1] - 2) / kind->reach;
-    s->windows.spacing_x = s->windows.spacing_y = s->cell * map->body.radius;
-    set_heights(s);
-    set_capacity(s);
-    if (status == TC_OK)
+    if (status == TC_OK) {
+        /* A window reaches (n - 1) / 2 cells to all sides of the viewer; a block lies partly beyond what asks for it,
+         * and windows begin on even samples. */
+        s->range = s->cell * ((n - 1) / 2 - s->lattice.side[s->lattice.levels - 1] - 2) / kind->reach;
+        s->windows.spacing_x = s->windows.spacing_y = s->cell * map->body.radius;
+        set_heights(s);
+        set_capacity(s);
         status = tc_block_geometry_make((n + 1) / 16, &s->head.geometry, &s->index, error);
+    }
     if (status != TC_OK) {
         faces_destroy(&s->head);
         return status;

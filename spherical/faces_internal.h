@@ -68,6 +68,7 @@ struct faces_view {
     double range;                   /* as the surface's; shorter in a throttled frame */
     double horizon;                 /* angle from the viewer beyond which no ground can be seen */
     double chart[TC_MAX_CHARTS][2]; /* the viewer's place, also beyond a chart's sides */
+    bool sight[TC_MAX_CHARTS];      /* any of a chart is this side of the horizon; others have no windows */
     tc_block_tree tree;             /* of blocks that the view calls for */
     tc_block_tree held;             /* of what windows held of them when the view was made, */
     bool all;                       /* unless that was all */
@@ -76,6 +77,13 @@ struct faces_view {
 /* Share of a level's range in which it passes over into the coarser one, up to FACES_PASSED of it. */
 #define FACES_PASSAGE 0.2
 #define FACES_PASSED 0.98
+
+/* A cell's longest edge over the mean one: 1.64 of the sheared charts. */
+#define FACES_LONGEST 1.7
+
+_Static_assert(FACES_FIRST_VECTOR + FACES_VECTORS * TC_MAX_CHARTS <= TC_SURFACE_VECTORS &&
+                   FACES_FIRST_INTEGER + FACES_INTEGERS * TC_MAX_CHARTS <= TC_SURFACE_INTEGERS,
+               "what faces.glsl reads has room");
 
 static inline const faces_surface *tc_faces_of(const faces_view *view)
 {
@@ -96,6 +104,10 @@ void tc_faces_tree(const faces_view *view, const int ready[TC_MAX_CHARTS], tc_bl
 /* Whether windows, as they stand, hold all that the view's tree has of a chart. */
 bool tc_faces_all_held(const faces_view *view, int chart);
 
+/* The chart that answers for a place. */
+int tc_faces_chart(const tc_map *map, const double normal[3]);
+/* Angle beyond which no ground can be seen from so high above z_base. */
+double tc_faces_horizon(const faces_view *view, double z_eye);
 /* d of a place on a chart. */
 void tc_faces_direction(const faces_view *view, int chart, double u, double v, double d_ret[3]);
 /* Distance up to which a level is drawn. */

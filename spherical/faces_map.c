@@ -104,17 +104,6 @@ static double meet_cell(const leaf_mesh *m, int64_t i, int64_t j, const double o
     return in[0] >= in[1] ? south : north;
 }
 
-/* The chart that answers for a place. */
-static int chart_of(const tc_map *map, const double normal[3])
-{
-    double share[TC_MAP_CHARTS];
-    tc_map_shares(map, normal, share);
-    int chart = 0;
-    while (chart + 1 < map->charts && share[chart] <= 0)
-        chart++;
-    return chart;
-}
-
 bool tc_faces_height_in(const faces_view *v, const tc_block_tree *tree, double x, double y, double *z_ret)
 {
     const faces_surface *s = tc_faces_of(v);
@@ -122,7 +111,7 @@ bool tc_faces_height_in(const faces_view *v, const tc_block_tree *tree, double x
     const double place[3] = {x, y, 0}, foot[3] = {v->place[0], v->place[1], 0};
     double normal[3], d[3], o[3], n[3], u, w;
     body->class->normal(body, place, normal);
-    const int chart = chart_of(s->map, normal);
+    const int chart = tc_faces_chart(s->map, normal);
     const tc_chart *c = &s->map->chart[chart];
     c->class->from_place(c, x, y, &u, &w);
     u = fmin(fmax(u * (double)s->cells, 0), (double)s->cells);

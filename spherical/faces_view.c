@@ -42,17 +42,14 @@ tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block b)
 
 /* ---- Ground ----------------------------------------------------------------------------------------------------- */
 
-/* The chart that answers for the viewer's place. */
-static int own_chart(const faces_view *v)
+int tc_faces_chart(const tc_map *map, const double normal[3])
 {
     double share[TC_MAP_CHARTS];
-    const tc_map *map = tc_faces_of(v)->map;
-    int own = 0;
-    tc_map_shares(map, v->axes[2], share);
-    for (int k = 1; k < map->charts; k++)
-        if (share[k] > share[own])
-            own = k;
-    return own;
+    tc_map_shares(map, normal, share);
+    int chart = 0;
+    while (chart + 1 < map->charts && share[chart] <= 0)
+        chart++;
+    return chart;
 }
 
 /* What counts of a height above the ground, metres. */
@@ -68,7 +65,7 @@ static double held_height(const faces_view *v)
 {
     const faces_surface *s = tc_faces_of(v);
     const double middle[3] = {0, 0, 0};
-    const int chart = own_chart(v);
+    const int chart = tc_faces_chart(s->map, v->axes[2]);
     const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
     double height = 0;
     for (int level = 1; level <= s->lattice.levels; level++) {
@@ -107,12 +104,12 @@ static double edge_on(const faces_view *v, double ground, double sag, double pla
 }
 
 /* What hides is the lowest ground, less the sag of the coarsest mesh's chords. */
-static void set_horizon(faces_view *v)
+double tc_faces_horizon(const faces_view *v, double z_eye)
 {
     const faces_surface *s = tc_faces_of(v);
-    const double step = 1.7 * s->cell * (double)(s->cells / tc_block_cells(&s->lattice, 1)),
+    const double step = FACES_LONGEST * s->cell * (double)(s->cells / tc_block_cells(&s->lattice, 1)),
                  sag = cos(fmin(0.5 * step, M_PI / 2));
-    v->horizon = edge_on(v, s->z_lo, sag, v->z_eye) + edge_on(v, s->z_lo, sag, s->z_hi);
+    return edge_on(v, s->z_lo, sag, z_eye) + edge_on(v, s->z_lo, sag, s->z_hi);
 }
 
 /* ---- Blocks ----------------------------------------------------------------------------------------------------- */
@@ -149,6 +146,8 @@ static bool held(void *context, tc_block b)
     const faces_view *v = g->view;
     if (!g->ready)
         return true;
+    if (!v->sight[b.chart]) /* nobody will see what it lacks */
+        return true;
     const tc_clip_level *l = tc_clipmap_level(v->head.windows->clipmap[b.chart], b.level);
     return b.level <= g->ready[b.chart] && tc_rect_within(tc_faces_samples(&tc_faces_of(v)->lattice, b), l->active);
 }
@@ -163,7 +162,7 @@ void tc_faces_tree(const faces_view *v, const int ready[TC_MAX_CHARTS], tc_block
 bool tc_faces_all_held(const faces_view *v, int chart)
 {
     tc_rect blocks;
-    for (int level = 2; level <= tc_faces_of(v)->lattice.levels; level++)
+    for (int level = 2; level <= tc_faces_of(v)->lattice.levels && v->sight[chart]; level++)
         if (tc_block_bounds(&v->tree, chart, level, &blocks)) {
             const int64_t side = tc_faces_of(v)->lattice.side[level - 1];
             const tc_rect r = {blocks.x0 * side, blocks.y0 * side, blocks.x1 * side + 1, blocks.y1 * side + 1};
@@ -171,6 +170,22 @@ bool tc_faces_all_held(const faces_view *v, int chart)
                 return false;
         }
     return true;
+}
+
+/* Whether any block of a chart's coarsest level is this side of the horizon. */
+static bool in_sight(const faces_view *v, int chart)
+{
+    const faces_surface *s = tc_faces_of(v);
+    const double block = (double)s->cells / s->lattice.blocks[0];
+    for (int32_t y = 0; y <= s->lattice.blocks[0]; y++)
+        for (int32_t x = 0; x <= s->lattice.blocks[0]; x++) {
+            double d[3];
+            tc_faces_direction(v, chart, x * block, y * block, d);
+            /* As far as to a block's middle, wherever that is. */
+            if (2 * asin(fmin(0.5 * sqrt(-2 * d[2]), 1)) < v->horizon + FACES_LONGEST * block * s->cell)
+                return true;
+        }
+    return false;
 }
 
 /* ---- The view --------------------------------------------------------------------------------------------------- */
@@ -197,7 +212,9 @@ void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const t
         ground = z_base + s->z_lo;
     v->above = wait ? fabs(camera->z - ground) : held_height(v);
     v->height = counts(v, v->above);
-    set_horizon(v);
+    v->horizon = tc_faces_horizon(v, v->z_eye);
+    for (int k = 0; k < s->map->charts; k++)
+        v->sight[k] = options->no_cull || in_sight(v, k);
     tc_faces_tree(v, NULL, &v->tree);
     int levels[TC_MAX_CHARTS] = {0};
     v->all = true;
@@ -220,29 +237,13 @@ static tc_rect window(tc_rect r, int n)
     return r;
 }
 
-/* Whether any block of a chart's coarsest level is this side of the horizon. */
-static bool in_sight(const faces_view *v, int chart)
-{
-    const faces_surface *s = tc_faces_of(v);
-    const double block = (double)s->cells / s->lattice.blocks[0];
-    for (int32_t y = 0; y <= s->lattice.blocks[0]; y++)
-        for (int32_t x = 0; x <= s->lattice.blocks[0]; x++) {
-            double d[3];
-            tc_faces_direction(v, chart, x * block, y * block, d);
-            /* As far as to a block's middle, wherever that is. */
-            if (2 * asin(fmin(0.5 * sqrt(-2 * d[2]), 1)) < v->horizon + 1.7 * block * s->cell)
-                return true;
-        }
-    return false;
-}
-
 void tc_faces_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
 {
     const faces_view *v = (const faces_view *)view;
     const faces_surface *s = tc_faces_of(v);
     for (int chart = 0; chart < s->map->charts; chart++) {
         memset(wanted[chart], 0, sizeof wanted[chart]);
-        if (!v->head.options.no_cull && !in_sight(v, chart))
+        if (!v->sight[chart])
             continue;
         const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
         wanted[chart][0] = tc_clipmap_level(clipmap, 1)->extent;
@@ -262,9 +263,9 @@ bool tc_faces_stand(const tc_view *view, int chart, const double texel[2], tc_st
     const faces_view *v = (const faces_view *)view;
     const faces_surface *s = tc_faces_of(v);
     const double cells = (double)s->cells, kx = 1 / (cells * texel[0]), ky = 1 / (cells * texel[1]);
-    const double far = 1.7 * v->horizon / s->cell; /* cells */
+    const double far = FACES_LONGEST * v->horizon / s->cell; /* cells */
     double x[2];
-    if (!in_sight(v, chart))
+    if (!v->sight[chart])
         return false;
     for (int a = 0; a < 2; a++)
         x[a] = fmin(fmax(v->chart[chart][a], 0), cells);

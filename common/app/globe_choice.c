@@ -14,7 +14,7 @@ static const double nearly_round = 1e9;
 
 static double flattening_of(double inverse)
 {
-    return inverse > 0 && inverse < nearly_round ? 1 / inverse : 0;
+    return inverse > 1 && inverse < nearly_round ? 1 / inverse : 0;
 }
 
 bool tc_read_ellipsoid(void *choice, const char *value)

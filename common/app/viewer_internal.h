@@ -52,9 +52,10 @@ typedef struct tc_viewer {
 tc_status tc_viewer_load(tc_viewer *viewer, tc_error *error);
 void tc_viewer_unload(tc_viewer *viewer);
 
-/* Goes on to the program's next scheme, at the same view: reads the file anew where that draws other charts. On failure
- * all is as it was, *name_ret is that of the one that could not be had. */
-tc_status tc_viewer_next_scheme(tc_viewer *viewer, const char **name_ret, tc_error *error);
+/* The program's next scheme after one; and drawing by another one at the same view: reads the file anew where that
+ * draws other charts. On failure all is as it was. */
+const tc_scheme *tc_viewer_scheme_after(const tc_viewer *viewer, const tc_scheme *scheme);
+tc_status tc_viewer_change_scheme(tc_viewer *viewer, const tc_scheme *scheme, tc_error *error);
 
 /* Puts the camera where the view says; above the ground of a planet. */
 void tc_viewer_place(tc_viewer *viewer, const tc_pose *view);

@@ -2,6 +2,7 @@
  * schemes at the same view. */
 #include "viewer_internal.h"
 #include "common/base/status.h"
+#include "common/chart/atlas.h"
 #include "interrupt.h"
 #include "load_imagery.h"
 
@@ -138,12 +139,11 @@ void tc_viewer_unload(tc_viewer *v)
 /* Loads anew what the scheme draws; what there was stays where that fails. */
 static tc_status load_for(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
 {
-    tc_viewer before = *v;
+    const tc_viewer before = *v;
     v->options.scheme = scheme;
-    v->map = NULL, v->imagery = NULL;
+    v->map = NULL, v->imagery = NULL, v->surface = NULL, v->renderer = NULL;
     tc_status status = tc_viewer_load(v, error);
     if (status == TC_OK) {
-        v->surface = NULL, v->renderer = NULL; /* of the old map, until the new ones stand */
         v->scene.imagery = v->imagery;
         status = tc_viewer_make_surface(v, error);
     }
@@ -172,17 +172,19 @@ static tc_status draw_by(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
     return status;
 }
 
-tc_status tc_viewer_next_scheme(tc_viewer *v, const char **name_ret, tc_error *error)
+const tc_scheme *tc_viewer_scheme_after(const tc_viewer *v, const tc_scheme *scheme)
 {
-    const tc_scheme *const *lists = v->program->schemes, *now = tc_viewer_scheme(v), *next;
+    const tc_scheme *const *lists = v->program->schemes, *next;
     int k = 0;
-    while (tc_scheme_at(lists, NULL, k) != now)
+    while (tc_scheme_at(lists, NULL, k) != scheme)
         k++;
-    if (!(next = tc_scheme_at(lists, NULL, k + 1)))
-        next = tc_scheme_at(lists, NULL, 0);
-    *name_ret = next->name;
-    if (next == now)
-        return TC_OK;
+    next = tc_scheme_at(lists, NULL, k + 1);
+    return next ? next : tc_scheme_at(lists, NULL, 0);
+}
+
+tc_status tc_viewer_change_scheme(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
+{
+    const bool same = tc_atlas_same(scheme->atlas, tc_viewer_scheme(v)->atlas);
     v->halvings = 0;
-    return next->atlas == now->atlas ? draw_by(v, next, error) : load_for(v, next, error);
+    return same ? draw_by(v, scheme, error) : load_for(v, scheme, error);
 }

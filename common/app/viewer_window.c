@@ -72,17 +72,24 @@ static void do_freeze(session *s)
     changed(s, "frozen culling", frame->cull_camera != NULL);
 }
 
+/* On to the next one that draws the file; why others do not is told. */
 static void do_scheme(session *s)
 {
     tc_viewer *v = s->viewer;
-    const char *name;
-    tc_error error;
+    const tc_scheme *now = tc_viewer_scheme(v), *next = now;
+    const tc_camera *frozen = v->scene.frame.cull_camera;
+    tc_status status = TC_ERR_UNSUPPORTED;
     v->scene.frame.cull_camera = NULL; /* of the scheme that it was frozen in */
-    const tc_status status = tc_viewer_next_scheme(v, &name, &error);
+    while (status != TC_OK && v->renderer && (next = tc_viewer_scheme_after(v, next)) != now) {
+        tc_error error;
+        status = tc_viewer_change_scheme(v, next, &error);
+        if (status != TC_OK)
+            fprintf(stderr, "%s: %s: %s\n", v->program->name, next->name, error.text);
+    }
+    if (status == TC_OK && !v->options.quiet)
+        fprintf(stderr, "%s\n", next->name);
     if (status != TC_OK)
-        fprintf(stderr, "%s: %s: %s\n", v->program->name, name, error.text);
-    else if (!v->options.quiet)
-        fprintf(stderr, "%s\n", name);
+        v->scene.frame.cull_camera = frozen;
     s->quit |= v->renderer == NULL;
 }
 

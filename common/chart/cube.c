@@ -12,7 +12,7 @@
 /* The largest cell has 1.4 times the area of the smallest, 5.2 times without a warp. A larger angle, 0.8687, makes
  * it 1.3, but samples along an edge then are further apart in its middle than they are in the middle of the face: for
  * nowhere more than a given spacing it takes a quarter more of them (bench_charts). */
-static const double kappa = M_PI / 4, tangent = 1; /* and its tangent */
+static const double kappa = M_PI / 4, tangent = 1; /* and its tangent; shaders/chart_cube.glsl has the same built in */
 
 enum { FACES = 6 };
 typedef struct axes {

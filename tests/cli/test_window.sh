@@ -172,6 +172,17 @@ if start globe.tif --size 320x240 --view 20,30,3000000,40,-50; then
     xdotool key Escape
     ends 'after changing schemes'
 fi
+# A packed planet is drawn by those that have its charts; why others do not is told.
+$terraclip pack --planet globe.tif -o globe.tclip -q
+if start globe.tclip --size 320x240; then
+    key x '^rings-ch06$'
+    key x '^rings$'
+    cases=$((cases + 1))
+    [ "$(grep -c 'expected a planet packed with --atlas' stderr.txt)" = 3 ] || fail 'a packed planet: not told why'
+    key p '^terraclip-'
+    xdotool key Escape
+    ends 'after changing schemes of a packed planet'
+fi
 viewer=$viewer_before
 
 # The mesh follows: cells cover as many pixels as before.
