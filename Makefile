@@ -280,7 +280,7 @@ soak-threads:
 bench: all $(BENCH)
 	@for b in $(BENCH); do $$b || exit 1; done
 
-# Measures, and makes a page of it: build/report/index.html. Under 3 minutes; report-full under 40.
+# Measures, and makes a page of it: build/report/index.html. Under 3 minutes; report-full takes about an hour.
 report report-full: all $(BENCH) $(EXTREME)
 	@sh tests/report/report.sh $(O) $(if $(filter report,$@),quick,full)
 
