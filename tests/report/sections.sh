@@ -320,7 +320,8 @@ END
         echo '<h3>Error against triangles</h3>'
         curves schemestris "$work/schemes.csv" what scheme triangles err_p999_px 'triangles drawn' \
             '99.9 % of pixels within, px' positive=1 -- xlog=1 ylog=1
-        echo '<h3>Error against time</h3><p>Milliseconds a frame, of held windows; all schemes of a size in turns.</p>'
+        echo '<h3>Error against time</h3><p>Milliseconds a frame, of held windows. All schemes of a size
+are drawn in turns, sizes one after the other: where the machine had other work, curves bend between sizes.</p>'
         curves schemesms "$work/schemes.csv" what scheme frame_ms err_p999_px 'milliseconds a frame' \
             '99.9 % of pixels within, px' positive=1 -- xlog=1 ylog=1
         echo '<h3>At equal triangles</h3><p>Between the two nearest sizes of each, in logarithms; views whose schemes have
