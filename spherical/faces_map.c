@@ -104,6 +104,16 @@ static double meet_cell(const leaf_mesh *m, int64_t i, int64_t j, const double o
     return in[0] >= in[1] ? south : north;
 }
 
+/* Whether a leaf's samples are there still. */
+static bool holds(const faces_view *v, const tc_leaf *leaf)
+{
+    tc_rect r = tc_faces_samples(&tc_faces_of(v)->lattice, leaf->block);
+    if (leaf->coarse)
+        r = (tc_rect){r.x0 / 2, r.y0 / 2, r.x1 / 2 + 1, r.y1 / 2 + 1};
+    const tc_clipmap *clipmap = v->head.windows->clipmap[leaf->block.chart];
+    return tc_rect_within(r, tc_clipmap_level(clipmap, leaf->block.level - leaf->coarse)->clip);
+}
+
 bool tc_faces_height_in(const faces_view *v, const tc_block_tree *tree, double x, double y, double *z_ret)
 {
     const faces_surface *s = tc_faces_of(v);
@@ -120,10 +130,13 @@ bool tc_faces_height_in(const faces_view *v, const tc_block_tree *tree, double x
     body->class->offset(body, foot, d, o);
     for (int k = 0; k < 3; k++)
         n[k] = d[k] + (k == 2);
-    const tc_leaf leaf = tc_block_leaf_at(tree, chart, u, w);
+    tc_leaf leaf = tc_block_leaf_at(tree, chart, u, w);
+    while (!holds(v, &leaf)) { /* the windows have moved since the tree was made */
+        if (leaf.block.level == 1)
+            return false;
+        leaf = tc_block_leaf_above(&s->lattice, &leaf);
+    }
     leaf_mesh m = {.view = v, .leaf = &leaf, .level = leaf.block.level - leaf.coarse};
-    if (tc_rect_empty(tc_clipmap_level(v->head.windows->clipmap[chart], m.level)->clip))
-        return false;
     const tc_rect r = tc_faces_samples(&s->lattice, leaf.block);
     const int64_t cells = s->lattice.side[leaf.block.level - 1] >> leaf.coarse;
     m.cells = cells, m.x = r.x0 >> leaf.coarse, m.y = r.y0 >> leaf.coarse;
