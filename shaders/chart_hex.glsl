@@ -38,16 +38,22 @@ vec3 chart_direction(int chart, ivec2 at)
     return vec3(east, rho_v * dz - z_v * out_, -0.5 * (east * east + out_ * out_ + dz * dz));
 }
 
+// How far a step along x goes west, over how far one of both goes around: y's goes east by the rest.
+float before_place(vec2 place)
+{
+    bool northern = place.x + place.y <= 1.0;
+    float t = northern ? place.x + place.y : 2.0 - place.x - place.y;
+    float share = clamp((northern ? place.y : 1.0 - place.x) / max(t, 1e-7), 0.0, 1.0);
+    return northern ? share : 1.0 - share;
+}
+
 // A slope along the ground, by radians that normals turn, from what the height changes with the chart's coordinates: at
 // unit normal n, whose axes east and north of there are in the eye's. place: chart coordinates.
 vec3 chart_slope(int chart, vec2 place, vec2 change, vec3 n, vec3 east, vec3 north, float sine)
 {
     float w = sqrt(1.0 + abs(sine)); // sqrt(2 - t^2)
-    bool northern = place.x + place.y <= 1.0;
-    float t = northern ? place.x + place.y : 2.0 - place.x - place.y;
-    float share = clamp((northern ? place.y : 1.0 - place.x) / max(t, 1e-7), 0.0, 1.0);
     float to_east = (change.y - change.x) / (1.57079633 * w);
-    float before = northern ? share : 1.0 - share;
+    float before = before_place(place);
     float to_north = -0.5 * w * (change.x + before * 1.57079633 * w * to_east);
     return to_east * east + to_north * north;
 }
@@ -56,10 +62,7 @@ vec3 chart_slope(int chart, vec2 place, vec2 change, vec3 n, vec3 east, vec3 nor
 vec2 chart_step(int chart, vec2 place, vec3 d, vec3 n, vec3 east, vec3 north, float sine)
 {
     float w = sqrt(1.0 + abs(sine));
-    bool northern = place.x + place.y <= 1.0;
-    float t = northern ? place.x + place.y : 2.0 - place.x - place.y;
-    float share = clamp((northern ? place.y : 1.0 - place.x) / max(t, 1e-7), 0.0, 1.0);
-    float before = northern ? share : 1.0 - share;
+    float before = before_place(place);
     // d = x (-2 / w north - before pi/2 w east) + y (-2 / w north + (1 - before) pi/2 w east)
     float sum = -0.5 * w * dot(d, north), difference = dot(d, east) / (1.57079633 * w);
     return vec2(sum * (1.0 - before) - difference, sum * before + difference);

@@ -6,11 +6,6 @@ flat in vec4 v_window;
 flat in vec3 v_aside;
 #ifdef NORMALS
 layout(binding = 2) uniform sampler2DArray normals_map;
-#ifdef FINE_NORMALS
-const float UPRIGHT = 1e-4; // of a normal's length, squared, that is told from none
-#else
-const float UPRIGHT = 0.01;
-#endif
 #endif
 #ifdef HOLES
 in float v_void;
@@ -43,13 +38,6 @@ vec3 direction_seen()
 float told_height()
 {
     return beside() ? v_corner.x : v_terrain.x;
-}
-
-// Unit, in the eye's axes: east, north, up.
-vec3 view_ray()
-{
-    return normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
-                     (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);
 }
 
 #ifdef NORMALS
@@ -130,21 +118,15 @@ float surface_datum()
 #endif
 
 #ifdef HAZE
-// The way through air that thins out with height: to the terrain, or from where the air begins.
 float surface_haze()
 {
-    float radius = body_radius(), thickness = AIR_THICKNESS * radius, nearness = NEARNESS;
+    float nearness = NEARNESS;
 #ifdef CLOSERS
     nearness = v_window.z;
 #else
     nearness = beside() ? v_window.z : nearness;
 #endif
-    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
-    vec3 view = view_ray(), d = direction_seen(), up = vec3(d.xy, 1.0 + d.z);
-    float away = haze.w / nearness * sqrt(1.0 + dot(across, across));
-    float steep = max(-dot(view, up), 0.0), path = min(away, thickness / (steep + 0.035));
-    float height = (told_height() + surface[1].z) + surface[1].y;
-    float depth = path / (0.018 * radius) * exp(-max(height - heights.x, 0.0) / thickness);
-    return depth * depth;
+    vec3 d = direction_seen();
+    return air_before(nearness, vec3(d.xy, 1.0 + d.z), (told_height() + surface[1].z) + surface[1].y);
 }
 #endif

@@ -7,11 +7,6 @@ INTERPOLATED in vec2 v_terrain;
 const float EDGE_ON = 0.12; // radians of the globe in a pixel
 #ifdef NORMALS
 layout(binding = 2) uniform sampler2DArray normals_map;
-#ifdef FINE_NORMALS
-const float UPRIGHT = 1e-4; // of a normal's length, squared, that is told from none
-#else
-const float UPRIGHT = 0.01;
-#endif
 #endif
 #ifdef HOLES
 layout(binding = 3) uniform sampler2DArray voids_map;
@@ -21,13 +16,6 @@ layout(binding = 3) uniform sampler2DArray voids_map;
 float mesh_height()
 {
     return v_terrain.x + surface[1].y + surface[1].z;
-}
-
-// Unit, in the eye's axes: east, north, up.
-vec3 view_ray()
-{
-    return normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
-                     (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);
 }
 
 // Direction of the ground that is seen. Of faces that are edge on, at the globe's limb, a sample may lie outside by the
@@ -273,16 +261,9 @@ float surface_datum()
 #endif
 
 #ifdef HAZE
-// The way through air that thins out with height: to the terrain, or from where the air begins.
 float surface_haze()
 {
-    float radius = body_radius(), thickness = AIR_THICKNESS * radius;
-    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
-    vec3 view = view_ray();
-    float away = haze.w / NEARNESS * sqrt(1.0 + dot(across, across));
-    vec3 s = direction_seen(), up = vec3(s.y, -s.x, 1.0 - s.z);
-    float steep = max(-dot(view, up), 0.0), path = min(away, thickness / (steep + 0.035));
-    float d = path / (0.018 * radius) * exp(-max(mesh_height() - heights.x, 0.0) / thickness);
-    return d * d;
+    vec3 s = direction_seen();
+    return air_before(NEARNESS, vec3(s.y, -s.x, 1.0 - s.z), mesh_height());
 }
 #endif

@@ -12,13 +12,8 @@
 #include "common/base/status.h"
 #include "common/field/field.h"
 #include "common/view/camera.h"
+#include "globe.h"
 #include "faces_internal.h"
-
-/* Spacing, metres, from which on normals are kept steeper than the terrain. */
-#define RELIEF 60.0
-/* A constant as GLSL is told it. */
-#define TEXT(constant) #constant
-#define TEXT_OF(constant) TEXT(constant)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
@@ -32,6 +27,7 @@ typedef struct assembly {
     double eye[3];      /* where it is in space, */
     double axes[3][3];  /* its axes, */
     double horizon;     /* and how far it sees, as faces_view has it */
+    double most;        /* radius of curvature of what heights are above, metres */
     int strips, lists, blocks;
     int levels[TC_BLOCK_LEVELS]; /* leaves drawn of each */
     int64_t triangles, triangles_unculled;
@@ -73,7 +69,7 @@ static bool visible(const assembly *a, const tc_leaf *leaf)
         return true;
     const double block = (double)a->s->cells / a->s->lattice.blocks[b.level - 1];
     const tc_body *body = &a->s->map->body;
-    double middle[3], n[3], place[3], around = 0, lo, hi, least, most;
+    double middle[3], n[3], place[3], around = 0, lo, hi;
     normal_at(a, b.chart, (b.x + 0.5) * block, (b.y + 0.5) * block, middle);
     for (int k = 0; k < 9; k++) {
         normal_at(a, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, n);
@@ -86,8 +82,7 @@ static bool visible(const assembly *a, const tc_leaf *leaf)
     const double z_base = tc_field_info(a->s->head.field)->z_base;
     place[0] = atan2(middle[1], middle[0]), place[1] = atan2(middle[2], hypot(middle[0], middle[1]));
     place[2] = z_base + 0.5 * (lo + hi);
-    body->class->curvatures(body, &least, &most);
-    double p[3], way[3] = {0}, radius = around * (most + z_base + hi) + 0.5 * (hi - lo);
+    double p[3], way[3] = {0}, radius = around * (a->most + hi) + 0.5 * (hi - lo);
     body->class->position(body, place, p);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++)
@@ -154,11 +149,6 @@ static void add_leaf(void *context, const tc_leaf *leaf)
         add_closers(a, leaf, r, cells);
 }
 
-static void set4(float *out, double x, double y, double z, double w)
-{
-    out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
-}
-
 /* What faces.glsl says of surface[...], whole[...] and layer[...]. */
 static void set_uniforms(assembly *a)
 {
@@ -168,12 +158,12 @@ static void set_uniforms(assembly *a)
     tc_frame *f = a->frame;
     float(*u)[4] = f->surface;
     int32_t(*whole)[4] = f->integers;
-    set4(u[0], v->axes[2][2], hypot(v->axes[2][0], v->axes[2][1]), 1 / (double)s->cells, v->height);
+    tc_set4(u[0], v->axes[2][2], hypot(v->axes[2][0], v->axes[2][1]), 1 / (double)s->cells, v->height);
     const double reference = fmin(v->z_eye, s->z_hi);
-    set4(u[1], s->cell, reference, reference - (double)(float)reference, reference - v->z_eye);
+    tc_set4(u[1], s->cell, reference, reference - (double)(float)reference, reference - v->z_eye);
     const double start = FACES_PASSED * (1 - FACES_PASSAGE), width = FACES_PASSED * FACES_PASSAGE;
     const bool passes = s->kind->morphs && !options->no_morph && !options->no_stitch;
-    set4(u[2], passes ? start : 1, passes ? 1 / width : 0, !options->no_stitch, 0);
+    tc_set4(u[2], passes ? start : 1, passes ? 1 / width : 0, !options->no_stitch, 0);
     const int32_t common[4] = {(int32_t)s->cells};
     memcpy(whole[0], common, sizeof common);
     for (int chart = 0; chart < s->map->charts; chart++) {
@@ -186,8 +176,8 @@ static void set_uniforms(assembly *a)
         for (int k = 0; k < 2; k++)
             at[k] = fmin(fmax(v->chart[chart][k], 0), (double)s->cells);
         const faces_spot here = tc_faces_spot(at[0], at[1]);
-        set4(vectors[FACES_VECTORS - 1], here.rest[0], here.rest[1], at[0] / (double)s->cells,
-             at[1] / (double)s->cells);
+        tc_set4(vectors[FACES_VECTORS - 1], here.rest[0], here.rest[1], at[0] / (double)s->cells,
+                at[1] / (double)s->cells);
         for (int side = 0; side < TC_SIDES; side++) {
             const tc_seam *seam = &s->lattice.seam[chart][side];
             int32_t *seams = integers[FACES_INTEGERS - TC_SIDES + side];
@@ -199,8 +189,8 @@ static void set_uniforms(assembly *a)
         }
         const int first = tc_first_layer(a->layers, chart);
         for (int level = 1; level <= a->layers->held[chart]; level++)
-            set4(f->layer[first + level - 1][0], chart, s->lattice.levels - level,
-                 level == 1 ? 0 : 1 / tc_faces_range(v, level), 0);
+            tc_set4(f->layer[first + level - 1][0], chart, s->lattice.levels - level,
+                    level == 1 ? 0 : 1 / tc_faces_range(v, level), 0);
     }
 }
 
@@ -221,7 +211,11 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
     const double place[3] = {head->culled.x, head->culled.y, head->culled.z};
     s->map->body.class->position(&s->map->body, place, a.eye);
     s->map->body.class->axes(&s->map->body, place, a.axes);
-    a.horizon = tc_faces_horizon(v, head->culled.z - tc_field_info(s->head.field)->z_base);
+    const double z_base = tc_field_info(s->head.field)->z_base;
+    double least;
+    s->map->body.class->curvatures(&s->map->body, &least, &a.most);
+    a.most += z_base;
+    a.horizon = tc_faces_horizon(v, head->culled.z - z_base);
     tc_block_tree held; /* of what is called for, where something is missing */
     const bool all = all_ready(v, layers);
     if (!all)
@@ -235,7 +229,7 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
         frame->draws[i].base_instance = (uint32_t)i;
     set_uniforms(&a);
     const double eye[3] = {head->camera.x, head->camera.y, head->camera.z};
-    s->map->body.class->uniforms(&s->map->body, eye, tc_field_info(s->head.field)->z_base, frame->body);
+    s->map->body.class->uniforms(&s->map->body, eye, z_base, frame->body);
     double z;
     frame->strip_draws = a.strips, frame->list_draws = a.lists;
     frame->triangles = a.triangles, frame->triangles_unculled = a.triangles_unculled;
@@ -270,20 +264,6 @@ static tc_status faces_windows(const tc_surface *surface, tc_windows *windows_re
     if (status)
         tc_windows_destroy(windows_ret);
     return status;
-}
-
-/* Of all charts on all levels. */
-static void set_heights(faces_surface *s)
-{
-    s->z_lo = INFINITY, s->z_hi = -INFINITY;
-    for (int chart = 0; chart < s->map->charts; chart++) {
-        const tc_field *field = s->map->chart[chart].field;
-        for (int l = 1; l <= tc_field_info(field)->levels; l++) {
-            tc_level size = tc_field_level(field, l);
-            tc_range all = tc_field_range(field, l, (tc_rect){0, 0, size.width, size.height});
-            s->z_lo = fmin(s->z_lo, all.lo), s->z_hi = fmax(s->z_hi, all.hi);
-        }
-    }
 }
 
 /* Levels of the windows, from one that is coarse enough to be seen from afar, and blocks of them. */
@@ -343,7 +323,7 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                                            .fine = "too fine for the height above ground",
                                            .outside = "beyond the horizon or outside the view",
                                            .charts = true};
-    static const char *const defines[] = {"CLIMATE", "RELIEF " TEXT_OF(RELIEF), NULL};
+    static const char *const defines[] = {"CLIMATE", TC_GLOBE_RELIEF_DEFINE, NULL};
     const faces_kind *kind = options->kind;
     const int n = options->n ? options->n : 255;
     if (tc_clipmap_check_n(n, error) != TC_OK)
@@ -366,10 +346,10 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                                      .normals = options->normals,
                                      .fine_normals = options->fine_normals,
                                      .holes = options->holes,
-                                     .relief = RELIEF};
+                                     .relief = TC_GLOBE_RELIEF};
     const char *const body = map->body.class->glsl, *const chart = kind->chart->glsl;
     const char *const vertex[] = {body, kind->metric, "faces.glsl", chart, "faces.vert", NULL};
-    const char *const fragment[] = {body, "faces.glsl", chart, "air.glsl", "faces.frag", NULL};
+    const char *const fragment[] = {body, "faces.glsl", chart, "air.glsl", "globe.glsl", "faces.frag", NULL};
     const char *const sky[] = {"air.glsl", body, "globe_sky.frag", NULL};
     memcpy(s->vertex_parts, vertex, sizeof vertex);
     memcpy(s->fragment_parts, fragment, sizeof fragment);
@@ -404,7 +384,8 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
          * and windows begin on even samples. */
         s->range = s->cell * ((n - 1) / 2 - s->lattice.side[s->lattice.levels - 1] - 2) / kind->reach;
         s->windows.spacing_x = s->windows.spacing_y = s->cell * map->body.radius;
-        set_heights(s);
+        const tc_range heights = tc_map_range(map);
+        s->z_lo = heights.lo, s->z_hi = heights.hi;
         set_capacity(s);
         status = tc_block_geometry_make((n + 1) / 16, &s->head.geometry, &s->index, error);
     }

@@ -33,7 +33,6 @@ struct faces_kind {
     /* How far a place is from the viewer, for the choice of its level; height: what counts of the eye's above the
      * ground, which it never is less than. Continuous all around the globe. */
     double (*distance)(const double d[3], double height);
-    double height_share; /* of the eye's height counts */
     /* Cells along a side of a chart that a distance of as many mean cells can cover. */
     double reach;
     bool morphs;
@@ -54,7 +53,7 @@ typedef struct faces_surface {
     int strips, lists; /* the most draws of either kind */
     tc_ground_options windows;
     tc_shear shear;
-    const char *vertex_parts[6], *fragment_parts[6], *sky_parts[4];
+    const char *vertex_parts[6], *fragment_parts[7], *sky_parts[4];
 } faces_surface;
 
 struct faces_view {
@@ -77,6 +76,10 @@ struct faces_view {
 /* Share of a level's range in which it passes over into the coarser one, up to FACES_PASSED of it. */
 #define FACES_PASSAGE 0.2
 #define FACES_PASSED 0.98
+
+/* Share of the eye's height above the ground that counts as distance: LH04 drops a level where the eye is 0.4 n of its
+ * cells up, squares here at 0.8 n; a range is some 0.28 n. */
+#define FACES_HEIGHT_SHARE 0.5
 
 /* A cell's longest edge over the mean one: 1.64 of the sheared charts. */
 #define FACES_LONGEST 1.7

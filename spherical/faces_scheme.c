@@ -5,11 +5,6 @@
 #include "common/chart/atlas.h"
 #include "faces_internal.h"
 
-static void set4(float *out, double x, double y, double z, double w)
-{
-    out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
-}
-
 /* ---- Hexagons --------------------------------------------------------------------------------------------------- */
 
 /* BN08's: a hexagon around the viewer, two of its sides along the parallel, as rows of samples are. What is a straight
@@ -32,8 +27,8 @@ static void place_hex(const faces_view *v, int chart, float (*vectors)[4], int32
     double rows = cells * (1 - north), from_south = cells * (1 + north);
     const faces_spot by_north = tc_faces_spot(rows * (1 - turn), rows * turn),
                      by_south = tc_faces_spot(cells - from_south * turn, rows - (cells - from_south * turn));
-    set4(vectors[0], by_north.rest[0], by_north.rest[1], by_south.rest[0], by_south.rest[1]);
-    set4(vectors[1], turn, north, t, 0);
+    tc_set4(vectors[0], by_north.rest[0], by_north.rest[1], by_south.rest[0], by_south.rest[1]);
+    tc_set4(vectors[1], turn, north, t, 0);
     for (int k = 0; k < 2; k++)
         integers[0][k] = (int32_t)by_north.at[k], integers[0][2 + k] = (int32_t)by_south.at[k];
 }
@@ -73,26 +68,21 @@ static void place_cube(const faces_view *v, int chart, float (*vectors)[4], int3
                  b = M_PI / 4 * (2 * v->chart[chart][1] / (double)s->cells - 1);
     const bool near = seen[MIDDLE][2] > 0 && fabs(tan(a)) < 1.5 && fabs(tan(b)) < 1.5;
     if (near)
-        set4(vectors[0], here.rest[0], here.rest[1], tan(a), tan(b));
-    set4(vectors[1], seen[MIDDLE][0], seen[MIDDLE][1], seen[MIDDLE][2], near);
-    set4(vectors[2], seen[X][0], seen[X][1], seen[X][2], cos(a));
-    set4(vectors[3], seen[Y][0], seen[Y][1], seen[Y][2], cos(b));
+        tc_set4(vectors[0], here.rest[0], here.rest[1], tan(a), tan(b));
+    tc_set4(vectors[1], seen[MIDDLE][0], seen[MIDDLE][1], seen[MIDDLE][2], near);
+    tc_set4(vectors[2], seen[X][0], seen[X][1], seen[X][2], cos(a));
+    tc_set4(vectors[3], seen[Y][0], seen[Y][1], seen[Y][2], cos(b));
     for (int k = 0; k < 2 && near; k++)
         integers[0][k] = (int32_t)here.at[k];
 }
 
 /* ---- Tables ----------------------------------------------------------------------------------------------------- */
 
-/* LH04 drops a level where the eye is 0.4 n of its cells above the ground, squares here at 0.8 n; a range is some 0.28
- * n. */
-#define HEIGHT_SHARE 0.5
-
 const faces_kind tc_faces_hex = {.name = "hex",
                                  .chart = &tc_chart_hex,
                                  .charts = 4,
                                  .metric = "distance_hex.glsl",
                                  .distance = hexagonal,
-                                 .height_share = HEIGHT_SHARE,
                                  .reach = 1.52,
                                  .morphs = true,
                                  .place = place_hex};
@@ -101,7 +91,6 @@ const faces_kind tc_faces_cube = {.name = "cube",
                                   .charts = 6,
                                   .metric = "distance_cube.glsl",
                                   .distance = straight,
-                                  .height_share = HEIGHT_SHARE,
                                   .reach = 1.41,
                                   .morphs = true,
                                   .place = place_cube};
@@ -110,7 +99,6 @@ const faces_kind tc_faces_cube_pt = {.name = "cube-pt",
                                      .charts = 6,
                                      .metric = "distance_cube.glsl",
                                      .distance = straight,
-                                     .height_share = HEIGHT_SHARE,
                                      .reach = 1.41,
                                      .place = place_cube};
 

@@ -55,7 +55,7 @@ int tc_faces_chart(const tc_map *map, const double normal[3])
 /* What counts of a height above the ground, metres. */
 static double counts(const faces_view *v, double height)
 {
-    return tc_faces_of(v)->kind->height_share * height / v->radius;
+    return FACES_HEIGHT_SHARE * height / v->radius;
 }
 
 /* Height above the ground that windows hold, metres: of level after level for as long as the eye is low enough for it
@@ -159,16 +159,22 @@ void tc_faces_tree(const faces_view *v, const int ready[TC_MAX_CHARTS], tc_block
     tc_block_tree_make(tree, &tc_faces_of(v)->lattice, &rule);
 }
 
-bool tc_faces_all_held(const faces_view *v, int chart)
+/* Samples of all that the tree has of a chart's level; empty: nothing. */
+static tc_rect samples_called_for(const faces_view *v, int chart, int level)
 {
     tc_rect blocks;
+    const int64_t side = tc_faces_of(v)->lattice.side[level - 1];
+    if (!tc_block_bounds(&v->tree, chart, level, &blocks))
+        return (tc_rect){0, 0, 0, 0};
+    return (tc_rect){blocks.x0 * side, blocks.y0 * side, blocks.x1 * side + 1, blocks.y1 * side + 1};
+}
+
+bool tc_faces_all_held(const faces_view *v, int chart)
+{
     for (int level = 2; level <= tc_faces_of(v)->lattice.levels && v->sight[chart]; level++)
-        if (tc_block_bounds(&v->tree, chart, level, &blocks)) {
-            const int64_t side = tc_faces_of(v)->lattice.side[level - 1];
-            const tc_rect r = {blocks.x0 * side, blocks.y0 * side, blocks.x1 * side + 1, blocks.y1 * side + 1};
-            if (!tc_rect_within(r, tc_clipmap_level(v->head.windows->clipmap[chart], level)->active))
-                return false;
-        }
+        if (!tc_rect_within(samples_called_for(v, chart, level),
+                            tc_clipmap_level(v->head.windows->clipmap[chart], level)->active))
+            return false;
     return true;
 }
 
@@ -247,14 +253,8 @@ void tc_faces_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
             continue;
         const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
         wanted[chart][0] = tc_clipmap_level(clipmap, 1)->extent;
-        for (int level = 2; level <= s->lattice.levels; level++) {
-            tc_rect blocks;
-            const int64_t side = s->lattice.side[level - 1];
-            if (tc_block_bounds(&v->tree, chart, level, &blocks))
-                wanted[chart][level - 1] =
-                    window((tc_rect){blocks.x0 * side, blocks.y0 * side, blocks.x1 * side + 1, blocks.y1 * side + 1},
-                           tc_clipmap_n(clipmap));
-        }
+        for (int level = 2; level <= s->lattice.levels; level++)
+            wanted[chart][level - 1] = window(samples_called_for(v, chart, level), tc_clipmap_n(clipmap));
     }
 }
 

@@ -12,13 +12,8 @@
 #include "common/base/status.h"
 #include "common/view/camera.h"
 #include "common/field/field.h"
+#include "globe.h"
 #include "rings_internal.h"
-
-/* Spacing, metres, from which on normals are kept steeper than the terrain. */
-#define RELIEF 60.0
-/* A constant as GLSL is told it. */
-#define TEXT(constant) #constant
-#define TEXT_OF(constant) TEXT(constant)
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
@@ -172,11 +167,6 @@ static void add_level(assembly *a, int i, bool disc)
     }
 }
 
-static void set4(float *out, double x, double y, double z, double w)
-{
-    out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
-}
-
 /* What rings.glsl needs to know of a chart: of one without layers, one level that holds nothing. */
 static void set_chart(tc_frame *f, const rings_view *v, const tc_layers *layers, int chart)
 {
@@ -190,8 +180,8 @@ static void set_chart(tc_frame *f, const rings_view *v, const tc_layers *layers,
     int coarsest = finest + levels - 1;
     double z = near->z;
     int fine_layer = first + levels - 1 + finest; /* of shift 0, were there one */
-    set4(u[4 + chart], z, z - (double)(float)z, z - v->z, 0);
-    set4(u[7 + chart], 0, 0, 0, 0);
+    tc_set4(u[4 + chart], z, z - (double)(float)z, z - v->z, 0);
+    tc_set4(u[7 + chart], 0, 0, 0, 0);
     whole[0][chart] = fine_layer;
     whole[1][chart] = -1;
     whole[2][chart] = coarsest - held + 1 + 64 * coarsest;
@@ -205,7 +195,7 @@ static void set_chart(tc_frame *f, const rings_view *v, const tc_layers *layers,
         return;
     }
     if (near->shift >= 0) {
-        set4(u[7 + chart], near->slope[0], near->slope[1], near->slope[2], 0);
+        tc_set4(u[7 + chart], near->slope[0], near->slope[1], near->slope[2], 0);
         whole[1][chart] = fine_layer - near->shift;
     }
     for (int level = 1; level <= held; level++) {
@@ -215,12 +205,12 @@ static void set_chart(tc_frame *f, const rings_view *v, const tc_layers *layers,
         int64_t torus = 2 * (tc_clipmap_n(clipmap) + 1);
         rings_extent r = tc_rings_held(clipmap, level), lattice = tc_rings_lattice(clipmap, level);
         const tc_chart *c = &tc_rings_of(v)->map->chart[chart];
-        set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
-        set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
-             lattice.y1 - j);
-        set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
+        tc_set4(q[0], x - i, y - j, ldexp(1 / c->dx, -l->shift), ldexp(1 / c->dy, -l->shift));
+        tc_set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), lattice.x1 - i,
+                lattice.y1 - j);
+        tc_set4(q[2], r.x0 - i, r.y0 - j, r.x1 - i, r.y1 - j);
         if (level > layers->ready[chart]) /* nothing, yet */
-            set4(q[2], 0, 0, -1, -1);
+            tc_set4(q[2], 0, 0, -1, -1);
     }
 }
 
@@ -231,17 +221,17 @@ static void set_uniforms(tc_frame *f, const rings_view *v, const tc_layers *laye
     float(*u)[4] = f->surface;
     const double lo = TC_CAP_BLEND_START_SINE, hi = TC_CAP_BLEND_END_SINE;
     bool caps = !v->partial;
-    set4(u[0], v->cos_theta, v->sin_theta, v->cos_lambda, v->sin_lambda);
-    set4(u[1], v->radius + v->z, v->z_eye - v->z, v->z, s->shift_base + 1);
+    tc_set4(u[0], v->cos_theta, v->sin_theta, v->cos_lambda, v->sin_lambda);
+    tc_set4(u[1], v->radius + v->z, v->z_eye - v->z, v->z, s->shift_base + 1);
     /* Without caps weights never leave 0. */
-    set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
-         caps ? 1 / (hi - lo) : 0, s->outside - v->z);
-    set4(u[3], v->theta, RINGS_PASSAGE / s->head.n, v->detail, v->partial);
+    tc_set4(u[2], caps ? (v->cos_theta - lo) / (hi - lo) : -1, caps ? (-v->cos_theta - lo) / (hi - lo) : -1,
+            caps ? 1 / (hi - lo) : 0, s->outside - v->z);
+    tc_set4(u[3], v->theta, RINGS_PASSAGE / s->head.n, v->detail, v->partial);
     for (int chart = 0; chart < v->head.windows->charts; chart++)
         set_chart(f, v, layers, chart);
     u[10][3] = v->head.options.no_morph;
     const rings_geometry *g = &s->geometry;
-    set4(u[13], v->front[0], v->front[1], v->ease, 2 * M_PI / g->n_phi);
+    tc_set4(u[13], v->front[0], v->front[1], v->ease, 2 * M_PI / g->n_phi);
     int32_t(*whole)[4] = f->integers;
     whole[0][3] = g->stride;
     whole[1][3] = tc_rings_fill_base(g, v->finest);
@@ -249,12 +239,12 @@ static void set_uniforms(tc_frame *f, const rings_view *v, const tc_layers *laye
     if (!caps) {
         const tc_chart *c = &s->map->chart[0];
         rings_extent r = v->sides;
-        set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
-        set4(u[12], c->wraps, v->south, v->north, 0);
+        tc_set4(u[11], r.x0 * c->dx, r.y0 * c->dy, r.x1 * c->dx, r.y1 * c->dy);
+        tc_set4(u[12], c->wraps, v->south, v->north, 0);
     }
     for (int cap = 1; cap < v->head.windows->charts; cap++)
-        set4(u[10 + cap], v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2],
-             1 - ((cap == 1 ? v->cos_theta : -v->cos_theta) - lo) / (hi - lo));
+        tc_set4(u[10 + cap], v->place[cap].c[0], v->place[cap].c[1], v->place[cap].c[2],
+                1 - ((cap == 1 ? v->cos_theta : -v->cos_theta) - lo) / (hi - lo));
 }
 
 static void rings_draws(const tc_view *head, const tc_layers *layers, tc_frame *frame)
@@ -344,15 +334,8 @@ static void set_sectors(rings_surface *s)
 /* Of all charts on all levels. */
 static void set_heights(rings_surface *s)
 {
-    s->z_lo = INFINITY, s->z_hi = -INFINITY;
-    for (int chart = 0; chart < s->map->charts; chart++) {
-        const tc_field *field = s->map->chart[chart].field;
-        for (int l = 1; l <= tc_field_info(field)->levels; l++) {
-            tc_level size = tc_field_level(field, l);
-            tc_range all = tc_field_range(field, l, (tc_rect){0, 0, size.width, size.height});
-            s->z_lo = fmin(s->z_lo, all.lo), s->z_hi = fmax(s->z_hi, all.hi);
-        }
-    }
+    const tc_range all = tc_map_range(s->map);
+    s->z_lo = all.lo, s->z_hi = all.hi;
     if (s->map->charts == 1)
         s->z_lo = fmin(s->z_lo, s->outside), s->z_hi = fmax(s->z_hi, s->outside);
 }
@@ -388,11 +371,11 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                                            .beyond = "beyond the horizon",
                                            .outside = "beyond the horizon or outside the view",
                                            .charts = true};
-    static const char *const defines[] = {"CLIMATE", "RELIEF " TEXT_OF(RELIEF), "APRON " TEXT_OF(RINGS_APRON), NULL};
+    static const char *const defines[] = {"CLIMATE", TC_GLOBE_RELIEF_DEFINE, "APRON " TC_TEXT_OF(RINGS_APRON), NULL};
     const char *const body = map->body.class->glsl;
     const rings_parts parts = {
         .vertex = {"rings_ch06.glsl", body, "stack.glsl", "rings.glsl", "rings.vert"},
-        .fragment = {"rings_ch06.glsl", body, "stack.glsl", "rings.glsl", "air.glsl", "rings.frag"},
+        .fragment = {"rings_ch06.glsl", body, "stack.glsl", "rings.glsl", "air.glsl", "globe.glsl", "rings.frag"},
         .sky = {"air.glsl", body, "globe_sky.frag"}};
     int n_phi = options->n_phi ? options->n_phi : 512;
     if (n_phi < TC_RINGS_LEAST_N_PHI || n_phi > TC_RINGS_MOST_N_PHI || n_phi % 32 != 0)
@@ -447,7 +430,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                                      .normals = options->normals,
                                      .fine_normals = options->fine_normals,
                                      .holes = options->holes,
-                                     .relief = RELIEF};
+                                     .relief = TC_GLOBE_RELIEF};
     set_heights(s);
     tc_status status = tc_rings_geometry(&s->geometry, &s->head.geometry, error);
     set_sectors(s);

@@ -136,6 +136,20 @@ void tc_map_extent(const tc_map *map, double lo[2], double hi[2])
         lo[0] = -M_PI, hi[0] = M_PI, lo[1] = -M_PI / 2, hi[1] = M_PI / 2;
 }
 
+tc_range tc_map_range(const tc_map *map)
+{
+    tc_range all = {INFINITY, -INFINITY, 0};
+    for (int chart = 0; chart < map->charts; chart++) {
+        const tc_field *field = map->chart[chart].field;
+        for (int l = 1; l <= tc_field_info(field)->levels; l++) {
+            const tc_level size = tc_field_level(field, l);
+            const tc_range one = tc_field_range(field, l, (tc_rect){0, 0, size.width, size.height});
+            all.lo = fminf(all.lo, one.lo), all.hi = fmaxf(all.hi, one.hi);
+        }
+    }
+    return all;
+}
+
 bool tc_map_has_ground(const tc_map *map, double x, double y)
 {
     const tc_chart *c = &map->chart[0];

@@ -66,6 +66,9 @@ tc_status tc_map_rough_height(const tc_map *map, double x, double y, double *z_r
 /* Places between which it lies: metres, or longitudes and latitudes. */
 void tc_map_extent(const tc_map *map, double lo_ret[2], double hi_ret[2]);
 
+/* Bounds of all heights of all charts on all levels, metres above z_base; no steps are told. */
+tc_range tc_map_range(const tc_map *map);
+
 /* Whether there is ground at a place: beside a flat terrain there is none. */
 bool tc_map_has_ground(const tc_map *map, double x, double y);
 

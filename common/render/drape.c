@@ -155,11 +155,6 @@ tc_status tc_drape_move(const tc_gl *gl, tc_drape *d, const tc_view *view, int64
 /* ---- What shaders know --------------------------------------------------------------------------------------------
  */
 
-static void set4(float *out, double x, double y, double z, double w)
-{
-    out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
-}
-
 /* As stack.glsl has layers. */
 static void set_layer(const tc_clipmap *clipmap, int level, bool ready, const tc_standing *at, float (*q)[4])
 {
@@ -170,18 +165,18 @@ static void set_layer(const tc_clipmap *clipmap, int level, bool ready, const tc
     texel_place(clipmap, level, at, &u, &v);
     double i = rint(u), j = rint(v);
     int64_t x1 = l->wraps ? l->clip.x1 : tc_min64(l->clip.x1, size.width), y1 = tc_min64(l->clip.y1, size.height);
-    set4(q[0], u - i, v - j, ldexp(at->per_place[0], -l->shift), ldexp(at->per_place[1], -l->shift));
-    set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), (double)(x1 - 1) - i,
-         (double)(y1 - 1) - j);
+    tc_set4(q[0], u - i, v - j, ldexp(at->per_place[0], -l->shift), ldexp(at->per_place[1], -l->shift));
+    tc_set4(q[1], (double)((int64_t)i & (torus - 1)), (double)((int64_t)j & (torus - 1)), (double)(x1 - 1) - i,
+            (double)(y1 - 1) - j);
     /* Where the map itself ends a level does not pass over to the coarser one: imagery.glsl takes this off again. */
     const double west = l->clip.x0 == l->extent.x0 ? TC_DRAPE_END : 0,
                  south = l->clip.y0 == l->extent.y0 ? TC_DRAPE_END : 0;
     const double east = l->clip.x1 == l->extent.x1 ? TC_DRAPE_END : 0,
                  north = l->clip.y1 == l->extent.y1 ? TC_DRAPE_END : 0;
-    set4(q[2], (double)l->clip.x0 - i - west, (double)l->clip.y0 - j - south, (double)(x1 - 1) - i + east,
-         (double)(y1 - 1) - j + north);
+    tc_set4(q[2], (double)l->clip.x0 - i - west, (double)l->clip.y0 - j - south, (double)(x1 - 1) - i + east,
+            (double)(y1 - 1) - j + north);
     if (!ready || tc_rect_empty(l->clip)) /* nothing, yet */
-        set4(q[2], 0, 0, -1, -1);
+        tc_set4(q[2], 0, 0, -1, -1);
 }
 
 void tc_drape_uniforms(const tc_drape *d, const tc_view *view, tc_frame_uniforms *uniforms)
@@ -198,7 +193,7 @@ void tc_drape_uniforms(const tc_drape *d, const tc_view *view, tc_frame_uniforms
             continue;
         stack[0] = first + levels - 1 + finest; /* the layer of shift 0, were there one */
         stack[1] = finest + levels - held, stack[2] = finest + levels - 1;
-        set4(uniforms->image_scale[chart], at.per_place[0], at.per_place[1], 0, 0);
+        tc_set4(uniforms->image_scale[chart], at.per_place[0], at.per_place[1], 0, 0);
         for (int level = 1; level <= held; level++)
             set_layer(clipmap, level, level <= layers->ready[chart], &at,
                       uniforms->image[first - TC_MAX_LAYERS + level - 1]);

@@ -198,6 +198,12 @@ struct tc_surface {
     void (*destroy)(tc_surface *surface);
 };
 
+/* A vector of four as shaders have it. */
+static inline void tc_set4(float *out, double x, double y, double z, double w)
+{
+    out[0] = (float)x, out[1] = (float)y, out[2] = (float)z, out[3] = (float)w;
+}
+
 /* A view's head. */
 tc_view tc_view_of(const tc_surface *surface, const tc_windows *windows, const tc_camera *camera,
                    const tc_frame_options *options);

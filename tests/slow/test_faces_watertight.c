@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "spherical/faces_internal.h"
+#include "spherical/globe.h"
 #include "tests/support/globe_holes.h"
 #include "tests/support/planet_scene.h"
 #include "tests/support/sweep.h"
@@ -193,7 +194,7 @@ static void the_test_finds_holes(void **state)
  * there are worked out by one chart's formulas. */
 static int64_t background_at_seams(int kind, bool settled, int views)
 {
-    static const char *const open_seams[] = {"CLIMATE", "RELIEF 60.0", "UNSETTLED", NULL};
+    static const char *const open_seams[] = {"CLIMATE", TC_GLOBE_RELIEF_DEFINE, "UNSETTLED", NULL};
     const tc_scene_options options = {.unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1};
     const tc_map *map = planet[kind][0];
     tc_surface *surface = planet_faces(map, kinds[kind], 255, &options);

@@ -54,7 +54,7 @@ globe_mesh globe_mesh_of_faces(const tc_surface *surface, const tc_camera *camer
     double cell = longest * s->cell, share = 2 * cell / s->range * (options ? exp2(options->throttle) : 1);
     double most = cell * (double)(s->cells / tc_block_cells(&s->lattice, 1));
     /* Blocks are drawn by a level as long as any of it is within its range. */
-    double height = s->kind->height_share * fmax(camera->z - s->z_lo, 0) / s->map->body.radius;
+    double height = FACES_HEIGHT_SHARE * fmax(camera->z - s->z_lo, 0) / s->map->body.radius;
     double least = fmin(fmax(cell, share * height), most);
     return (globe_mesh){.body = s->map->body,
                         .z_lo = s->z_lo,
