@@ -54,7 +54,7 @@ unset WAYLAND_DISPLAY
 printf '15000,29000,900,0,-60\n15001,29000,900,0,-60\n' >still.txt
 touch broken
 limit=60
-run xvfb-run -a -s '-screen 0 800x600x24' env LD_PRELOAD="$work/broken.so" $viewer hills.tclip --size 320x240 --n 255 \
+run xvfb-run -a -s '-screen 0 800x600x24 -noreset' env LD_PRELOAD="$work/broken.so" $viewer hills.tclip --size 320x240 --n 255 \
     --backend window --path still.txt --frames 200
 [ $rc = 0 ] || report 'a window whose file cannot be read' $rc
 warnings 1 'warning: hills.tclip: .* cannot be read and (are|is) shown coarser; .* will be tried again$'

@@ -7,7 +7,7 @@ command -v xdotool >/dev/null 2>&1 || { skip 'xdotool is not installed'; finish;
 if [ -z "${TERRACLIP_DISPLAY:-}" ]; then
     export TERRACLIP_DISPLAY=own
     rm -rf "$work"
-    cd "$root" && xvfb-run -a -s '-screen 0 800x600x24' sh "$root/tests/cli/test_window.sh" "$build"
+    cd "$root" && xvfb-run -a -s '-screen 0 800x600x24 -noreset' sh "$root/tests/cli/test_window.sh" "$build"
     exit
 fi
 unset WAYLAND_DISPLAY
