@@ -30,6 +30,7 @@ typedef struct assembly {
     double most;        /* radius of curvature of what heights are above, metres */
     int strips, lists, blocks;
     int levels[TC_BLOCK_LEVELS]; /* leaves drawn of each */
+    int finest;                  /* of all leaves' */
     int64_t triangles, triangles_unculled;
 } assembly;
 
@@ -47,15 +48,6 @@ static void height_bounds(const assembly *a, const tc_leaf *leaf, double *lo_ret
     }
 }
 
-/* The unit normal at a place of a chart. */
-static void normal_at(const assembly *a, int chart, double u, double v, double n[3])
-{
-    const tc_chart *c = &a->s->map->chart[chart];
-    double at[3] = {0};
-    c->class->to_place(c, u / (double)a->s->cells, v / (double)a->s->cells, &at[0], &at[1]);
-    a->s->map->body.class->normal(&a->s->map->body, at, n);
-}
-
 static double apart(const double a[3], const double b[3])
 {
     return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
@@ -70,9 +62,9 @@ static bool visible(const assembly *a, const tc_leaf *leaf)
     const double block = (double)a->s->cells / a->s->lattice.blocks[b.level - 1];
     const tc_body *body = &a->s->map->body;
     double middle[3], n[3], place[3], around = 0, lo, hi;
-    normal_at(a, b.chart, (b.x + 0.5) * block, (b.y + 0.5) * block, middle);
+    tc_faces_normal(a->s, b.chart, (b.x + 0.5) * block, (b.y + 0.5) * block, middle);
     for (int k = 0; k < 9; k++) {
-        normal_at(a, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, n);
+        tc_faces_normal(a->s, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, n);
         around = fmax(around, apart(middle, n));
     }
     around *= 1.1;
@@ -135,6 +127,7 @@ static void add_leaf(void *context, const tc_leaf *leaf)
     if (a->layers->ready[b.chart] < level)
         return; /* none of the chart is in sight */
     a->triangles_unculled += 2 * cells * cells;
+    a->finest = level > a->finest ? level : a->finest;
     a->blocks++;
     if (!visible(a, leaf))
         return;
@@ -237,10 +230,11 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
     frame->one_sided = !head->options.two_sided && !tc_ground_voids(head->windows->clipmap[0], 1) &&
                        tc_faces_height_in(v, all ? &v->tree : &held, head->camera.x, head->camera.y, &z) &&
                        head->camera.z > z + 1e-6 * fabs(z);
-    frame->levels_active = frame->levels_fine = frame->levels_beyond = 0;
+    frame->levels_active = 0;
     for (int level = s->lattice.levels; level >= 1; level--)
         frame->levels_active += a.levels[level - 1] > 0;
-    frame->levels_fine = s->lattice.levels - frame->levels_active;
+    frame->levels_fine = s->lattice.levels - a.finest;
+    frame->levels_beyond = a.finest - frame->levels_active;
 }
 
 /* ---- Creation ---------------------------------------------------------------------------------------------------- */
@@ -248,6 +242,7 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
 static void faces_destroy(tc_surface *surface)
 {
     faces_surface *s = (faces_surface *)surface;
+    tc_faces_drop_charts(s);
     free(s->head.geometry.vertices);
     free(s->head.geometry.indices);
     free(s->index.strip_first);
@@ -260,7 +255,7 @@ static tc_status faces_windows(const tc_surface *surface, tc_windows *windows_re
     *windows_ret = (tc_windows){.charts = s->map->charts};
     tc_status status = TC_OK;
     for (int chart = 0; chart < s->map->charts && !status; chart++)
-        status = tc_ground_create(s->map->chart[chart].field, &s->windows, &windows_ret->clipmap[chart], error);
+        status = tc_ground_create(s->chart[chart].field, &s->windows, &windows_ret->clipmap[chart], error);
     if (status)
         tc_windows_destroy(windows_ret);
     return status;
@@ -270,7 +265,7 @@ static tc_status faces_windows(const tc_surface *surface, tc_windows *windows_re
 static tc_status set_lattice(faces_surface *s, tc_error *error)
 {
     const tc_map *map = s->map;
-    const tc_field *field = map->chart[0].field;
+    const tc_field *field = s->chart[0].field;
     int first = tc_field_info(field)->levels;
     int64_t coarsest = tc_field_level(field, first).width - 1;
     const int finest = first, most = TC_MAX_LAYERS / map->charts;
@@ -282,9 +277,9 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     if (s->windows.max_levels && levels > s->windows.max_levels)
         levels = s->windows.max_levels;
     /* Places are 32-bit numbers, also what seams make of them. What is finer than that has room for is left out where
-     * it is made up. */
+     * it is finer than the data. */
     enum { MOST_CELLS = 1 << 29 };
-    const int data = levels - tc_field_info(field)->synthesised;
+    const int data = levels - tc_field_info(field)->synthesised - s->head.refined;
     while (levels > 1 && levels > data &&
            (levels > most || tc_field_level(field, first + levels - 1).width - 1 > MOST_CELLS))
         levels--;
@@ -297,7 +292,7 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     if (levels > most)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d levels of detail, found %d", s->kind->name,
                        most, levels);
-    if (!tc_block_lattice_set(&s->lattice, map->chart, map->charts,
+    if (!tc_block_lattice_set(&s->lattice, s->chart, map->charts,
                               tc_field_level(field, tc_field_info(field)->levels).width - 1, s->cells, levels,
                               (s->windows.n + 1) / 16))
         return tc_fail(error, TC_ERR_UNSUPPORTED,
@@ -321,6 +316,7 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
     static const tc_surface_words words = {.levels = "levels",
                                            .blocks = "blocks",
                                            .fine = "too fine for the height above ground",
+                                           .beyond = "beyond the horizon or outside the view",
                                            .outside = "beyond the horizon or outside the view",
                                            .charts = true};
     static const char *const defines[] = {"CLIMATE", TC_GLOBE_RELIEF_DEFINE, NULL};
@@ -365,7 +361,6 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .own_haze = true,
                            .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
                            .extent = 2 * map->body.radius,
-                           .field = map->chart[0].field,
                            .n = n,
                            .most_throttle = 3,
                            .view_bytes = sizeof(faces_view),
@@ -378,7 +373,9 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .destroy = faces_destroy};
     s->shear.turn = kind->chart->turn;
     s->windows.shear = kind->chart->turn ? &s->shear : NULL;
-    tc_status status = set_lattice(s, error);
+    tc_status status = tc_faces_set_charts(s, error);
+    if (status == TC_OK)
+        status = set_lattice(s, error);
     if (status == TC_OK) {
         /* A window reaches (n - 1) / 2 cells to all sides of the viewer; a block lies partly beyond what asks for it,
          * and windows begin on even samples. */

@@ -44,6 +44,7 @@ typedef struct faces_surface {
     tc_surface head;
     const faces_kind *kind;
     const tc_map *map;
+    tc_chart chart[TC_MAX_CHARTS]; /* the map's, or where head.refined those with more levels (faces_charts.c) */
     tc_block_lattice lattice;
     tc_block_geometry index;
     int64_t cells;     /* of a chart along a side, finest level */
@@ -113,12 +114,21 @@ int tc_faces_chart(const tc_map *map, const double normal[3]);
 double tc_faces_horizon(const faces_view *view, double z_eye);
 /* d of a place on a chart. */
 void tc_faces_direction(const faces_view *view, int chart, double u, double v, double d_ret[3]);
+/* The unit normal there, in the body's axes. */
+void tc_faces_normal(const faces_surface *s, int chart, double u, double v, double n_ret[3]);
 /* Distance up to which a level is drawn. */
 double tc_faces_range(const faces_view *view, int level);
 /* Nearest sample and rest of a place. */
 faces_spot tc_faces_spot(double u, double v);
 /* Samples of a block at its level: the first one, and one beyond the last. */
 tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block block);
+
+/* ---- What is drawn of the map (faces_charts.c) ---------------------------------------------------------------------
+ */
+
+/* Sets chart and what of head is told of it; TC_ERR_MEMORY. To be dropped, also after a failure. */
+tc_status tc_faces_set_charts(faces_surface *s, tc_error *error);
+void tc_faces_drop_charts(faces_surface *s);
 
 /* ---- Heights drawn (faces_map.c) ------------------------------------------------------------------------------------
  */

@@ -23,6 +23,22 @@ void tc_faces_direction(const faces_view *v, int chart, double u, double w, doub
     d[2] = -2 * (sp * sp + cos(lat) * cos(v->place[1]) * sl * sl);
 }
 
+void tc_faces_normal(const faces_surface *s, int chart, double u, double w, double n[3])
+{
+    const tc_chart *c = &s->map->chart[chart];
+    c->class->normal(c, u / (double)s->cells, w / (double)s->cells, n);
+}
+
+/* The same of fewer digits, 1e-16 of the unit: enough to choose by. */
+static void roughly(const faces_view *v, int chart, double u, double w, double d[3])
+{
+    double n[3];
+    tc_faces_normal(tc_faces_of(v), chart, u, w, n);
+    for (int k = 0; k < 3; k++)
+        d[k] = v->axes[k][0] * n[0] + v->axes[k][1] * n[1] + v->axes[k][2] * n[2];
+    d[2] = fmin(d[2] - 1, 0);
+}
+
 faces_spot tc_faces_spot(double u, double v)
 {
     const double at[2] = {rint(u), rint(v)};
@@ -120,20 +136,30 @@ typedef struct growing {
     const int *ready; /* NULL: as many levels as there are, each as far as a window can reach */
 } growing;
 
+static bool wanted_before(void *context, tc_block b)
+{
+    const growing *g = context;
+    return tc_block_asked(&g->view->tree, b);
+}
+
 /* A distance on a block at one of 3 x 3 places. */
 static double distance_at(const faces_view *v, tc_block b, int k)
 {
     const faces_surface *s = tc_faces_of(v);
     const double block = (double)s->cells / s->lattice.blocks[b.level - 1];
     double d[3];
-    tc_faces_direction(v, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, d);
+    roughly(v, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, d);
     return s->kind->distance(d, v->height);
 }
 
 static bool wanted(void *context, tc_block b)
 {
+    enum { MIDDLE = 4 };
     const growing *g = context;
-    const double range = tc_faces_range(g->view, b.level);
+    const faces_surface *s = tc_faces_of(g->view);
+    const double range = tc_faces_range(g->view, b.level), middle = distance_at(g->view, b, MIDDLE);
+    if (middle < range || middle > range + FACES_LONGEST * s->cell * (double)s->cells / s->lattice.blocks[b.level - 1])
+        return middle < range;
     for (int k = 0; k < 9; k++)
         if (distance_at(g->view, b, k) < range)
             return true;
@@ -155,7 +181,7 @@ static bool held(void *context, tc_block b)
 void tc_faces_tree(const faces_view *v, const int ready[TC_MAX_CHARTS], tc_block_tree *tree)
 {
     growing g = {v, ready};
-    const tc_block_rule rule = {wanted, held, &g};
+    const tc_block_rule rule = {ready ? wanted_before : wanted, held, &g};
     tc_block_tree_make(tree, &tc_faces_of(v)->lattice, &rule);
 }
 
@@ -186,7 +212,7 @@ static bool in_sight(const faces_view *v, int chart)
     for (int32_t y = 0; y <= s->lattice.blocks[0]; y++)
         for (int32_t x = 0; x <= s->lattice.blocks[0]; x++) {
             double d[3];
-            tc_faces_direction(v, chart, x * block, y * block, d);
+            roughly(v, chart, x * block, y * block, d);
             /* As far as to a block's middle, wherever that is. */
             if (2 * asin(fmin(0.5 * sqrt(-2 * d[2]), 1)) < v->horizon + FACES_LONGEST * block * s->cell)
                 return true;

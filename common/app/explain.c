@@ -165,6 +165,8 @@ void tc_explain_uses(const tc_renderer *renderer, FILE *file)
     int finer = tc_field_info(tc_clipmap_field(use.windows->clipmap[0]))->synthesised;
     if (finer > 0)
         fprintf(file, "uses: synthesis: %d levels finer than the data\n", finer);
+    if (use.surface->refined > 0)
+        fprintf(file, "uses: curved cells: %d levels finer than the map's, on its mesh\n", use.surface->refined);
     print_frame(&use, file);
     for (int i = 0; i < LIBRARIES; i++)
         if (tc_plugin_loaded(libraries[i].plugin))

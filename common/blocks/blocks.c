@@ -266,6 +266,13 @@ void tc_block_tree_make(tc_block_tree *t, const tc_block_lattice *l, const tc_bl
     }
 }
 
+bool tc_block_asked(const tc_block_tree *t, tc_block b)
+{
+    const int n = children_across(t->lattice, b.level - 1);
+    const tc_block parent = {b.chart, b.level - 1, b.x / n, b.y / n};
+    return state(t, parent) & CHILD << ((b.x - parent.x * n) + 2 * (b.y - parent.y * n));
+}
+
 /* ---- Leaves ----------------------------------------------------------------------------------------------------- */
 
 /* Whether a block that is not there is not, because what is in its place could not be split. */

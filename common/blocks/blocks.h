@@ -73,6 +73,10 @@ typedef struct tc_block_tree {
 /* Makes the tree anew. */
 void tc_block_tree_make(tc_block_tree *tree, const tc_block_lattice *lattice, const tc_block_rule *rule);
 
+/* Whether the tree's rule was asked for a block, of level 2 or finer, and wanted it: of a tree made from the same
+ * wishes with less that is held, no more can be asked. */
+bool tc_block_asked(const tc_block_tree *tree, tc_block block);
+
 /* What is drawn in place of a block, and how its edges meet its neighbours'. Corners are numbered east + 2 north;
  * halves of a side by the corner that they begin at: from the one of the lower number 0, from the other 1. */
 typedef struct tc_leaf {

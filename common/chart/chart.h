@@ -41,6 +41,8 @@ typedef struct tc_chart_class {
      * its formulas go on, as far as they do. */
     void (*to_place)(const tc_chart *chart, double x, double y, double *place_x_ret, double *place_y_ret);
     void (*from_place)(const tc_chart *chart, double place_x, double place_y, double *x_ret, double *y_ret);
+    /* The unit normal of the place, by fewer functions of angles than by to_place; NULL: nobody needs it. */
+    void (*normal)(const tc_chart *chart, double x, double y, double normal_ret[3]);
     double period; /* x comes round again; 0: never */
     /* Sine of the latitude at chart coordinates, of the same bits on every machine; NULL: nobody needs it, since charts
      * of this kind share no place but their sides. */

@@ -37,12 +37,28 @@ static double warp(double x)
     return tan(kappa * (2 * x - 1)) / tangent;
 }
 
-static void to_place(const tc_chart *chart, double x, double y, double *longitude_ret, double *latitude_ret)
+/* On the face's plane. */
+static void on_plane(const tc_chart *chart, double x, double y, double q[3])
 {
     const axes *f = &face_axes[chart->face];
-    double a = warp(x), b = warp(y), q[3];
+    const double a = warp(x), b = warp(y);
     for (int i = 0; i < 3; i++)
         q[i] = f->c[i] + a * f->x[i] + b * f->y[i];
+}
+
+static void normal(const tc_chart *chart, double x, double y, double n[3])
+{
+    double q[3];
+    on_plane(chart, x, y, q);
+    const double l = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+    for (int i = 0; i < 3; i++)
+        n[i] = q[i] / l;
+}
+
+static void to_place(const tc_chart *chart, double x, double y, double *longitude_ret, double *latitude_ret)
+{
+    double q[3];
+    on_plane(chart, x, y, q);
     *longitude_ret = atan2(q[1], q[0]);
     *latitude_ret = atan2(q[2], hypot(q[0], q[1]));
 }
@@ -105,6 +121,7 @@ const tc_chart_class tc_chart_cube = {.name = "cube",
                                       .glsl = "chart_cube.glsl",
                                       .to_place = to_place,
                                       .from_place = from_place,
+                                      .normal = normal,
                                       .share = share,
                                       .spread = spread,
                                       .seam = seam,

@@ -37,6 +37,14 @@ static void to_place(const tc_chart *c, double x, double y, double *longitude_re
     *latitude_ret = north ? M_PI / 2 - theta : theta - M_PI / 2;
 }
 
+static void normal(const tc_chart *c, double x, double y, double n[3])
+{
+    const bool north = x + y <= 1;
+    const double t = north ? x + y : (1 - x) + (1 - y), turn = north ? y : 1 - x;
+    const double longitude = M_PI / 2 * (c->face + (t != 0 ? turn / t : 0.5)), rho = t * sqrt(fmax(2 - t * t, 0));
+    n[0] = rho * cos(longitude), n[1] = rho * sin(longitude), n[2] = north ? 1 - t * t : t * t - 1;
+}
+
 static void from_place(const tc_chart *c, double longitude, double latitude, double *x_ret, double *y_ret)
 {
     double t = M_SQRT2 * sin((M_PI / 2 - fabs(latitude)) / 2), turn = longitude / (M_PI / 2) - c->face;
@@ -86,6 +94,7 @@ const tc_chart_class tc_chart_hex = {.name = "hex",
                                      .glsl = "chart_hex.glsl",
                                      .to_place = to_place,
                                      .from_place = from_place,
+                                     .normal = normal,
                                      .share = share,
                                      .spread = spread,
                                      .turn = turn,

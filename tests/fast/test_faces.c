@@ -56,6 +56,10 @@ static void there_and_back(void **state)
                     if (rows < 0.2)
                         continue;
                 }
+                double n3[3], toward[3];
+                direction(&c, x, y, n3);
+                c.class->normal(&c, x, y, toward);
+                assert_true(apart(n3, toward) < 1e-15);
                 c.class->to_place(&c, x, y, &lon, &lat);
                 c.class->from_place(&c, lon, lat, &u, &v);
                 assert_true(fabs(u - x) < 4e-15 && fabs(v - y) < 4e-15);

@@ -130,10 +130,6 @@ static void nothing_marks_a_place(void **state)
                        ? planet_scene_of(context, planet[k], planet_faces(planet[k], faces[k], 511, &options), &options)
                        : planet_scene(context, planet[k], &(tc_rings_options){0}, &options);
         for (int a = 0; a < ALTITUDES; a++) {
-            /* Faces' cells, 5 km here, are flat: 2 m below the sphere in their middle, which shows from near the
-             * ground. */
-            if (faces[k] && altitudes[a] < 1000 && a != ALTITUDES - 1)
-                continue;
             tc_error_stats all, finest;
             assert_int_equal(tc_error_stats_init(&all) || tc_error_stats_init(&finest), 0);
             double worst = 0;
@@ -164,8 +160,10 @@ static void nothing_marks_a_place(void **state)
                 kind[k], a == ALTITUDES - 1 ? 5 * radius : altitudes[a], (long long)all.count, tc_error_stats_rms(&all),
                 tc_error_stats_percentile(&all, 0.999), worst, places[worst_place][0], places[worst_place][1], all.max,
                 tc_error_stats_percentile(&finest, 0.999), finest.max);
-            /* From 2 m the samples, kilometres apart, do not say how the function is between them. */
-            assert_true(altitudes[a] < 30 ? tc_error_stats_percentile(&finest, 0.999) < 1 : worst < 1);
+            /* From near the ground the samples, kilometres apart, do not say how the function is between them; by the
+             * triangles of faces, which are bent around a pole, less than by rings' bilinear cells. */
+            assert_true(tc_error_stats_percentile(&finest, 0.999) < 0.5);
+            assert_true(worst < 1 || altitudes[a] < (faces[k] ? 1000 : 30));
             tc_error_stats_free(&all), tc_error_stats_free(&finest);
         }
         scene_destroy(&at);
