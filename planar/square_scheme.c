@@ -15,8 +15,10 @@ static int size(const tc_surface_request *request)
     return n;
 }
 
-static tc_status create(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret, tc_error *error)
+static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
+                        tc_surface **surface_ret, tc_error *error)
 {
+    (void)scheme;
     const tc_ground_options options = {.n = size(request),
                                        .max_levels = request->levels,
                                        .normals = request->needs->normals,
@@ -25,4 +27,4 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
     return tc_square_create(tc_map_field(map, 0), &options, surface_ret, error);
 }
 
-const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL}, {0}};
+const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL, NULL}, {0}};

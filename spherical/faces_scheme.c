@@ -116,10 +116,10 @@ static int size(const tc_surface_request *request)
     return n < TC_FACES_LEAST_N ? TC_FACES_LEAST_N : n > TC_CLIPMAP_MAX_N ? TC_CLIPMAP_MAX_N : n;
 }
 
-static tc_status create(const faces_kind *kind, const tc_map *map, const tc_surface_request *request,
+static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
                         tc_surface **surface_ret, tc_error *error)
 {
-    const tc_faces_options options = {.kind = kind,
+    const tc_faces_options options = {.kind = scheme->kind,
                                       .n = size(request),
                                       .max_levels = request->levels,
                                       .normals = request->needs->normals,
@@ -128,27 +128,9 @@ static tc_status create(const faces_kind *kind, const tc_map *map, const tc_surf
     return tc_faces_create(map, &options, surface_ret, error);
 }
 
-static tc_status create_hex(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                            tc_error *error)
-{
-    return create(&tc_faces_hex, map, request, surface_ret, error);
-}
-
-static tc_status create_cube(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                             tc_error *error)
-{
-    return create(&tc_faces_cube, map, request, surface_ret, error);
-}
-
-static tc_status create_cube_pt(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                                tc_error *error)
-{
-    return create(&tc_faces_cube_pt, map, request, surface_ret, error);
-}
-
 const tc_scheme tc_faces_schemes[] = {
-    {"hex", "hexagonal geometry clipmaps", &tc_sphere_body, size, create_hex, &tc_atlas_hex},
-    {"cube", "chunks of a cube's faces, passing over into each other", &tc_sphere_body, size, create_cube,
-     &tc_atlas_cube},
-    {"cube-pt", "the same without a passage", &tc_sphere_body, size, create_cube_pt, &tc_atlas_cube},
+    {"hex", "hexagonal geometry clipmaps", &tc_sphere_body, size, create, &tc_atlas_hex, &tc_faces_hex},
+    {"cube", "chunks of a cube's faces, passing over into each other", &tc_sphere_body, size, create, &tc_atlas_cube,
+     &tc_faces_cube},
+    {"cube-pt", "the same without a passage", &tc_sphere_body, size, create, &tc_atlas_cube, &tc_faces_cube_pt},
     {0}};

@@ -23,10 +23,10 @@ static int window_size(const tc_surface_request *request)
     return n;
 }
 
-static tc_status create(tc_rings_scheme scheme, const tc_map *map, const tc_surface_request *request,
+static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
                         tc_surface **surface_ret, tc_error *error)
 {
-    const tc_rings_options options = {.scheme = scheme,
+    const tc_rings_options options = {.scheme = *(const tc_rings_scheme *)scheme->kind,
                                       .n_phi = size(request),
                                       .m = request->steps,
                                       .n = window_size(request),
@@ -44,19 +44,9 @@ static int all_sizes(const tc_surface_request *request)
     return size(request) * 4096 + window_size(request);
 }
 
-static tc_status create_rings(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                              tc_error *error)
-{
-    return create(TC_RINGS_EXACT, map, request, surface_ret, error);
-}
-
-static tc_status create_ch06(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                             tc_error *error)
-{
-    return create(TC_RINGS_CH06, map, request, surface_ret, error);
-}
+static const tc_rings_scheme exact = TC_RINGS_EXACT, ch06 = TC_RINGS_CH06;
 
 const tc_scheme tc_rings_schemes[] = {
-    {"rings", NULL, &tc_sphere_body, all_sizes, create_rings, &tc_atlas_lonlat},
-    {"rings-ch06", "the paper's own map transform", &tc_sphere_body, all_sizes, create_ch06, &tc_atlas_lonlat},
+    {"rings", NULL, &tc_sphere_body, all_sizes, create, &tc_atlas_lonlat, &exact},
+    {"rings-ch06", "the paper's own map transform", &tc_sphere_body, all_sizes, create, &tc_atlas_lonlat, &ch06},
     {0}};

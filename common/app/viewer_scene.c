@@ -42,7 +42,8 @@ static tc_status make(tc_viewer *v, tc_error *error)
     request.needs = &needs;
     drop(v); /* there may not be room for both */
     v->surface_size = tc_viewer_scheme(v)->size(&request);
-    tc_status status = tc_viewer_scheme(v)->create(v->map, &request, &v->surface, error);
+    const tc_scheme *scheme = tc_viewer_scheme(v);
+    tc_status status = scheme->create(scheme, v->map, &request, &v->surface, error);
     if (status == TC_OK)
         status = tc_renderer_create(v->gl, v->surface, &v->scene, &v->renderer, error);
     return status;

@@ -39,7 +39,7 @@ static tc_status make_surface(tc_drawer *d, tc_error *error)
     const tc_scene_needs needs = tc_scene_needs_of(&d->scene, tc_field_info(tc_map_field(d->map, 0)));
     const tc_surface_request request = {
         .n = d->options.n, .levels = d->options.levels, .needs = &needs, .camera = &camera};
-    return d->scheme->create(d->map, &request, &d->surface, error);
+    return d->scheme->create(d->scheme, d->map, &request, &d->surface, error);
 }
 
 static void release(tc_drawer *d)

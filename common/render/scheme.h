@@ -15,17 +15,19 @@ typedef struct tc_surface_request {
     const tc_camera *camera;
 } tc_surface_request;
 
-typedef struct tc_scheme {
+typedef struct tc_scheme tc_scheme;
+struct tc_scheme {
     const char *name;          /* as in figures and on the command line */
     const char *help;          /* what it is, beside the first one; of that NULL */
     const tc_body_class *body; /* of the maps that it draws */
     /* What a surface's size comes to: another one calls for another surface. */
     int (*size)(const tc_surface_request *request);
     /* A surface over the map, which outlives it. */
-    tc_status (*create)(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret,
-                        tc_error *error);
+    tc_status (*create)(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
+                        tc_surface **surface_ret, tc_error *error);
     const tc_atlas *atlas; /* of the maps that it draws; NULL: none */
-} tc_scheme;
+    const void *kind;      /* which of its surface's, as its list knows them */
+};
 
 /* All that are built in: lists that end with a NULL name, of which the first one is taken unless another is named;
  * ended by NULL. */

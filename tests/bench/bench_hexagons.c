@@ -79,7 +79,7 @@ static void measure_planet(void *context, const scheme_planet *planet)
     tc_camera c = {.fov = 90 * DEGREE, .heading = 0.6, .pitch = -5 * DEGREE, .width = WIDTH, .height = HEIGHT};
     tc_surface *surface;
     tc_error error;
-    if (hex->create(map, &(tc_surface_request){.n = N, .needs = &needs, .camera = &c}, &surface, &error)) {
+    if (hex->create(hex, map, &(tc_surface_request){.n = N, .needs = &needs, .camera = &c}, &surface, &error)) {
         fprintf(stderr, "hexagons: %s\n", error.text);
         exit(1);
     }

@@ -159,7 +159,7 @@ static scene scene_of(const tc_map *map)
         .n = map->body.radius > 0 ? 256 : 63, .needs = &needs, .camera = &camera, .interactive = true};
     scene s = {0};
     tc_error error = {.text = ""};
-    if (scheme->create(map, &request, &s.surface, &error) ||
+    if (scheme->create(scheme, map, &request, &s.surface, &error) ||
         tc_renderer_create(tc_context_gl(context), s.surface, &plain, &s.renderer, &error))
         fail_msg("%s", error.text);
     return s;

@@ -96,7 +96,8 @@ static bool make_geometry(tc_geometry *g)
     return true;
 }
 
-static tc_status create(const tc_map *map, const tc_surface_request *request, tc_surface **surface_ret, tc_error *error)
+static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
+                        tc_surface **surface_ret, tc_error *error)
 {
     static const tc_surface_words words = {"levels", "squares", "never", NULL, "never", false};
     static const char *const vertex[] = {"one_square.vert", NULL}, *const fragment[] = {"one_square.frag", NULL},
@@ -120,6 +121,7 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
                             "    return g;\n"
                             "}\n"},
         {NULL, NULL}};
+    (void)scheme;
     tc_surface *s = calloc(1, sizeof *s);
     if (!s)
         return tc_fail(error, TC_ERR_MEMORY, "one square: not enough memory");
@@ -151,4 +153,4 @@ static tc_status create(const tc_map *map, const tc_surface_request *request, tc
     return TC_OK;
 }
 
-const tc_scheme one_square_schemes[] = {{"one-square", NULL, &tc_plane_body, size, create, NULL}, {0}};
+const tc_scheme one_square_schemes[] = {{"one-square", NULL, &tc_plane_body, size, create, NULL, NULL}, {0}};

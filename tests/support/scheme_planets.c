@@ -134,7 +134,7 @@ scene scheme_scene(const tc_context *context, const scheme_planet *p, const tc_s
     const tc_surface_request request = {.n = n, .needs = &needs, .camera = &frame};
     tc_surface *surface;
     tc_error error;
-    must(scheme->create(map, &request, &surface, &error), &error);
+    must(scheme->create(scheme, map, &request, &surface, &error), &error);
     return planet_scene_of(context, map, surface, &o);
 }
 
