@@ -274,7 +274,8 @@ static void a_scheme_that_only_this_test_knows_is_drawn(void **state)
     const tc_scene_needs needs = tc_scene_needs_of(&options, tc_field_info(tc_map_field(map, 0)));
     scene s = {0};
     tc_error error = {.text = ""};
-    if (one_square_schemes[0].create(map, &(tc_surface_request){.needs = &needs}, &s.surface, &error) ||
+    if (one_square_schemes[0].create(one_square_schemes, map, &(tc_surface_request){.needs = &needs}, &s.surface,
+                                     &error) ||
         tc_renderer_create(tc_context_gl(context), s.surface, &options, &s.renderer, &error))
         fail_msg("%s", error.text);
     /* Its heights are those of the mesh, and straight from above its pixels those of a square of one level. */
