@@ -8,6 +8,7 @@
 
 #include "common/chart/body.h"
 #include "common/terraclip.h"
+#include "common/view/camera.h"
 #include "error_stats.h"
 
 /* Place of a reversed depth (near / w; above 0) at (x, y) pixels from the frame's top left corner (centres at + 0.5),
@@ -15,7 +16,15 @@
 void tc_view_unproject(const tc_camera *camera, double near_plane, const tc_body *body, double x, double y, float depth,
                        double position_ret[3]);
 
+/* What all rays of a camera share. */
+typedef struct tc_lens {
+    tc_basis basis;
+    double tangent_x, tangent_y, width, height;
+} tc_lens;
+tc_lens tc_view_lens(const tc_camera *camera);
+
 /* The direction, of length 1, of a ray through (x, y) pixels: east, north, up at the eye. */
+void tc_lens_ray(const tc_lens *lens, double x, double y, double ray_ret[3]);
 void tc_view_ray(const tc_camera *camera, double x, double y, double ray_ret[3]);
 
 /* The place so far east, north and up of the eye. */

@@ -271,10 +271,11 @@ static double wave_height(void *about, const double p[3])
 
 static int number_globe(const tc_map *map, const ray_globe *rays, const tc_camera *c, double metres)
 {
+    const tc_lens lens = tc_view_lens(c);
     int ground = 0;
     for (int i = 0; i < PIXELS; i++) {
         double ray[3], t, place[3];
-        tc_view_ray(c, i % WIDTH + 0.5, i / WIDTH + 0.5, ray);
+        tc_lens_ray(&lens, i % WIDTH + 0.5, i / WIDTH + 0.5, ray);
         number[i] = NAN;
         if (!ray_globe_hit(rays, c, ray, &t))
             continue;

@@ -137,7 +137,9 @@ static void nothing_marks_a_place(void **state)
             for (int p = 0; p < PLACES; p++) {
                 tc_error_stats one;
                 assert_int_equal(tc_error_stats_init(&one), 0);
-                for (int look = sweep_whole() ? 0 : (p + a) % 3; look < 3; look += sweep_whole() ? 1 : 3) {
+                for (int look = 0; look < 3; look++) {
+                    if (!sweep_whole() && (look != (p + a) % 3 || (p + a + k) % 2))
+                        continue; /* a sixth: every place from every other altitude */
                     tc_camera c = camera_at(k, a, p, look);
                     scene_draw(&at, &c, true);
                     float *depth = planet_depth(&at, &c);

@@ -8,6 +8,7 @@
 
 #include "spherical/faces_internal.h"
 #include "tests/support/planet_scene.h"
+#include "tests/support/sweep.h"
 
 enum { PLANETS = 8, DATA = 6 }; /* the first DATA of them are */
 static const struct {
@@ -82,7 +83,7 @@ static void culling_removes_nothing_visible(void **state)
     for (int k = 0; k < DATA; k++) {
         test_random r = {2 + (uint64_t)k};
         scene s = scene_of(k, 10, &culled);
-        for (int view = 0; view < (made[k].faces ? 30 : 50); view++, views++) {
+        for (int view = 0; view < sweep_of(made[k].faces ? 30 : 50); view++, views++) {
             tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &culled, &stats);
@@ -136,7 +137,7 @@ static void backs_are_not_missed(void **state)
     for (int k = 0; k < DATA; k++) {
         test_random r = {4 + (uint64_t)k};
         scene s = scene_of(k, 10, &front);
-        for (int view = 0; view < (made[k].faces ? 30 : 50); view++, views++) {
+        for (int view = 0; view < sweep_of(made[k].faces ? 30 : 50); view++, views++) {
             tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             tc_frame_stats stats;
             uint8_t *a = picture(&s, &c, &front, &stats), *b = picture(&s, &c, &both, &stats);
@@ -160,7 +161,7 @@ static void a_picture_depends_on_the_view_alone(void **state)
         scene s[2];
         for (int i = 0; i < 2; i++)
             s[i] = scene_of(k, 8, &options[i]);
-        for (int view = 0; view < made[k].views; view++, views++) {
+        for (int view = 0; view < sweep_of(made[k].views); view++, views++) {
             tc_camera end = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
             uint8_t *pixels[3];
             tc_frame_stats stats;

@@ -84,7 +84,7 @@ static void same_view_same_picture(const tc_field *field, int samples, int views
 static void a_picture_depends_on_the_view_alone(void **state)
 {
     (void)state;
-    same_view_same_picture(terrain, 1, 60);
+    same_view_same_picture(terrain, 1, sweep_of(60));
 }
 
 static void also_with_several_samples_a_pixel(void **state)
@@ -96,7 +96,7 @@ static void also_with_several_samples_a_pixel(void **state)
 static void also_finer_than_the_data(void **state)
 {
     (void)state;
-    same_view_same_picture(finer, 1, 20);
+    same_view_same_picture(finer, 1, sweep_of(20));
 }
 
 static void culling_removes_nothing_visible(void **state)
@@ -106,7 +106,8 @@ static void culling_removes_nothing_visible(void **state)
     tc_scene_options all = {.frame.no_cull = true}, culled = {0};
     scene s = scene_create(context, terrain, 63, &culled);
     int64_t drawn = 0, without = 0;
-    for (int view = 0; view < 100; view++) {
+    const int views = sweep_of(100);
+    for (int view = 0; view < views; view++) {
         tc_camera c = random_view(&r, terrain);
         tc_renderer_set_options(s.renderer, &culled);
         tc_frame_stats stats = scene_draw(&s, &c, true);
@@ -119,7 +120,7 @@ static void culling_removes_nothing_visible(void **state)
         assert_int_equal(different_pixels(a, b), 0);
         free(a), free(b);
     }
-    printf("culling: %.3f of the triangles drawn over 100 views\n", (double)drawn / (double)without);
+    printf("culling: %.3f of the triangles drawn over %d views\n", (double)drawn / (double)without, views);
     assert_true(drawn < without * 7 / 10);
     scene_destroy(&s);
 }
@@ -132,7 +133,7 @@ static void backs_are_not_missed(void **state)
     test_random r = {4};
     tc_scene_options both = {.frame.two_sided = true}, front = {0};
     scene s = scene_create(context, terrain, 63, &front);
-    int64_t different = 0, views = 150;
+    int64_t different = 0, views = sweep_of(150);
     for (int64_t view = 0; view < views; view++) {
         tc_camera c = random_view(&r, terrain);
         tc_renderer_set_options(s.renderer, &front);

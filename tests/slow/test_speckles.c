@@ -37,13 +37,15 @@ static int isolated(const uint8_t *rgb)
     int count = 0;
     for (int y = 1; y < HEIGHT - 1; y++)
         for (int x = 1; x < WIDTH - 1; x++) {
-            int around[9];
-            for (int k = 0; k < 9; k++)
+            int around[9], own = grey(rgb + 3 * (y * WIDTH + x)), darker = 0, brighter = 0;
+            for (int k = 0; k < 9; k++) {
                 around[k] = grey(rgb + 3 * ((y + k / 3 - 1) * WIDTH + x + k % 3 - 1));
-            int own = around[4];
+                darker += around[k]<own, brighter += around[k]> own;
+            }
+            if (darker < 8 && brighter < 8)
+                continue;
             qsort(around, 9, sizeof *around, compare);
-            bool alone = own > around[7] || own < around[1];
-            count += alone && abs(own - around[4]) > OFF;
+            count += abs(own - around[4]) > OFF;
         }
     return count;
 }

@@ -135,7 +135,8 @@ static void nor_where_frames_are_throttled(void **state)
     assert_int_equal(t.cracks, 0);
     totals open = {0};
     for (int k = 0; k < TERRAINS; k++)
-        run_throttled(context, terrain[k], 63, 40, false, true, NO_STITCH, 95 + (uint64_t)k, &open);
+        run_throttled(context, terrain[k], 63, sweep_whole() ? 40 : 20, false, true, NO_STITCH, 95 + (uint64_t)k,
+                      &open);
     printf("watertight: throttled, no stitching: %d cracks in %d views\n", open.cracks, open.views);
     assert_true(open.cracks > 100);
 }

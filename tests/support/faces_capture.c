@@ -192,9 +192,9 @@ static void each_block(faces_capture *c, const tc_camera *camera, const tc_frame
 {
     static const tc_frame_options none;
     scene *s = c->scene;
-    c->gl->Enable(GL_RASTERIZER_DISCARD);
+    scene_leave_draws_out(s->surface);
     scene_draw(s, camera, true);
-    c->gl->Disable(GL_RASTERIZER_DISCARD);
+    scene_put_draws_back(s->surface);
     const tc_view *view = scene_look(s, camera, options ? options : &none);
     const tc_layers *layers = &tc_renderer_used(s->renderer).textures->layers;
     tc_frame frame;

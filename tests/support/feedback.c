@@ -56,9 +56,9 @@ GLuint feedback_program(const tc_gl *gl, const tc_surface *surface, const char *
     return program;
 }
 
-void feedback_run(const tc_gl *gl, GLuint program, int first, int count, int floats, float *out)
+/* What is drawn between begin() and end() is captured. */
+static GLuint begin(const tc_gl *gl, GLuint program, GLsizeiptr bytes)
 {
-    GLsizeiptr bytes = (GLsizeiptr)((size_t)count * (size_t)floats * sizeof *out);
     GLuint buffer;
     gl->CreateBuffers(1, &buffer);
     gl->NamedBufferStorage(buffer, bytes, NULL, 0);
@@ -66,10 +66,44 @@ void feedback_run(const tc_gl *gl, GLuint program, int first, int count, int flo
     gl->UseProgram(program);
     gl->Enable(GL_RASTERIZER_DISCARD);
     gl->BeginTransformFeedback(GL_POINTS);
-    gl->DrawArrays(GL_POINTS, first, count);
+    return buffer;
+}
+
+static void end(const tc_gl *gl, GLuint buffer, GLsizeiptr bytes, float *out)
+{
     gl->EndTransformFeedback();
     gl->Disable(GL_RASTERIZER_DISCARD);
     gl->GetNamedBufferSubData(buffer, 0, bytes, out);
     gl->BindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
     gl->DeleteBuffers(1, &buffer);
+}
+
+void feedback_run(const tc_gl *gl, GLuint program, int first, int count, int floats, float *out)
+{
+    const GLsizeiptr bytes = (GLsizeiptr)((size_t)count * (size_t)floats * sizeof *out);
+    const GLuint buffer = begin(gl, program, bytes);
+    gl->DrawArrays(GL_POINTS, first, count);
+    end(gl, buffer, bytes, out);
+}
+
+void feedback_elements(const tc_gl *gl, GLuint program, const uint32_t *element, int count, int floats, float *out)
+{
+    const GLsizeiptr bytes = (GLsizeiptr)((size_t)count * (size_t)floats * sizeof *out);
+    const tc_draw draw = {.count = (uint32_t)count, .instance_count = 1};
+    GLint vertices, own, indirect;
+    GLuint buffers[2]; /* elements, the draw of them */
+    gl->GetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertices);
+    gl->GetIntegerv(GL_ELEMENT_ARRAY_BUFFER_BINDING, &own);
+    gl->GetIntegerv(GL_DRAW_INDIRECT_BUFFER_BINDING, &indirect);
+    gl->CreateBuffers(2, buffers);
+    gl->NamedBufferStorage(buffers[0], (GLsizeiptr)((size_t)count * sizeof *element), element, 0);
+    gl->NamedBufferStorage(buffers[1], sizeof draw, &draw, 0);
+    gl->VertexArrayElementBuffer((GLuint)vertices, buffers[0]);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffers[1]);
+    const GLuint buffer = begin(gl, program, bytes);
+    gl->MultiDrawElementsIndirect(GL_POINTS, GL_UNSIGNED_INT, NULL, 1, 0);
+    end(gl, buffer, bytes, out);
+    gl->VertexArrayElementBuffer((GLuint)vertices, (GLuint)own);
+    gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, (GLuint)indirect);
+    gl->DeleteBuffers(2, buffers);
 }

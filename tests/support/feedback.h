@@ -16,4 +16,7 @@ GLuint feedback_program(const tc_gl *gl, const tc_surface *surface, const char *
 /* Runs it over vertices first .. first + count - 1 of what is bound, each `floats` floats in out. */
 void feedback_run(const tc_gl *gl, GLuint program, int first, int count, int floats, float *out);
 
+/* The same over vertices element[0 .. count - 1], one after the other in out. */
+void feedback_elements(const tc_gl *gl, GLuint program, const uint32_t *element, int count, int floats, float *out);
+
 #endif

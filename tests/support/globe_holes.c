@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "common/view/camera.h"
 #include "common/measure/view_error.h"
 #include "spherical/faces_internal.h"
 #include "spherical/rings_internal.h"
@@ -65,22 +64,37 @@ globe_mesh globe_mesh_of_faces(const tc_surface *surface, const tc_camera *camer
 
 /* ---- Rays ------------------------------------------------------------------------------------------------------- */
 
-/* The eye and a direction, along the eye's axes from the body's middle, in a space in which an ellipsoid is a sphere:
- * stretched along its axis by the ratio of what its semi-axes are with so much added to them. */
-static void stretch(const tc_body *body, const tc_camera *c, double more, const double d[3], double eye[3],
-                    double ray[3])
+/* A space in which an ellipsoid is a sphere, stretched along its axis, from the body's middle along the eye's axes: the
+ * eye, the pole, and by how much it is longer there. */
+typedef struct stretched {
+    double eye[3], pole[3], longer;
+} stretched;
+
+/* The ratio is that of the semi-axes with so much added to them. */
+static stretched stretch(const tc_body *body, const tc_camera *c, double more)
 {
-    const double place[3] = {c->x, c->y, c->z}, pole[3] = {0, cos(c->y), sin(c->y)};
-    double axes[3][3], p[3], of_eye = 0, of_ray = 0, length = 0;
-    double stretched = (body->radius + more) / (body->radius * (1 - body->flattening) + more) - 1;
+    stretched s = {.pole = {0, cos(c->y), sin(c->y)},
+                   .longer = (body->radius + more) / (body->radius * (1 - body->flattening) + more) - 1};
+    const double place[3] = {c->x, c->y, c->z};
+    double axes[3][3], p[3], of_eye = 0;
     body->class->position(body, place, p);
     body->class->axes(body, place, axes);
     for (int i = 0; i < 3; i++) {
-        eye[i] = axes[i][0] * p[0] + axes[i][1] * p[1] + axes[i][2] * p[2];
-        of_eye += pole[i] * eye[i], of_ray += pole[i] * d[i];
+        s.eye[i] = axes[i][0] * p[0] + axes[i][1] * p[1] + axes[i][2] * p[2];
+        of_eye += s.pole[i] * s.eye[i];
     }
+    for (int i = 0; i < 3; i++)
+        s.eye[i] += s.longer * of_eye * s.pole[i];
+    return s;
+}
+
+static void stretch_ray(const stretched *s, const double d[3], double ray[3])
+{
+    double of_ray = 0, length = 0;
+    for (int i = 0; i < 3; i++)
+        of_ray += s->pole[i] * d[i];
     for (int i = 0; i < 3; i++) {
-        eye[i] += stretched * of_eye * pole[i], ray[i] = d[i] + stretched * of_ray * pole[i];
+        ray[i] = d[i] + s->longer * of_ray * s->pole[i];
         length += ray[i] * ray[i];
     }
     for (int i = 0; i < 3; i++)
@@ -92,14 +106,14 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Whether the ray surely goes through the mesh. */
-static bool ray_enters(const globe_mesh *m, const tc_camera *c, const double d[3])
+/* Whether the ray surely goes through the mesh; s: stretched by the mesh's lowest height. */
+static bool ray_enters(const globe_mesh *m, const stretched *s, const double d[3])
 {
     /* A body as much lower is a little smaller than what semi-axes as much shorter make. */
     const double flattening = m->body.flattening, slack = 1e-6 + flattening * fabs(m->z_lo) / m->body.radius;
-    double low = m->body.radius + m->z_lo, eye[3], ray[3];
-    stretch(&m->body, c, m->z_lo, d, eye, ray);
-    double ahead = -dot(eye, ray), away = sqrt(dot(eye, eye));
+    double low = m->body.radius + m->z_lo, ray[3];
+    stretch_ray(s, d, ray);
+    double ahead = -dot(s->eye, ray), away = sqrt(dot(s->eye, s->eye));
     if (ahead <= 0)
         return false;
     /* Where it is nearest to the middle: the angle from the foot point, and how near. */
@@ -108,23 +122,28 @@ static bool ray_enters(const globe_mesh *m, const tc_camera *c, const double d[3
     return nearest < low * cos(fmin(m->half(m, theta), M_PI / 2)) * (1 - slack);
 }
 
-static bool solid(const uint8_t *rgb, const tc_camera *c, int x, int y)
+/* Whether terrain is drawn all around each pixel, to be freed. */
+static bool *solid_pixels(const uint8_t *rgb, const tc_camera *c)
 {
-    if (x < 1 || y < 1 || x >= c->width - 1 || y >= c->height - 1)
-        return false;
-    for (int k = 0; k < 9; k++)
-        if (magenta(rgb, c, x + k % 3 - 1, y + k / 3 - 1))
-            return false;
-    return true;
+    bool *solid = calloc((size_t)(c->width * c->height), sizeof *solid);
+    if (!solid)
+        exit(99);
+    for (int y = 1; y < c->height - 1; y++)
+        for (int x = 1; x < c->width - 1; x++) {
+            bool all = true;
+            for (int k = 0; k < 9 && all; k++)
+                all = !magenta(rgb, c, x + k % 3 - 1, y + k / 3 - 1);
+            solid[y * c->width + x] = all;
+        }
+    return solid;
 }
 
 /* Whether terrain is drawn between the pixel and where the direction straight up vanishes. */
-static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
+static bool terrain_above(const bool *solid, const tc_camera *c, const tc_lens *lens, int x, int y)
 {
-    tc_basis b = tc_camera_basis(c);
-    double tx, ty;
-    tc_camera_tangents(c, &tx, &ty);
-    double vw = b.forward[2], vx = (b.right[2] / tx + vw) * c->width / 2, vy = (vw - b.up[2] / ty) * c->height / 2;
+    const tc_basis *b = &lens->basis;
+    double vw = b->forward[2], vx = (b->right[2] / lens->tangent_x + vw) * c->width / 2,
+           vy = (vw - b->up[2] / lens->tangent_y) * c->height / 2;
     double px = x + 0.5, py = y + 0.5, dx = vx - vw * px, dy = vy - vw * py, length = hypot(dx, dy);
     double most = vw > 0 ? length / vw : 2 * (c->width + c->height);
     if (length < 1e-9)
@@ -133,7 +152,7 @@ static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
         int qx = (int)floor(px + s * dx / length), qy = (int)floor(py + s * dy / length);
         if (qx < 0 || qy < 0 || qx >= c->width || qy >= c->height)
             return false;
-        if (solid(rgb, c, qx, qy))
+        if (solid[qy * c->width + qx])
             return true;
     }
     return false;
@@ -142,9 +161,10 @@ static bool terrain_above(const uint8_t *rgb, const tc_camera *c, int x, int y)
 /* Where the ray is within the sphere of the highest height; false where it never is ahead of the eye. */
 static bool ray_within(const globe_mesh *m, const tc_camera *c, const double d[3], double *from_ret, double *to_ret)
 {
-    double eye[3], ray[3], high = (m->body.radius + m->z_hi) / (1 - m->body.flattening);
-    stretch(&m->body, c, 0, d, eye, ray);
-    double nearest = -dot(eye, ray), half = high * high - (dot(eye, eye) - nearest * nearest);
+    const stretched s = stretch(&m->body, c, 0);
+    double ray[3], high = (m->body.radius + m->z_hi) / (1 - m->body.flattening);
+    stretch_ray(&s, d, ray);
+    double nearest = -dot(s.eye, ray), half = high * high - (dot(s.eye, s.eye) - nearest * nearest);
     if (half <= 0)
         return false;
     half = sqrt(half);
@@ -177,19 +197,22 @@ globe_holes globe_holes_of(scene *s, const globe_mesh *mesh, const tc_camera *c,
                            int64_t most_suspects)
 {
     globe_holes h = {0};
+    const tc_lens lens = tc_view_lens(c);
+    const stretched low = stretch(&mesh->body, c, mesh->z_lo);
     uint8_t *rgb = scene_pixels(s, c);
+    bool *solid = solid_pixels(rgb, c);
     for (int y = 0; y < c->height; y++)
         for (int x = 0; x < c->width; x++) {
             double d[3];
-            tc_view_ray(c, x + 0.5, y + 0.5, d);
-            bool sure = ray_enters(mesh, c, d), open = magenta(rgb, c, x, y);
+            tc_lens_ray(&lens, x + 0.5, y + 0.5, d);
+            bool sure = ray_enters(mesh, &low, d), open = magenta(rgb, c, x, y);
             h.terrain += !open, h.sure += sure;
             h.holes += sure && open;
-            if (open && !sure && terrain_above(rgb, c, x, y)) {
+            if (open && !sure && terrain_above(solid, c, &lens, x, y)) {
                 h.suspects++;
                 h.cracks += h.suspects <= most_suspects && ray_crosses(s, mesh, c, options, d);
             }
         }
-    free(rgb);
+    free(rgb), free(solid);
     return h;
 }

@@ -78,11 +78,12 @@ void globe_scene_frame(globe_scene *s, const tc_camera *camera, bool draw)
     tc_frame_stats stats;
     tc_error error;
     if (!draw)
-        s->gl->Enable(GL_RASTERIZER_DISCARD);
+        scene_leave_draws_out(s->surface);
     int frames = 0;
     do
         must(tc_renderer_frame(s->renderer, camera, true, &stats, &error), &error);
     while (!stats.resident && ++frames < 100);
     must(stats.resident ? TC_OK : tc_fail(&error, TC_ERR_IO, "what a view wants is never held"), &error);
-    s->gl->Disable(GL_RASTERIZER_DISCARD);
+    if (!draw)
+        scene_put_draws_back(s->surface);
 }

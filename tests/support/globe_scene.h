@@ -32,7 +32,7 @@ typedef struct globe_scene {
 globe_scene globe_scene_create(const tc_context *context, const tc_map *atlas, const tc_rings_options *options);
 void globe_scene_destroy(globe_scene *s);
 
-/* A frame with all that it needs; draw: false leaves out the pixels. */
+/* A frame with all that it needs; draw: false leaves out the triangles. */
 void globe_scene_frame(globe_scene *s, const tc_camera *camera, bool draw);
 
 #endif

@@ -17,7 +17,7 @@ void ray_flat_destroy(ray_flat *f);
 bool ray_flat_hit(const ray_flat *f, const tc_camera *camera, const double d[3], double *distance_ret);
 
 /* The surface of tc_map_height(), which is bilinear on its charts: steps of at most a fiftieth of the distance and an
- * eighth of a sample, and bisection; larger ones where maxima of tiles show that nothing is in the way. */
+ * eighth of a sample, and secants; larger ones where maxima of tiles show that nothing is in the way. */
 typedef struct ray_globe ray_globe;
 ray_globe *ray_globe_create(const tc_map *atlas);
 void ray_globe_destroy(ray_globe *g);

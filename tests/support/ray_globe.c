@@ -19,6 +19,7 @@ struct ray_globe {
     double x0, y0, side;   /* of the tiles, radians */
     int64_t columns, rows;
     float *most;
+    double *narrow; /* of each row: the least share of a tile's side that one is wide in it and beside it */
 };
 
 static const double SHORT = 0.17; /* cosine of the latitude from which on rows are taken as a whole */
@@ -90,7 +91,8 @@ ray_globe *ray_globe_create(const tc_map *atlas)
                          .rows = (l.height + TILE - 1) / TILE,
                          .z_max = -INFINITY};
     float *own = g ? malloc((size_t)(g->columns * g->rows) * sizeof *own) : NULL;
-    if (!own || !(g->most = malloc((size_t)(g->columns * g->rows) * sizeof *g->most))) {
+    if (!own || !(g->most = malloc((size_t)(g->columns * g->rows) * sizeof *g->most)) ||
+        !(g->narrow = malloc((size_t)g->rows * sizeof *g->narrow))) {
         fputs("ray cast: not enough memory\n", stderr);
         exit(99);
     }
@@ -105,6 +107,8 @@ ray_globe *ray_globe_create(const tc_map *atlas)
             row = fmaxf(row, g->most[j * g->columns + i] = around(g, own, i, j));
         for (int64_t i = 0; i < g->columns && whole_row(g, j); i++)
             g->most[j * g->columns + i] = row;
+        const double south = g->y0 + (double)j * g->side, farthest = fmax(fabs(south), fabs(south + g->side));
+        g->narrow[j] = whole_row(g, j) ? 1 : cos(fmin(farthest + g->side, M_PI / 2));
     }
     free(own);
     return g;
@@ -113,6 +117,7 @@ ray_globe *ray_globe_create(const tc_map *atlas)
 void ray_globe_destroy(ray_globe *g)
 {
     free(g->most);
+    free(g->narrow);
     free(g);
 }
 
@@ -166,21 +171,30 @@ static double shell(const ray_globe *g, const point *p, double *reach_ret)
     double x = p->place[0] - g->x0;
     int64_t i = tc_clamp64((int64_t)floor((x - 2 * M_PI * floor(x / (2 * M_PI))) / g->side), 0, g->columns - 1);
     int64_t j = tc_clamp64((int64_t)floor((p->place[1] - g->y0) / g->side), 0, g->rows - 1);
-    double narrow = whole_row(g, j) ? 1 : cos(fmin(fabs(p->place[1]) + g->side, M_PI / 2));
-    *reach_ret = 0.99 * g->side * narrow * (g->radius + fmin(p->place[2], 0));
+    *reach_ret = 0.99 * g->side * g->narrow[j] * (g->radius + fmin(p->place[2], 0));
     return g->most[j * g->columns + i];
 }
 
-static double bisect(const ray *r, double clear, double below)
+/* Where it is met between two points, by the secant; the end that stays twice counts half (the Illinois rule). */
+static double meet(const ray *r, double clear, double below)
 {
-    for (int i = 0; i < 100 && below - clear > 1e-12 * below; i++) {
-        point p = at(r, 0.5 * (clear + below));
-        if (above(r, &p) < 0)
-            below = p.s;
-        else
-            clear = p.s;
+    const point first = at(r, clear), last = at(r, below);
+    double over = above(r, &first), under = above(r, &last);
+    int side = 0;
+    for (int i = 0; i < 100 && over > 0 && below - clear > 1e-12 * below; i++) {
+        /* The middle now and then, so that it surely ends. */
+        const double s = i % 8 == 7 ? 0.5 * (clear + below) : clear + (below - clear) * (over / (over - under));
+        const point p = at(r, s);
+        const double z = above(r, &p);
+        if (z < 0) {
+            below = s, under = z, over *= side < 0 ? 0.5 : 1;
+            side = -1;
+        } else {
+            clear = s, over = z, under *= side > 0 ? 0.5 : 1;
+            side = 1;
+        }
     }
-    return 0.5 * (clear + below);
+    return over > 0 ? 0.5 * (clear + below) : clear;
 }
 
 bool ray_globe_hit(const ray_globe *g, const tc_camera *camera, const double d[3], double *distance_ret)
@@ -201,16 +215,19 @@ bool ray_globe_hit(const ray_globe *g, const tc_camera *camera, const double d[3
             return false;
         s = c / (-b + sqrt(q));
     }
-    double from = s;
-    for (point p = at(&r, s); p.place[2] <= g->z_max * (1 + 1e-9) + 1e-6 || slope(&r, &p) < 0;) {
-        double reach, most = shell(g, &p, &reach), fall = -slope(&r, &p);
+    const double from = s;
+    point p = at(&r, s);
+    double reach, most = shell(g, &p, &reach);
+    while (p.place[2] <= g->z_max * (1 + 1e-9) + 1e-6 || slope(&r, &p) < 0) {
         double step = fmin(cell / 8, fmax(0.02 * fmax(p.s - from, p.s * 0.02), 1e-3)), free = 0;
-        if (p.place[2] > most)
+        if (p.place[2] > most) {
+            const double fall = -slope(&r, &p);
             free = fall > 0 ? fmin(reach, (p.place[2] - most) / fall) : reach; /* heights along a ray are convex */
-        point next = at(&r, p.s + fmax(step, free));
-        double unused;
-        if (next.place[2] <= shell(g, &next, &unused) && above(&r, &next) < 0) {
-            *distance_ret = bisect(&r, p.s, next.s);
+        }
+        const point next = at(&r, p.s + fmax(step, free));
+        most = shell(g, &next, &reach);
+        if (next.place[2] <= most && above(&r, &next) < 0) {
+            *distance_ret = meet(&r, p.s, next.s);
             return true;
         }
         p = next;

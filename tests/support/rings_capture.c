@@ -38,6 +38,7 @@ rings_capture rings_capture_create(globe_scene *globe)
     c.plain = feedback_program(globe->gl, surface, "", "renderer.vert", "", (const char *[]){"gl_Position", NULL});
     size_t vertices = (size_t)globe->surface->geometry.vertex_count;
     c.vertices = calloc(vertices, sizeof *c.vertices);
+    c.elements = calloc(vertices, sizeof *c.elements);
     c.positions = calloc(vertices, sizeof *c.positions);
     return c;
 }
@@ -47,6 +48,7 @@ void rings_capture_destroy(rings_capture *c)
     c->globe->gl->DeleteProgram(c->program);
     c->globe->gl->DeleteProgram(c->plain);
     free(c->vertices);
+    free(c->elements);
     free(c->positions);
     *c = (rings_capture){0};
 }
@@ -145,6 +147,20 @@ static void compare(const rings_capture *capture, const rings_view *view, const 
     add_error(capture, camera, v, &o, e);
 }
 
+/* Captures every `step`-th column of rows from a vertex on, row by row, and a last vertex where it is not negative. */
+static void capture_columns(rings_capture *c, int first, int rows, int step, int last)
+{
+    const rings_geometry *g = &((const rings_surface *)c->globe->surface)->geometry;
+    int count = 0;
+    for (int row = 0; row < rows; row++)
+        for (int k = row % step; k < g->n_phi; k += step)
+            c->elements[count++] = (uint32_t)(first + row * g->stride + k);
+    if (last >= 0)
+        c->elements[count++] = (uint32_t)last;
+    feedback_elements(c->globe->gl, c->program, c->elements, count, sizeof *c->vertices / sizeof(float),
+                      (float *)c->vertices);
+}
+
 void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, rings_error error[RINGS_MAX_LEVELS])
 {
     const rings_surface *s = (const rings_surface *)c->globe->surface;
@@ -152,23 +168,23 @@ void rings_capture_compare(rings_capture *c, const tc_camera *camera, int step, 
     globe_scene_frame(c->globe, camera, false);
     rings_view view = view_of(c, camera);
     int first = tc_rings_level_base(g, view.first), rows = (view.finest - view.first + 1) * g->m + 1;
-    int floats = sizeof *c->vertices / sizeof(float);
-    feedback_run(c->globe->gl, c->program, first, rows * g->stride, floats, (float *)c->vertices);
+    capture_columns(c, first, rows, step, -1);
+    const captured_vertex *v = c->vertices;
     for (int row = 0; row < rows; row++)
         for (int k = row % step; k < g->n_phi; k += step) {
             int i = view.first + row / g->m;
             long double j = row % g->m, theta = ldexpl(pi, -i) * (1 - j / (2 * g->m));
-            compare(c, &view, camera, &c->vertices[row * g->stride + k], theta, 2 * pi * k / g->n_phi, i + j / g->m,
-                    &error[i]);
+            compare(c, &view, camera, v++, theta, 2 * pi * k / g->n_phi, i + j / g->m, &error[i]);
         }
     first = tc_rings_fill_base(g, view.finest);
-    feedback_run(c->globe->gl, c->program, first, g->fill * g->stride + 1, floats, (float *)c->vertices);
+    capture_columns(c, first, g->fill, step, first + g->fill * g->stride);
+    v = c->vertices;
     long double w = view.finest + 1, edge = ldexpl(pi, -view.finest - 1);
     for (int row = 0; row < g->fill; row++)
         for (int k = row % step; k < g->n_phi; k += step)
-            compare(c, &view, camera, &c->vertices[row * g->stride + k], edge * (1 - (long double)row / g->fill),
-                    2 * pi * k / g->n_phi, w, &error[view.finest + 1]);
-    compare(c, &view, camera, &c->vertices[g->fill * g->stride], 0, 0, w, &error[view.finest + 1]);
+            compare(c, &view, camera, v++, edge * (1 - (long double)row / g->fill), 2 * pi * k / g->n_phi, w,
+                    &error[view.finest + 1]);
+    compare(c, &view, camera, v, 0, 0, w, &error[view.finest + 1]);
 }
 
 int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, int capacity, double (*offset)[2])
@@ -178,11 +194,10 @@ int rings_capture_offsets(rings_capture *c, const tc_camera *camera, int step, i
     globe_scene_frame(c->globe, camera, false);
     rings_view view = view_of(c, camera);
     int count = 0, from = view.finest - 4, rows = 5 * g->m;
-    feedback_run(c->globe->gl, c->program, tc_rings_level_base(g, from), rows * g->stride,
-                 sizeof *c->vertices / sizeof(float), (float *)c->vertices);
+    capture_columns(c, tc_rings_level_base(g, from), rows, step, -1);
     for (int row = 0; row < rows; row++)
         for (int k = row % step; k < g->n_phi && count < capacity; k += step, count++) {
-            const captured_vertex *v = &c->vertices[row * g->stride + k];
+            const captured_vertex *v = &c->vertices[count];
             int i = from + row / g->m;
             long double j = row % g->m, theta = ldexpl(pi, -i) * (1 - j / (2 * g->m)), pixel[2];
             oracle_vertex o = rings_oracle(s, &view, camera, theta, 2 * pi * k / g->n_phi, i + j / g->m);

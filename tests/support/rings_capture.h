@@ -18,6 +18,7 @@ typedef struct rings_capture {
     globe_scene *globe;
     GLuint program, plain; /* the latter without additions: gl_Position alone */
     captured_vertex *vertices;
+    uint32_t *elements; /* which vertices are captured */
     float (*positions)[4];
     double place[TC_MAX_CHARTS][2]; /* of the viewer looked at last, finest samples */
 } rings_capture;

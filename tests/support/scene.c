@@ -94,6 +94,25 @@ tc_frame_stats scene_draw(scene *s, const tc_camera *camera, bool resident)
     return stats;
 }
 
+static void (*own_draws)(const tc_view *, const tc_layers *, tc_frame *);
+
+static void no_draws(const tc_view *view, const tc_layers *layers, tc_frame *frame)
+{
+    own_draws(view, layers, frame);
+    frame->strip_draws = frame->list_draws = 0;
+}
+
+void scene_leave_draws_out(tc_surface *surface)
+{
+    own_draws = surface->draws;
+    surface->draws = no_draws;
+}
+
+void scene_put_draws_back(tc_surface *surface)
+{
+    surface->draws = own_draws;
+}
+
 uint8_t *scene_pixels(scene *s, const tc_camera *camera)
 {
     uint8_t *rgb = malloc(3 * (size_t)camera->width * (size_t)camera->height);

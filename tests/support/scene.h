@@ -32,6 +32,11 @@ bool scene_height(scene *s, const tc_camera *camera, const tc_frame_options *opt
 /* Draws the view; resident: frames until everything it needs is there, else one frame. */
 tc_frame_stats scene_draw(scene *s, const tc_camera *camera, bool resident);
 
+/* Frames of a surface whose draws are left out have windows, uniforms and what stays bound for tests that run its
+ * vertex stage once more, but no triangles. */
+void scene_leave_draws_out(tc_surface *surface);
+void scene_put_draws_back(tc_surface *surface);
+
 /* The drawn frame, rows top to bottom; caller frees. */
 uint8_t *scene_pixels(scene *s, const tc_camera *camera);
 

@@ -2,6 +2,7 @@
 #include "watertight.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #include "common/view/camera.h"
 #include "common/measure/view_error.h"
@@ -51,6 +52,7 @@ tc_camera watertight_view(test_random *r, const tc_field *p, double highest, int
 typedef struct picture {
     const uint8_t *rgb;
     int width, height;
+    bool *solid; /* of each pixel: terrain is drawn all around it */
 } picture;
 
 static bool magenta(const picture *f, int x, int y)
@@ -59,15 +61,18 @@ static bool magenta(const picture *f, int x, int y)
     return p[0] == 255 && p[1] == 0 && p[2] == 255;
 }
 
-static bool solid(const picture *f, int x, int y)
+static void find_solid(picture *f)
 {
-    if (x < 1 || y < 1 || x >= f->width - 1 || y >= f->height - 1)
-        return false;
-    for (int dy = -1; dy <= 1; dy++)
-        for (int dx = -1; dx <= 1; dx++)
-            if (magenta(f, x + dx, y + dy))
-                return false;
-    return true;
+    f->solid = calloc((size_t)f->width * (size_t)f->height, sizeof *f->solid);
+    if (!f->solid)
+        exit(99);
+    for (int y = 1; y < f->height - 1; y++)
+        for (int x = 1; x < f->width - 1; x++) {
+            bool all = true;
+            for (int k = 0; k < 9 && all; k++)
+                all = !magenta(f, x + k % 3 - 1, y + k / 3 - 1);
+            f->solid[y * f->width + x] = all;
+        }
 }
 
 /* Whether terrain is drawn between the pixel and the frame's edge, or the vanishing point (vx, vy, vw: homogeneous,
@@ -84,7 +89,7 @@ static bool terrain_towards(const picture *f, int x, int y, double vx, double vy
         int qx = (int)floor(px + s * dx / length), qy = (int)floor(py + s * dy / length);
         if (qx < 0 || qy < 0 || qx >= f->width || qy >= f->height)
             return false;
-        if (solid(f, qx, qy))
+        if (f->solid[qy * f->width + qx])
             return true;
     }
     return false;
@@ -137,7 +142,8 @@ static bool ray_crosses(scene *s, const tc_camera *camera, const tc_frame_option
 int watertight_cracks(scene *s, const uint8_t *rgb, const tc_camera *camera, const tc_frame_options *options,
                       int64_t *terrain_ret)
 {
-    const picture f = {rgb, camera->width, camera->height};
+    picture f = {rgb, camera->width, camera->height, NULL};
+    find_solid(&f);
     bool outside = !watertight_over(s->field, camera);
     tc_basis b = tc_camera_basis(camera);
     double tx, ty;
@@ -156,5 +162,6 @@ int watertight_cracks(scene *s, const uint8_t *rgb, const tc_camera *camera, con
         }
     if (terrain_ret)
         *terrain_ret = terrain;
+    free(f.solid);
     return cracks;
 }
