@@ -3,8 +3,8 @@
  * bands of rows.
  *
  * Each face's levels are coded by itself, with the border rule on its sides: its samples there are what another face
- * may have otherwise by a rounding or by what was lost. Readers take those of one face for both
- * (common/chart/joined.h). */
+ * may have otherwise by a rounding or by what was lost, on coarser levels by filters that end there, too. Readers take
+ * those of one face for both (common/chart/joined.h). */
 #include <math.h>
 
 #include "common/base/parallel.h"
