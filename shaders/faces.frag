@@ -45,7 +45,10 @@ float told_height()
 // alpha as the heights. No further than the window, beyond which the map holds what was there before.
 vec2 change_seen(int l, vec2 samples)
 {
-    float alpha = beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
+    int coarser = coarser_by(l);
+    float alpha = beside() || coarser > 0 ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
+    l -= coarser;
+    samples *= exp2(-float(coarser));
     vec4 w = window[l];
     vec2 at = clamp(v_window.xy + samples, vec2(0.0), w.zw);
     vec2 texel = (2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));

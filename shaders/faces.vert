@@ -13,7 +13,7 @@ out float v_void;
 INTERPOLATED out vec4 v_terrain; // x: metres above the reference height; y, z: samples of the level from the viewer's; w: alpha
 INTERPOLATED out vec3 v_direction; // normal less the viewer's: east, north, up
 flat out vec4 v_corner;          // x, y, z: v_terrain's at a corner; w: layer
-flat out vec4 v_window;          // x, y: the viewer's place in samples from the window's first; z: NEARNESS at the corner
+flat out vec4 v_window;          // x, y: the viewer's place in samples of the level that shades from its window's first; z: NEARNESS at the corner
 flat out vec3 v_aside;           // v_direction's at the corner
 
 int block_layer()
@@ -85,7 +85,10 @@ vec3 surface_vertex()
     // Samples of the level from the viewer's place on the chart.
     ivec2 nearest = ivec2(whole[PLACES(chart) + 1].w, whole[PLACES(chart) + 2].w);
     vec2 place = (vec2(at - nearest) - surface[FACE(chart) + 4].xy) * exp2(-float(shift));
-    vec2 viewer = mod(vec2(texel) - window[l].xy, 2.0 * float(WINDOW_MASK + 1)) - place;
+    int coarser = coarser_by(l), torus = 2 * (WINDOW_MASK + 1);
+    ivec2 sample_ = at >> (shift + coarser);
+    vec2 beyond = vec2(at - (sample_ << (shift + coarser))) * exp2(-float(shift + coarser));
+    vec2 viewer = mod(vec2(sample_ & (torus - 1)) - window[l - coarser].xy, float(torus)) + beyond - place * exp2(-float(coarser));
     vec4 corner = view_projection * vec4(position, 1.0);
     v_terrain = vec4(told, place, alpha);
     v_direction = d;

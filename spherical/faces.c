@@ -157,7 +157,7 @@ static void set_uniforms(assembly *a)
     const double start = FACES_PASSED * (1 - FACES_PASSAGE), width = FACES_PASSED * FACES_PASSAGE;
     const bool passes = s->kind->morphs && !options->no_morph && !options->no_stitch;
     tc_set4(u[2], passes ? start : 1, passes ? 1 / width : 0, !options->no_stitch, 0);
-    const int32_t common[4] = {(int32_t)s->cells};
+    const int32_t common[4] = {(int32_t)s->cells, s->head.refined};
     memcpy(whole[0], common, sizeof common);
     for (int chart = 0; chart < s->map->charts; chart++) {
         float(*vectors)[4] = u + FACES_FIRST_VECTOR + chart * FACES_VECTORS;
@@ -279,11 +279,14 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     /* Places are 32-bit numbers, also what seams make of them. What is finer than that has room for is left out where
      * it is finer than the data. */
     enum { MOST_CELLS = 1 << 29 };
-    const int data = levels - tc_field_info(field)->synthesised - s->head.refined;
+    const int own = tc_field_info(s->map->chart[0].field)->levels,
+              data = own + 1 - first - tc_field_info(field)->synthesised;
     while (levels > 1 && levels > data &&
            (levels > most || tc_field_level(field, first + levels - 1).width - 1 > MOST_CELLS))
         levels--;
     s->windows.max_levels = levels;
+    s->slopes.finest = own;
+    s->head.refined = first + levels - 1 > own ? first + levels - 1 - own : 0;
     s->cells = tc_field_level(field, first + levels - 1).width - 1;
     s->cell = M_PI / 2 / (double)s->cells;
     if (s->cells > MOST_CELLS)
@@ -371,8 +374,8 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .draws = faces_draws,
                            .height = tc_faces_drawn_height,
                            .destroy = faces_destroy};
-    s->shear.turn = kind->chart->turn;
-    s->windows.shear = kind->chart->turn ? &s->shear : NULL;
+    s->slopes.turn = kind->chart->turn;
+    s->windows.slopes = &s->slopes;
     tc_status status = tc_faces_set_charts(s, error);
     if (status == TC_OK)
         status = set_lattice(s, error);

@@ -40,7 +40,6 @@ tc_status tc_faces_set_charts(faces_surface *s, tc_error *error)
         if (field)
             s->chart[k] = tc_chart_face(c->class, field, k);
     }
-    s->head.refined = levels;
     /* What lies beyond a side is a neighbour's, on these levels, too. */
     if (!enough || !tc_charts_join(s->chart, charts, NULL))
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", s->kind->name);
@@ -50,6 +49,7 @@ tc_status tc_faces_set_charts(faces_surface *s, tc_error *error)
 
 void tc_faces_drop_charts(faces_surface *s)
 {
-    for (int k = 0; k < s->map->charts && s->head.refined > 0; k++)
-        tc_field_destroy(s->chart[k].field);
+    for (int k = 0; k < s->map->charts; k++)
+        if (s->chart[k].field != s->map->chart[k].field)
+            tc_field_destroy(s->chart[k].field);
 }

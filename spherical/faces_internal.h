@@ -53,7 +53,7 @@ typedef struct faces_surface {
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
     int strips, lists; /* the most draws of either kind */
     tc_ground_options windows;
-    tc_shear shear;
+    tc_slopes slopes;
     const char *vertex_parts[6], *fragment_parts[7], *sky_parts[4];
 } faces_surface;
 

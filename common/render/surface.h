@@ -171,7 +171,7 @@ struct tc_surface {
     double extent;     /* metres, of all that there is to see */
     tc_geometry geometry;
     const tc_field *field; /* of chart 0 */
-    int refined;           /* of its levels, those that the surface adds to the map's: of the same heights */
+    int refined;           /* of the levels drawn those finer than the map's, on its mesh */
     int n;                 /* size of the windows */
     int shaded_n;          /* of those that shading alone would call for; 0: n */
     int draw_capacity;     /* the most draws that a frame can have */

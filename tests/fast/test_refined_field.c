@@ -6,6 +6,7 @@
 
 #include "common/base/rect.h"
 #include "common/chart/joined.h"
+#include "common/content/ground.h"
 #include "common/field/point.h"
 #include "common/field/refined_field.h"
 #include "tests/support/planet_scene.h"
@@ -131,6 +132,36 @@ static void sides_are_the_same(void **state)
     }
 }
 
+/* The field's finest level is shaded as if there were none finer. */
+static void shading_is_that_of_the_field(void **state)
+{
+    (void)state;
+    enum { N = 31 };
+    tc_field *base = terrain_field(TERRAIN_SMOOTH, 129, 129, 10, 3), *fine = tc_refined_field(base, FINER);
+    const int own = tc_field_info(base)->levels;
+    const tc_slopes slopes = {.finest = own}, all = {0};
+    const tc_ground_options plain = {.n = N, .normals = true}, by_own = {.n = N, .normals = true, .slopes = &slopes},
+                            by_mesh = {.n = N, .normals = true, .slopes = &all};
+    tc_clipmap *c[3];
+    assert_int_equal(tc_ground_create(base, &plain, &c[0], NULL), TC_OK);
+    assert_int_equal(tc_ground_create(fine, &by_own, &c[1], NULL), TC_OK);
+    assert_int_equal(tc_ground_create(fine, &by_mesh, &c[2], NULL), TC_OK);
+    const int levels = tc_clipmap_levels(c[0]);
+    tc_rect wanted[TC_MAX_LEVELS] = {{0}};
+    for (int l = 1; l <= levels; l++)
+        wanted[l - 1] = (tc_rect){l == 1 ? 0 : 2, l == 1 ? 0 : 2, N, N};
+    wanted[0] = tc_clipmap_level(c[0], 1)->extent;
+    for (int k = 0; k < 3; k++)
+        tc_clipmap_update(c[k], wanted, -1, true, 0);
+    const size_t bytes = (size_t)4 * 2 * (N + 1) * 2 * (N + 1);
+    for (int l = 1; l <= levels; l++)
+        assert_memory_equal(tc_ground_normals(c[0], l), tc_ground_normals(c[1], l), bytes);
+    assert_true(memcmp(tc_ground_normals(c[0], levels), tc_ground_normals(c[2], levels), bytes) != 0);
+    for (int k = 0; k < 3; k++)
+        tc_clipmap_destroy(c[k]);
+    tc_field_destroy(fine), tc_field_destroy(base);
+}
+
 static void too_many_are_refused(void **state)
 {
     (void)state;
@@ -143,6 +174,8 @@ static void too_many_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(samples_lie_on_the_mesh), cmocka_unit_test(it_goes_round),
-                                       cmocka_unit_test(sides_are_the_same), cmocka_unit_test(too_many_are_refused)};
+                                       cmocka_unit_test(sides_are_the_same),
+                                       cmocka_unit_test(shading_is_that_of_the_field),
+                                       cmocka_unit_test(too_many_are_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
