@@ -80,6 +80,7 @@ void made_folder_remove(void)
 
 void make_bytes(const char *path, const void *bytes, size_t count)
 {
+    unlink(path); /* a file that is written over is flushed to the disk by some systems, which takes long */
     FILE *file = fopen(path, "wb");
     if (!file || fwrite(bytes, 1, count, file) != count || fclose(file) != 0)
         die(path);
