@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "common/base/rect.h"
 #include "common/view/camera.h"
 #include "common/measure/view_error.h"
 
@@ -53,6 +54,7 @@ typedef struct picture {
     const uint8_t *rgb;
     int width, height;
     bool *solid; /* of each pixel: terrain is drawn all around it */
+    tc_rect box; /* of those */
 } picture;
 
 static bool magenta(const picture *f, int x, int y)
@@ -66,12 +68,16 @@ static void find_solid(picture *f)
     f->solid = calloc((size_t)f->width * (size_t)f->height, sizeof *f->solid);
     if (!f->solid)
         exit(99);
+    f->box = (tc_rect){f->width, f->height, 0, 0};
     for (int y = 1; y < f->height - 1; y++)
         for (int x = 1; x < f->width - 1; x++) {
             bool all = true;
             for (int k = 0; k < 9 && all; k++)
                 all = !magenta(f, x + k % 3 - 1, y + k / 3 - 1);
             f->solid[y * f->width + x] = all;
+            if (all)
+                f->box = (tc_rect){tc_min64(f->box.x0, x), tc_min64(f->box.y0, y), tc_max64(f->box.x1, x + 1),
+                                   tc_max64(f->box.y1, y + 1)};
         }
 }
 
@@ -89,6 +95,9 @@ static bool terrain_towards(const picture *f, int x, int y, double vx, double vy
         int qx = (int)floor(px + s * dx / length), qy = (int)floor(py + s * dy / length);
         if (qx < 0 || qy < 0 || qx >= f->width || qy >= f->height)
             return false;
+        if ((dx <= 0 && qx < f->box.x0) || (dx >= 0 && qx >= f->box.x1) || (dy <= 0 && qy < f->box.y0) ||
+            (dy >= 0 && qy >= f->box.y1))
+            return false; /* nothing of it lies further on */
         if (f->solid[qy * f->width + qx])
             return true;
     }
@@ -142,7 +151,7 @@ static bool ray_crosses(scene *s, const tc_camera *camera, const tc_frame_option
 int watertight_cracks(scene *s, const uint8_t *rgb, const tc_camera *camera, const tc_frame_options *options,
                       int64_t *terrain_ret)
 {
-    picture f = {rgb, camera->width, camera->height, NULL};
+    picture f = {.rgb = rgb, .width = camera->width, .height = camera->height};
     find_solid(&f);
     bool outside = !watertight_over(s->field, camera);
     tc_basis b = tc_camera_basis(camera);
