@@ -177,7 +177,7 @@ $(O)/terraclip-window.so: $(OBJ)/common/app/plugin_window.o $(OBJ)/common/base/s
 # tests/fast/test_*.c run in seconds; tests/slow/test_*.c in minutes; tests/extreme/extreme_*.c print a row a case;
 # tests/bench/bench_*.c print figures.
 # tests/support/*.c is linked into all of them.
-LONGER := $(addprefix $(O)/tests/test_,pack pack_both pack_synthesis pack_put views morph image_levels envelope) # are begun first (tests/run.sh)
+LONGER := $(addprefix $(O)/tests/test_,reading_ahead pack pack_both pack_synthesis pack_put views morph image_levels envelope) # are begun first (tests/run.sh)
 FAST := $(LONGER) $(filter-out $(LONGER),$(patsubst tests/fast/%.c,$(O)/tests/%,$(wildcard tests/fast/test_*.c)))
 SLOW := $(patsubst tests/slow/%.c,$(O)/tests/%,$(wildcard tests/slow/test_*.c))
 EXTREME := $(patsubst tests/extreme/%.c,$(O)/tests/%,$(wildcard tests/extreme/extreme_*.c))

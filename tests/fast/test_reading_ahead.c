@@ -78,15 +78,38 @@ static const tc_pack_options ways[] = {
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
+/* Files are packed once. */
+typedef struct packed {
+    uint8_t *bytes;
+    size_t size;
+} packed;
+static packed files[2][WAYS];
+
+static const packed *packed_file(int way, bool wraps)
+{
+    packed *f = &files[wraps][way];
+    if (!f->bytes)
+        f->bytes = pack(&ways[way], wraps, &f->size);
+    return f;
+}
+
+static int tear_down(void **state)
+{
+    (void)state;
+    for (int k = 0; k < 2 * WAYS; k++)
+        free(files[k / WAYS][k % WAYS].bytes);
+    return 0;
+}
+
 static void gets_ready(void **state)
 {
     (void)state;
     test_random random = {3};
     for (int way = 0; way < 4 * WAYS; way++) {
-        size_t size;
         bool wraps = way >= 2 * WAYS;
-        memory m = {pack(&ways[way / 2 % WAYS], wraps, &size), false};
-        tc_field *p = open_memory(&m, size, way % 2 ? 1 : 0);
+        const packed *file = packed_file(way / 2 % WAYS, wraps);
+        memory m = {file->bytes, false};
+        tc_field *p = open_memory(&m, file->size, way % 2 ? 1 : 0);
         int levels = tc_field_info(p)->levels;
         for (int n = 0; n < (wraps ? 6 : 24); n++) {
             int l = (int)test_random_int(&random, levels - 2, levels);
@@ -110,7 +133,6 @@ static void gets_ready(void **state)
         }
         assert_int_equal(tc_field_tell(p).damaged, 0);
         tc_field_destroy(p);
-        free((void *)m.bytes);
     }
 }
 
@@ -119,14 +141,14 @@ static void what_fails_may_come_later(void **state)
     (void)state;
     static float truth[WIDTH * HEIGHT], z[WIDTH * HEIGHT];
     for (int way = 0; way < WAYS; way++) {
-        size_t size;
-        memory m = {pack(&ways[way], false, &size), false};
-        tc_field *p = open_memory(&m, size, 0);
+        const packed *file = packed_file(way, false);
+        memory m = {file->bytes, false};
+        tc_field *p = open_memory(&m, file->size, 0);
         int l = tc_field_info(p)->levels;
         tc_rect all = {0, 0, WIDTH, HEIGHT};
         assert_int_equal(tc_field_read(p, l, all, truth, NULL, WIDTH), TC_OK);
         tc_field_destroy(p);
-        p = open_memory(&m, size, 0);
+        p = open_memory(&m, file->size, 0);
         m.broken = true;
         assert_int_equal(tc_field_read(p, l, (tc_rect){0, 0, 300, 300}, z, NULL, WIDTH), TC_ERR_IO);
         m.broken = false;
@@ -138,12 +160,11 @@ static void what_fails_may_come_later(void **state)
         assert_memory_equal(z, truth, sizeof z);
         assert_int_equal(tc_field_tell(p).damaged, 0);
         tc_field_destroy(p);
-        free((void *)m.bytes);
     }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(gets_ready), cmocka_unit_test(what_fails_may_come_later)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, NULL, tear_down);
 }
