@@ -21,7 +21,7 @@ int block_layer()
 bool beside()
 {
     vec2 way = abs(v_terrain.yz - v_corner.yz);
-    return !(max(way.x, way.y) < 1.25);
+    return !(max(way.x, way.y) < 1.25 * v_window.w);
 }
 
 vec2 samples_seen()
@@ -45,10 +45,7 @@ float told_height()
 // alpha as the heights. No further than the window, beyond which the map holds what was there before.
 vec2 change_seen(int l, vec2 samples)
 {
-    int coarser = coarser_by(l);
-    float alpha = beside() || coarser > 0 ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
-    l -= coarser;
-    samples *= exp2(-float(coarser));
+    float alpha = beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
     vec4 w = window[l];
     vec2 at = clamp(v_window.xy + samples, vec2(0.0), w.zw);
     vec2 texel = (2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
@@ -105,7 +102,7 @@ Ground surface_ground()
                                      chart_step(chart, place, f.shorter * to_sphere, up, east, north, sine)));
 #endif
 #ifdef LEVEL_COLOURS
-    g.level = layer[3 * l].y;
+    g.level = layer[3 * l].y + log2(v_window.w);
 #endif
 #ifdef HOLES
     g.hole = v_void > 0.0;

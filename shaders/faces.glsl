@@ -9,8 +9,9 @@
 // surface[1]   x: mean length of a cell there; y, z: reference height that heights are told by in two parts, metres above z_base:
 //              the eye's, or the highest ground's below it; w: that above the eye
 // surface[2]   x: share of a level's range from which on it passes over; y: 1 / share in which; z: 0: edges of levels
-//              do not meet
-// whole[0]     x: cells of a chart along a side; y: levels finer than the map's, on whose mesh they lie
+//              do not meet; w: of levels on the data's mesh from_pole,
+// surface[3]   x: 1 / range of the finest level; y: edge; z: 8 sag; w: bends (tc_faces_range())
+// whole[0].x   cells of a chart along a side
 // layer[3 l]   of a level of a chart: its chart, its shift from the finest level, 1 / range (0: of the coarsest)
 // FACE(k)      chart k's vectors, the first ones read by chart_*.glsl; the last one: x, y: the viewer from its nearest sample
 //              on the chart, z, w: the same in chart coordinates
@@ -18,12 +19,6 @@
 //              that sample
 #define FACE(chart) (4 + 5 * (chart))
 #define PLACES(chart) (1 + 5 * (chart))
-
-// Levels by which the one that shades a layer is coarser than it.
-int coarser_by(int l)
-{
-    return max(whole[0].y - int(layer[3 * l].y), 0);
-}
 
 // Sine and cosine of angles up to 2, by their series: drivers' may be off by more than a vertex may be.
 vec2 sine_cosine(float x)

@@ -1,5 +1,7 @@
 // faces.vert - a vertex of a block of a face (spherical/faces.c): its place by its chart, its height from the level's window.
 //
+// Cells finer than the layer's lie on its mesh, where a globe bends away from its triangles (in_instance.z: by how many levels).
+//
 // A vertex passes over into the coarser level's mesh by alpha: a sample that the coarser level has, to the height that it has
 // there; another one to the middle of the coarser edge that it lies on, in space. With alpha = 1 the mesh is the
 // coarser one, bit for bit at shared vertices.
@@ -10,10 +12,11 @@ layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres abov
 layout(binding = 3) uniform sampler2DArray voids_map;
 out float v_void;
 #endif
-INTERPOLATED out vec4 v_terrain; // x: metres above the reference height; y, z: samples of the level from the viewer's; w: alpha
+INTERPOLATED out vec4 v_terrain; // x: metres above the reference height; y, z: samples of the layer from the viewer's; w: alpha of it
 INTERPOLATED out vec3 v_direction; // normal less the viewer's: east, north, up
 flat out vec4 v_corner;          // x, y, z: v_terrain's at a corner; w: layer
-flat out vec4 v_window;          // x, y: the viewer's place in samples of the level that shades from its window's first; z: NEARNESS at the corner
+flat out vec4 v_window;          // x, y: the viewer's place in samples from the window's first; z: NEARNESS at the corner;
+                                 // w: samples along a cell
 flat out vec3 v_aside;           // v_direction's at the corner
 
 int block_layer()
@@ -56,47 +59,88 @@ vec3 position_of(vec3 d, float height)
     return p;
 }
 
+// The heights of a place on a layer's level, and of the coarser level's mesh there: of a sample both are at hand; of what lies
+// between samples, or is `finer`, all levels are of one mesh. The same float from either end of an edge.
+vec2 heights_at(int l, int shift, int finer, ivec2 at)
+{
+    ivec2 cell = at >> shift, beside = at - (cell << shift);
+    vec2 z = texelFetch(heights_map, ivec3(cell & WINDOW_MASK, l), 0).rg;
+    if (beside == ivec2(0))
+        return finer > 0 ? z.xx : z;
+    vec2 t = vec2(beside) * exp2(-float(shift));
+    ivec2 next = cell + ivec2(beside.x > 0, beside.y > 0);
+    bool lower = t.x + t.y <= 1.0;
+    if (!lower) {
+        z.x = texelFetch(heights_map, ivec3(next & WINDOW_MASK, l), 0).r;
+        t = 1.0 - t.yx;
+    }
+    float east = texelFetch(heights_map, ivec3(ivec2(next.x, cell.y) & WINDOW_MASK, l), 0).r;
+    float north = texelFetch(heights_map, ivec3(ivec2(cell.x, next.y) & WINDOW_MASK, l), 0).r;
+    precise float height = (1.0 - t.x - t.y) * z.x + (t.x * east + t.y * north);
+    return vec2(height);
+}
+
+#ifdef HOLES
+// Likewise whether any sample that has a share in it is void.
+float void_at(int l, int shift, ivec2 at)
+{
+    ivec2 cell = at >> shift, beside = at - (cell << shift), next = cell + ivec2(beside.x > 0, beside.y > 0);
+    int one = 1 << shift, sum = beside.x + beside.y;
+    float v = 0.0;
+    if (sum < one)
+        v = max(v, texelFetch(voids_map, ivec3(cell & WINDOW_MASK, l), 0).r);
+    if (sum > one)
+        v = max(v, texelFetch(voids_map, ivec3(next & WINDOW_MASK, l), 0).r);
+    if ((sum <= one ? beside.x : one - beside.y) > 0)
+        v = max(v, texelFetch(voids_map, ivec3(ivec2(next.x, cell.y) & WINDOW_MASK, l), 0).r);
+    if ((sum <= one ? beside.y : one - beside.x) > 0)
+        v = max(v, texelFetch(voids_map, ivec3(ivec2(cell.x, next.y) & WINDOW_MASK, l), 0).r);
+    return v;
+}
+#endif
+
 vec3 surface_vertex()
 {
-    int l = block_layer();
+    int l = block_layer(), finer = in_instance.z & 31;
     vec4 level = layer[3 * l];
-    int chart = int(level.x), shift = int(level.y);
-    ivec2 texel = ivec2(in_instance.z & 0x1fff, in_instance.z >> 13 & 0x1fff) + in_vertex, at = in_instance.xy + (in_vertex << shift);
-    vec2 z = texelFetch(heights_map, ivec3(texel & WINDOW_MASK, l), 0).rg;
+    int chart = int(level.x), own = int(level.y), shift = own - finer, torus = 2 * (WINDOW_MASK + 1);
+    ivec2 at = in_instance.xy + (in_vertex << shift), texel = at >> own;
+    vec2 z = heights_at(l, own, finer, at);
     vec3 d = direction_at(chart, at);
     float missing, edge = edge_alpha(missing);
-    float alpha = clamp((viewer_distance(d) * level.z - surface[2].x) * surface[2].y, 0.0, 1.0);
+    float to_range = level.z;
+    if (finer > 0) {
+        float cell = surface[3].y * exp2(float(1 - finer));
+        to_range = max(surface[3].x * exp2(-float(shift)), surface[3].z / (cell * cell * (1.0 + surface[3].w / max(surface[2].w, cell))));
+    }
+    float alpha = clamp((viewer_distance(d) * to_range - surface[2].x) * surface[2].y, 0.0, 1.0);
     alpha = edge < 0.0 ? max(alpha, missing) : edge;
-    alpha = level.z > 0.0 ? alpha * surface[2].z : 0.0;
-    ivec2 odd = texel & 1;
+    alpha = to_range > 0.0 ? alpha * surface[2].z : 0.0;
+    ivec2 odd = at >> shift & 1;
     bool between = odd != ivec2(0);
     precise float height = between ? z.x : (1.0 - alpha) * z.x + alpha * z.y;
     precise vec3 position = position_of(d, height);
     if (between && alpha > 0.0) {
         // Ends of the coarser edge: along a row, a column, or the diagonal that all cells are cut by.
-        ivec2 way = ivec2(odd.x, odd.x == 1 ? -odd.y : 1);
-        float z0 = texelFetch(heights_map, ivec3((texel + way) & WINDOW_MASK, l), 0).g;
-        float z1 = texelFetch(heights_map, ivec3((texel - way) & WINDOW_MASK, l), 0).g;
-        vec3 d0 = direction_at(chart, at + (way << shift)), d1 = direction_at(chart, at - (way << shift));
+        ivec2 way = ivec2(odd.x, odd.x == 1 ? -odd.y : 1) << shift;
+        float z0 = heights_at(l, own, finer, at + way).y, z1 = heights_at(l, own, finer, at - way).y;
+        vec3 d0 = direction_at(chart, at + way), d1 = direction_at(chart, at - way);
         position = (1.0 - alpha) * position + alpha * (0.5 * (position_of(d0, z0) + position_of(d1, z1)));
         d = (1.0 - alpha) * d + alpha * (0.5 * (d0 + d1));
     }
     float told = ((1.0 - alpha) * (z.x - surface[1].y) + alpha * (z.y - surface[1].y)) - surface[1].z;
-    // Samples of the level from the viewer's place on the chart.
+    // Samples of the layer's level from the viewer's place on the chart.
     ivec2 nearest = ivec2(whole[PLACES(chart) + 1].w, whole[PLACES(chart) + 2].w);
-    vec2 place = (vec2(at - nearest) - surface[FACE(chart) + 4].xy) * exp2(-float(shift));
-    int coarser = coarser_by(l), torus = 2 * (WINDOW_MASK + 1);
-    ivec2 sample_ = at >> (shift + coarser);
-    vec2 beyond = vec2(at - (sample_ << (shift + coarser))) * exp2(-float(shift + coarser));
-    vec2 viewer = mod(vec2(sample_ & (torus - 1)) - window[l - coarser].xy, float(torus)) + beyond - place * exp2(-float(coarser));
+    vec2 place = (vec2(at - nearest) - surface[FACE(chart) + 4].xy) * exp2(-float(own));
+    vec2 viewer = mod(vec2(texel & (torus - 1)) - window[l].xy, float(torus)) + vec2(at - (texel << own)) * exp2(-float(own)) - place;
     vec4 corner = view_projection * vec4(position, 1.0);
-    v_terrain = vec4(told, place, alpha);
+    v_terrain = vec4(told, place, finer > 0 ? 0.0 : alpha);
     v_direction = d;
     v_corner = vec4(told, place, float(l));
-    v_window = vec4(viewer, corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0, 0.0);
+    v_window = vec4(viewer, corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0, exp2(-float(finer)));
     v_aside = d;
 #ifdef HOLES
-    v_void = texelFetch(voids_map, ivec3(texel & WINDOW_MASK, l), 0).r;
+    v_void = void_at(l, own, at);
 #endif
     return position;
 }

@@ -42,7 +42,9 @@ static void height_bounds(const assembly *a, const tc_leaf *leaf, double *lo_ret
     tc_rect r = tc_faces_samples(&a->s->lattice, leaf->block);
     *lo_ret = INFINITY, *hi_ret = -INFINITY;
     for (int level = leaf->block.level, least = level - leaf->coarse - 1; level >= least && level >= 1; level--) {
-        const tc_range range = tc_field_range(field, tc_clipmap_field_level(clipmap, level), r);
+        tc_rect held = r;
+        const int own = tc_faces_window(a->s, level, &held);
+        const tc_range range = tc_field_range(field, tc_clipmap_field_level(clipmap, own), held);
         *lo_ret = fmin(*lo_ret, range.lo), *hi_ret = fmax(*hi_ret, range.hi);
         r = (tc_rect){r.x0 / 2, r.y0 / 2, r.x1 / 2 + 1, r.y1 / 2 + 1};
     }
@@ -83,17 +85,17 @@ static bool visible(const assembly *a, const tc_leaf *leaf)
     return tc_frustum_sees_ball(&a->frustum, way, radius);
 }
 
-/* What faces.vert reads: the first sample in cells of the finest level; its place in the window of normals, which is
- * twice as large as that of heights, and cells along a side; layer, what the leaf says of its edges. */
+/* What faces.vert reads: the first sample in cells of the finest level; levels by which it is finer than its layer, and
+ * cells along a side; layer, what the leaf says of its edges. */
 static tc_instance instance(const assembly *a, const tc_leaf *leaf, int level, int64_t x, int64_t y, int cells)
 {
-    const int shift = a->s->lattice.levels - level, torus = 2 * (a->s->head.n + 1);
-    const uint32_t layer = (uint32_t)(tc_first_layer(a->layers, leaf->block.chart) + level - 1);
-    uint32_t at = (uint32_t)(x & (torus - 1)) | (uint32_t)(y & (torus - 1)) << 13;
+    const int shift = a->s->lattice.levels - level, own = level < a->s->own ? level : a->s->own;
+    const uint32_t layer = (uint32_t)(tc_first_layer(a->layers, leaf->block.chart) + own - 1);
+    uint32_t how = (uint32_t)(level - own);
     while (cells >>= 1)
-        at += 1u << 26;
+        how += 1u << 26;
     return (tc_instance){
-        {(int32_t)(x << shift), (int32_t)(y << shift), (int32_t)at,
+        {(int32_t)(x << shift), (int32_t)(y << shift), (int32_t)how,
          (int32_t)(layer | (uint32_t)leaf->sides << 7 | (uint32_t)leaf->corners << 11 | (uint32_t)leaf->forced << 15 |
                    (uint32_t)leaf->finer_corners << 19 | (uint32_t)leaf->finer_halves << 23)}};
 }
@@ -124,7 +126,7 @@ static void add_leaf(void *context, const tc_leaf *leaf)
     assembly *a = context;
     const tc_block b = leaf->block;
     const int level = b.level - leaf->coarse, side = a->s->lattice.side[b.level - 1], cells = side >> leaf->coarse;
-    if (a->layers->ready[b.chart] < level)
+    if (a->layers->ready[b.chart] < tc_min64(level, a->s->own))
         return; /* none of the chart is in sight */
     a->triangles_unculled += 2 * cells * cells;
     a->finest = level > a->finest ? level : a->finest;
@@ -156,8 +158,9 @@ static void set_uniforms(assembly *a)
     tc_set4(u[1], s->cell, reference, reference - (double)(float)reference, reference - v->z_eye);
     const double start = FACES_PASSED * (1 - FACES_PASSAGE), width = FACES_PASSED * FACES_PASSAGE;
     const bool passes = s->kind->morphs && !options->no_morph && !options->no_stitch;
-    tc_set4(u[2], passes ? start : 1, passes ? 1 / width : 0, !options->no_stitch, 0);
-    const int32_t common[4] = {(int32_t)s->cells, s->head.refined};
+    tc_set4(u[2], passes ? start : 1, passes ? 1 / width : 0, !options->no_stitch, v->from_pole);
+    tc_set4(u[3], 1 / v->range, v->edge, 8 * v->sag, s->kind->bends);
+    const int32_t common[4] = {(int32_t)s->cells};
     memcpy(whole[0], common, sizeof common);
     for (int chart = 0; chart < s->map->charts; chart++) {
         float(*vectors)[4] = u + FACES_FIRST_VECTOR + chart * FACES_VECTORS;
@@ -242,7 +245,6 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
 static void faces_destroy(tc_surface *surface)
 {
     faces_surface *s = (faces_surface *)surface;
-    tc_faces_drop_charts(s);
     free(s->head.geometry.vertices);
     free(s->head.geometry.indices);
     free(s->index.strip_first);
@@ -255,17 +257,29 @@ static tc_status faces_windows(const tc_surface *surface, tc_windows *windows_re
     *windows_ret = (tc_windows){.charts = s->map->charts};
     tc_status status = TC_OK;
     for (int chart = 0; chart < s->map->charts && !status; chart++)
-        status = tc_ground_create(s->chart[chart].field, &s->windows, &windows_ret->clipmap[chart], error);
+        status = tc_ground_create(s->map->chart[chart].field, &s->windows, &windows_ret->clipmap[chart], error);
     if (status)
         tc_windows_destroy(windows_ret);
     return status;
 }
 
-/* Levels of the windows, from one that is coarse enough to be seen from afar, and blocks of them. */
+/* Levels until a cell's edge covers so little of the globe that its flat middle is but some 1e-10 of the radius too
+ * low, a millimetre on an Earth. */
+static int levels_until_flat(double cell)
+{
+    const double flat = 2.5e-5;
+    int levels = 0;
+    while (ldexp(flat, levels) < cell)
+        levels++;
+    return levels;
+}
+
+/* Levels of the windows, from one that is coarse enough to be seen from afar; those on the mesh of the data's finest
+ * one; and blocks of them. */
 static tc_status set_lattice(faces_surface *s, tc_error *error)
 {
     const tc_map *map = s->map;
-    const tc_field *field = s->chart[0].field;
+    const tc_field *field = map->chart[0].field;
     int first = tc_field_info(field)->levels;
     int64_t coarsest = tc_field_level(field, first).width - 1;
     const int finest = first, most = TC_MAX_LAYERS / map->charts;
@@ -273,31 +287,32 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
            (coarsest >= s->windows.n || (coarsest > (s->windows.n + 1) / 4 && finest - first + 1 < most)))
         first--, coarsest /= 2;
     s->windows.coarsest = (int)coarsest + 1;
-    int levels = tc_field_info(field)->levels - first + 1;
+    int levels = finest - first + 1;
     if (s->windows.max_levels && levels > s->windows.max_levels)
         levels = s->windows.max_levels;
     /* Places are 32-bit numbers, also what seams make of them. What is finer than that has room for is left out where
-     * it is finer than the data. */
+     * it is made up. */
     enum { MOST_CELLS = 1 << 29 };
-    const int own = tc_field_info(s->map->chart[0].field)->levels,
-              data = own + 1 - first - tc_field_info(field)->synthesised;
+    const int data = levels - tc_field_info(field)->synthesised;
     while (levels > 1 && levels > data &&
            (levels > most || tc_field_level(field, first + levels - 1).width - 1 > MOST_CELLS))
         levels--;
-    s->windows.max_levels = levels;
-    s->slopes.finest = own;
-    s->head.refined = first + levels - 1 > own ? first + levels - 1 - own : 0;
+    s->own = s->windows.max_levels = levels;
     s->cells = tc_field_level(field, first + levels - 1).width - 1;
-    s->cell = M_PI / 2 / (double)s->cells;
     if (s->cells > MOST_CELLS)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most 2^29 samples along a chart's side, found %lld",
                        s->kind->name, (long long)s->cells);
     if (levels > most)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d levels of detail, found %d", s->kind->name,
                        most, levels);
-    if (!tc_block_lattice_set(&s->lattice, s->chart, map->charts,
-                              tc_field_level(field, tc_field_info(field)->levels).width - 1, s->cells, levels,
-                              (s->windows.n + 1) / 16))
+    if (first + levels - 1 == finest)
+        s->head.refined = levels_until_flat(M_PI / 2 / (double)s->cells);
+    if (levels + s->head.refined > TC_BLOCK_LEVELS)
+        s->head.refined = TC_BLOCK_LEVELS - levels;
+    s->cells <<= s->head.refined;
+    s->cell = M_PI / 2 / (double)s->cells;
+    if (!tc_block_lattice_set(&s->lattice, map->chart, map->charts, tc_field_level(field, finest).width - 1, s->cells,
+                              levels + s->head.refined, (s->windows.n + 1) / 16))
         return tc_fail(error, TC_ERR_UNSUPPORTED,
                        "%s: expected charts of 16 to 31 cells halved again, found %lld cells", s->kind->name,
                        (long long)s->cells);
@@ -364,6 +379,7 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .own_haze = true,
                            .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
                            .extent = 2 * map->body.radius,
+                           .field = map->chart[0].field,
                            .n = n,
                            .most_throttle = 3,
                            .view_bytes = sizeof(faces_view),
@@ -374,16 +390,14 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .draws = faces_draws,
                            .height = tc_faces_drawn_height,
                            .destroy = faces_destroy};
-    s->slopes.turn = kind->chart->turn;
-    s->windows.slopes = &s->slopes;
-    tc_status status = tc_faces_set_charts(s, error);
-    if (status == TC_OK)
-        status = set_lattice(s, error);
+    s->shear.turn = kind->chart->turn;
+    s->windows.shear = kind->chart->turn ? &s->shear : NULL;
+    tc_status status = set_lattice(s, error);
     if (status == TC_OK) {
         /* A window reaches (n - 1) / 2 cells to all sides of the viewer; a block lies partly beyond what asks for it,
          * and windows begin on even samples. */
         s->range = s->cell * ((n - 1) / 2 - s->lattice.side[s->lattice.levels - 1] - 2) / kind->reach;
-        s->windows.spacing_x = s->windows.spacing_y = s->cell * map->body.radius;
+        s->windows.spacing_x = s->windows.spacing_y = ldexp(s->cell * map->body.radius, s->head.refined);
         const tc_range heights = tc_map_range(map);
         s->z_lo = heights.lo, s->z_hi = heights.hi;
         set_capacity(s);

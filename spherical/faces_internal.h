@@ -35,6 +35,8 @@ struct faces_kind {
     double (*distance)(const double d[3], double height);
     /* Cells along a side of a chart that a distance of as many mean cells can cover. */
     double reach;
+    /* What cells of terrain bend by beside the body, next to a pole: over that of the body, times the angle to it. */
+    double bends;
     bool morphs;
     /* What the chart's GLSL reads of its vectors and integers. */
     void (*place)(const faces_view *view, int chart, float (*vectors)[4], int32_t (*integers)[4]);
@@ -44,16 +46,16 @@ typedef struct faces_surface {
     tc_surface head;
     const faces_kind *kind;
     const tc_map *map;
-    tc_chart chart[TC_MAX_CHARTS]; /* the map's, or where head.refined those with more levels (faces_charts.c) */
     tc_block_lattice lattice;
     tc_block_geometry index;
+    int own;           /* levels that have windows: the lattice's further ones lie on the mesh of the last of them */
     int64_t cells;     /* of a chart along a side, finest level */
     double cell;       /* mean length of one on the unit sphere: that of a quarter of the equator */
     double range;      /* distance up to which the finest level is drawn */
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
     int strips, lists; /* the most draws of either kind */
     tc_ground_options windows;
-    tc_slopes slopes;
+    tc_shear shear;
     const char *vertex_parts[6], *fragment_parts[7], *sky_parts[4];
 } faces_surface;
 
@@ -66,6 +68,10 @@ struct faces_view {
     double radius;                  /* metres, of what heights are above; z_base added */
     double height;                  /* what counts of the eye's above the ground below it, lengths on the unit sphere */
     double range;                   /* as the surface's; shorter in a throttled frame */
+    double edge;                    /* longest of the data's cells, angle */
+    double sag;                     /* angle that their flat triangles may be off, as they are seen */
+    double from_pole;               /* angle to the nearer one, of what lies where cells are seen to be curved */
+    int finest;                     /* level on the data's mesh that the eye is low enough for; own: none */
     double horizon;                 /* angle from the viewer beyond which no ground can be seen */
     double chart[TC_MAX_CHARTS][2]; /* the viewer's place, also beyond a chart's sides */
     bool sight[TC_MAX_CHARTS];      /* any of a chart is this side of the horizon; others have no windows */
@@ -77,6 +83,9 @@ struct faces_view {
 /* Share of a level's range in which it passes over into the coarser one, up to FACES_PASSED of it. */
 #define FACES_PASSAGE 0.2
 #define FACES_PASSED 0.98
+
+/* Pixels that a cell's flat triangles may be off the curved ones. */
+#define FACES_SAG 0.2
 
 /* Share of the eye's height above the ground that counts as distance: LH04 drops a level where the eye is 0.4 n of its
  * cells up, squares here at 0.8 n; a range is some 0.28 n. */
@@ -122,13 +131,8 @@ double tc_faces_range(const faces_view *view, int level);
 faces_spot tc_faces_spot(double u, double v);
 /* Samples of a block at its level: the first one, and one beyond the last. */
 tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block block);
-
-/* ---- What is drawn of the map (faces_charts.c) ---------------------------------------------------------------------
- */
-
-/* Sets chart and what of head is told of it; TC_ERR_MEMORY. To be dropped, also after a failure. */
-tc_status tc_faces_set_charts(faces_surface *s, tc_error *error);
-void tc_faces_drop_charts(faces_surface *s);
+/* The level of the windows that a level reads, and its samples around those of a rectangle. */
+int tc_faces_window(const faces_surface *s, int level, tc_rect *samples);
 
 /* ---- Heights drawn (faces_map.c) ------------------------------------------------------------------------------------
  */

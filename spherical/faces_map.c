@@ -1,6 +1,7 @@
 /* faces_map.c - the mesh of blocks in double: the oracle of shaders/faces.vert, which does the same in float. */
 #include <math.h>
 
+#include "common/base/mesh.h"
 #include "common/base/rect.h"
 #include "common/field/field.h"
 #include "faces_internal.h"
@@ -49,28 +50,47 @@ static void place_at(const leaf_mesh *m, int64_t i, int64_t j, double height, do
         p[k] += (z_base + height) * (d[k] + (k == 2));
 }
 
-static const float *sample(const leaf_mesh *m, int64_t i, int64_t j)
+/* The pair that a window has. */
+static const float *held(const leaf_mesh *m, int level, int64_t i, int64_t j)
 {
     const tc_clipmap *clipmap = m->view->head.windows->clipmap[m->leaf->block.chart];
     const int64_t mask = tc_clipmap_n(clipmap);
-    return tc_ground_heights(clipmap, m->level)[(j & mask) * (mask + 1) + (i & mask)];
+    return tc_ground_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+}
+
+/* The heights of a sample of the level and of the coarser one on the same spot. */
+static void heights_at(const leaf_mesh *m, int64_t i, int64_t j, double z[2])
+{
+    const int own = tc_faces_of(m->view)->own, finer = m->level - own;
+    if (finer <= 0) {
+        const float *pair = held(m, m->level, i, j);
+        z[0] = (double)pair[0], z[1] = (double)pair[1];
+        return;
+    }
+    const int64_t x = tc_floor_shift(i, finer), y = tc_floor_shift(j, finer), one = (int64_t)1 << finer;
+    const double u = (double)(i - x * one) / (double)one, w = (double)(j - y * one) / (double)one;
+    const int64_t next_x = x + (u > 0), next_y = y + (w > 0);
+    z[0] = z[1] = tc_triangle_height((double)held(m, own, x, y)[0], (double)held(m, own, next_x, y)[0],
+                                     (double)held(m, own, x, next_y)[0], (double)held(m, own, next_x, next_y)[0], u, w);
 }
 
 /* Vertex (i, j) of the leaf's level, as it is drawn. */
 static void vertex(const leaf_mesh *m, int64_t i, int64_t j, double p[3])
 {
-    const float *z = sample(m, i, j);
+    double z[2], end[2][2];
+    heights_at(m, i, j, z);
     const bool between = i & 1 || j & 1;
     double d[3];
     place_at(m, i, j, 0, d, p);
     double alpha = tc_faces_alpha(m->view, m->leaf, m->level, m->cells, i - m->x, j - m->y, d);
-    place_at(m, i, j, between ? z[0] : (1 - alpha) * (double)z[0] + alpha * (double)z[1], d, p);
+    place_at(m, i, j, between ? z[0] : (1 - alpha) * z[0] + alpha * z[1], d, p);
     if (!between || alpha <= 0)
         return;
     const int64_t di = i & 1, dj = i & 1 ? -(j & 1) : 1;
     double a[3], b[3];
-    place_at(m, i + di, j + dj, (double)sample(m, i + di, j + dj)[1], d, a);
-    place_at(m, i - di, j - dj, (double)sample(m, i - di, j - dj)[1], d, b);
+    heights_at(m, i + di, j + dj, end[0]), heights_at(m, i - di, j - dj, end[1]);
+    place_at(m, i + di, j + dj, end[0][1], d, a);
+    place_at(m, i - di, j - dj, end[1][1], d, b);
     for (int k = 0; k < 3; k++)
         p[k] = (1 - alpha) * p[k] + alpha * 0.5 * (a[k] + b[k]);
 }
@@ -110,8 +130,8 @@ static bool holds(const faces_view *v, const tc_leaf *leaf)
     tc_rect r = tc_faces_samples(&tc_faces_of(v)->lattice, leaf->block);
     if (leaf->coarse)
         r = (tc_rect){r.x0 / 2, r.y0 / 2, r.x1 / 2 + 1, r.y1 / 2 + 1};
-    const tc_clipmap *clipmap = v->head.windows->clipmap[leaf->block.chart];
-    return tc_rect_within(r, tc_clipmap_level(clipmap, leaf->block.level - leaf->coarse)->clip);
+    const int level = tc_faces_window(tc_faces_of(v), leaf->block.level - leaf->coarse, &r);
+    return tc_rect_within(r, tc_clipmap_level(v->head.windows->clipmap[leaf->block.chart], level)->clip);
 }
 
 bool tc_faces_height_in(const faces_view *v, const tc_block_tree *tree, double x, double y, double *z_ret)

@@ -84,6 +84,7 @@ const faces_kind tc_faces_hex = {.name = "hex",
                                  .metric = "distance_hex.glsl",
                                  .distance = hexagonal,
                                  .reach = 1.52,
+                                 .bends = 0.1,
                                  .morphs = true,
                                  .place = place_hex};
 const faces_kind tc_faces_cube = {.name = "cube",

@@ -4,6 +4,7 @@
 
 #include "common/base/rect.h"
 #include "common/field/field.h"
+#include "common/view/camera.h"
 #include "common/base/mesh.h"
 #include "faces_internal.h"
 
@@ -45,15 +46,37 @@ faces_spot tc_faces_spot(double u, double v)
     return (faces_spot){{(int64_t)at[0], (int64_t)at[1]}, {u - at[0], v - at[1]}};
 }
 
+/* By how much the flat triangles of cells of that edge are off those that follow the chart: an arc's height above its
+ * chord. Beside a pole of a sheared chart parallels are arcs as well, which matters as far as the ground is steep. */
+static double sag_of(const faces_view *v, double edge, double from_pole)
+{
+    return edge * edge / 8 * (1 + tc_faces_of(v)->kind->bends / fmax(from_pole, edge));
+}
+
 double tc_faces_range(const faces_view *v, int level)
 {
-    return ldexp(v->range, tc_faces_of(v)->lattice.levels - level);
+    const faces_surface *s = tc_faces_of(v);
+    const double range = ldexp(v->range, s->lattice.levels - level);
+    if (level <= s->own)
+        return range;
+    /* On the data's mesh: for as long as the next coarser level is seen to be off. */
+    return fmin(range, sag_of(v, ldexp(v->edge, s->own + 1 - level), v->from_pole) / v->sag);
 }
 
 tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block b)
 {
     const int64_t side = lattice->side[b.level - 1];
     return (tc_rect){b.x * side, b.y * side, (b.x + 1) * side + 1, (b.y + 1) * side + 1};
+}
+
+int tc_faces_window(const faces_surface *s, int level, tc_rect *r)
+{
+    const int finer = level - s->own;
+    if (finer <= 0)
+        return level;
+    *r = (tc_rect){tc_floor_shift(r->x0, finer), tc_floor_shift(r->y0, finer), tc_ceil_shift(r->x1 - 1, finer) + 1,
+                   tc_ceil_shift(r->y1 - 1, finer) + 1};
+    return s->own;
 }
 
 /* ---- Ground ----------------------------------------------------------------------------------------------------- */
@@ -84,7 +107,7 @@ static double held_height(const faces_view *v)
     const int chart = tc_faces_chart(s->map, v->axes[2]);
     const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
     double height = 0;
-    for (int level = 1; level <= s->lattice.levels; level++) {
+    for (int level = 1; level <= s->own; level++) {
         const tc_clip_level *l = tc_clipmap_level(clipmap, level);
         if (level > 1 && s->kind->distance(middle, counts(v, height)) > tc_faces_range(v, level))
             break;
@@ -142,25 +165,53 @@ static bool wanted_before(void *context, tc_block b)
     return tc_block_asked(&g->view->tree, b);
 }
 
-/* A distance on a block at one of 3 x 3 places. */
-static double distance_at(const faces_view *v, tc_block b, int k)
+/* d at one of 3 x 3 places on a block. */
+static void place_on(const faces_view *v, tc_block b, int k, double d[3])
 {
-    const faces_surface *s = tc_faces_of(v);
-    const double block = (double)s->cells / s->lattice.blocks[b.level - 1];
-    double d[3];
+    const double block = (double)tc_faces_of(v)->cells / tc_faces_of(v)->lattice.blocks[b.level - 1];
     roughly(v, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, d);
-    return s->kind->distance(d, v->height);
 }
 
+static double distance_at(const faces_view *v, tc_block b, int k)
+{
+    double d[3];
+    place_on(v, b, k, d);
+    return tc_faces_of(v)->kind->distance(d, v->height);
+}
+
+enum { SOUTH_WEST = 0, SOUTH_EAST = 2, MIDDLE = 4, NORTH_WEST = 6, NORTH_EAST = 8, PLACES = 9 };
+
+/* Half of its longer diagonal. */
+static double half_diagonal(const faces_view *v, tc_block b)
+{
+    double sw[3], se[3], nw[3], ne[3], up = 0, down = 0;
+    place_on(v, b, SOUTH_WEST, sw), place_on(v, b, SOUTH_EAST, se);
+    place_on(v, b, NORTH_WEST, nw), place_on(v, b, NORTH_EAST, ne);
+    for (int k = 0; k < 3; k++)
+        up += (ne[k] - sw[k]) * (ne[k] - sw[k]), down += (nw[k] - se[k]) * (nw[k] - se[k]);
+    return 0.5 * sqrt(fmax(up, down));
+}
+
+/* As far as the nearest of its places: hexagons have corners, of which one may lie between two of them by 0.06 of the
+ * range at most, which is then drawn by the coarser level.
+ *
+ * A level on the data's mesh may have a range of less than a block, and the next finer one a quarter of it. A block is
+ * split only where all around it are there, whose middles lie up to two of its half diagonals h further away than its
+ * own, and that from those of its parts by half of one: so beyond the range the finest level is wanted within its h,
+ * the next one within h / 2 + 2 h + h / 2, and so on, which goes towards 5 h. */
 static bool wanted(void *context, tc_block b)
 {
-    enum { MIDDLE = 4 };
     const growing *g = context;
     const faces_surface *s = tc_faces_of(g->view);
     const double range = tc_faces_range(g->view, b.level), middle = distance_at(g->view, b, MIDDLE);
-    if (middle < range || middle > range + FACES_LONGEST * s->cell * (double)s->cells / s->lattice.blocks[b.level - 1])
-        return middle < range;
-    for (int k = 0; k < 9; k++)
+    if (middle < range)
+        return true;
+    if (b.level > s->own)
+        return b.level <= g->view->finest &&
+               middle < range + 1.05 * (5 - ldexp(4, b.level - g->view->finest)) * half_diagonal(g->view, b);
+    if (middle >= range + FACES_LONGEST * M_PI / 2 / s->lattice.blocks[b.level - 1])
+        return false;
+    for (int k = 0; k < PLACES; k++)
         if (distance_at(g->view, b, k) < range)
             return true;
     return false;
@@ -174,8 +225,10 @@ static bool held(void *context, tc_block b)
         return true;
     if (!v->sight[b.chart]) /* nobody will see what it lacks */
         return true;
-    const tc_clip_level *l = tc_clipmap_level(v->head.windows->clipmap[b.chart], b.level);
-    return b.level <= g->ready[b.chart] && tc_rect_within(tc_faces_samples(&tc_faces_of(v)->lattice, b), l->active);
+    tc_rect samples = tc_faces_samples(&tc_faces_of(v)->lattice, b);
+    const int level = tc_faces_window(tc_faces_of(v), b.level, &samples);
+    return level <= g->ready[b.chart] &&
+           tc_rect_within(samples, tc_clipmap_level(v->head.windows->clipmap[b.chart], level)->active);
 }
 
 void tc_faces_tree(const faces_view *v, const int ready[TC_MAX_CHARTS], tc_block_tree *tree)
@@ -197,7 +250,7 @@ static tc_rect samples_called_for(const faces_view *v, int chart, int level)
 
 bool tc_faces_all_held(const faces_view *v, int chart)
 {
-    for (int level = 2; level <= tc_faces_of(v)->lattice.levels && v->sight[chart]; level++)
+    for (int level = 2; level <= tc_faces_of(v)->own && v->sight[chart]; level++)
         if (!tc_rect_within(samples_called_for(v, chart, level),
                             tc_clipmap_level(v->head.windows->clipmap[chart], level)->active))
             return false;
@@ -233,7 +286,13 @@ void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const t
     s->map->body.class->axes(&s->map->body, at, v->axes);
     v->z_eye = camera->z - z_base;
     v->radius = s->map->body.radius + z_base;
-    v->range = s->range * exp2(-fmax(options->throttle, 0));
+    const double coarser = exp2(-fmax(options->throttle, 0)), rho = hypot(v->axes[2][0], v->axes[2][1]);
+    v->range = s->range * coarser;
+    v->edge = FACES_LONGEST * ldexp(s->cell, s->head.refined);
+    v->sag = FACES_SAG / tc_camera_pixel_scale(camera) / coarser;
+    v->from_pole = rho; /* of what lies within the range that follows from that */
+    for (int k = 0; k < 4; k++)
+        v->from_pole = fmax(rho - sag_of(v, v->edge, v->from_pole) / v->sag, 0);
     for (int k = 0; k < s->map->charts; k++) {
         const tc_chart *c = &s->map->chart[k];
         c->class->from_place(c, camera->x, camera->y, &v->chart[k][0], &v->chart[k][1]);
@@ -244,6 +303,9 @@ void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const t
         ground = z_base + s->z_lo;
     v->above = wait ? fabs(camera->z - ground) : held_height(v);
     v->height = counts(v, v->above);
+    v->finest = s->own;
+    while (v->finest < s->lattice.levels && v->height < tc_faces_range(v, v->finest + 1))
+        v->finest++;
     v->horizon = tc_faces_horizon(v, v->z_eye);
     for (int k = 0; k < s->map->charts; k++)
         v->sight[k] = options->no_cull || in_sight(v, k);
@@ -251,7 +313,7 @@ void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const t
     int levels[TC_MAX_CHARTS] = {0};
     v->all = true;
     for (int chart = 0; chart < s->map->charts; chart++) {
-        levels[chart] = s->lattice.levels;
+        levels[chart] = s->own;
         v->all &= tc_faces_all_held(v, chart);
     }
     if (!v->all)
@@ -279,7 +341,7 @@ void tc_faces_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
             continue;
         const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
         wanted[chart][0] = tc_clipmap_level(clipmap, 1)->extent;
-        for (int level = 2; level <= s->lattice.levels; level++)
+        for (int level = 2; level <= s->own; level++)
             wanted[chart][level - 1] = window(samples_called_for(v, chart, level), tc_clipmap_n(clipmap));
     }
 }

@@ -15,7 +15,7 @@ tc_status tc_ground_create(const tc_field *field, const tc_ground_options *optio
         windows.content[windows.contents++] =
             (tc_content){.class = options->fine_normals ? &tc_fine_normals_content : &tc_normals_content,
                          .parameter = options->relief,
-                         .context = options->slopes};
+                         .context = options->shear};
     if (options->holes)
         windows.content[windows.contents++] = (tc_content){.class = &tc_voids_content};
     return tc_clipmap_create(field, &windows, clipmap_ret, error);

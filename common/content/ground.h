@@ -12,15 +12,12 @@ extern const tc_content_class tc_normals_content;
 extern const tc_content_class tc_fine_normals_content; /* the same in 1/32767, instead */
 extern const tc_content_class tc_voids_content;        /* 255 where there is no height, else 0 */
 
-/* What normals are of, beside heights. */
-typedef struct tc_slopes {
-    /* How a chart's axes lie where charts are sheared, so that they meet at an angle on both sides of a seam: at chart
-     * coordinates 0 to 1 the share of y in what is neither across nor along seams (chart.h). Normals then are made of
-     * differences along that and across it, which are the same from both sides. NULL: axes go on across sides. */
+/* How a chart's axes lie where charts are sheared, so that they meet at an angle on both sides of a seam: at chart
+ * coordinates 0 to 1 the share of y in what is neither across nor along seams (chart.h). Normals then are made of
+ * differences along that and across it, which are the same from both sides. */
+typedef struct tc_shear {
     double (*turn)(double x, double y);
-    /* The field's finest level that has normals: finer ones lie on its mesh, and are shaded by it. 0: all have. */
-    int finest;
-} tc_slopes;
+} tc_shear;
 
 typedef struct tc_ground_options {
     int n, max_levels, coarsest; /* as in tc_clipmap_options, and so wraps and spacing_* */
@@ -32,7 +29,7 @@ typedef struct tc_ground_options {
     /* Metres: levels of spacing g keep slopes times tc_normal_relief(g, relief), since slopes between samples far apart
      * are gentle and would be lost in eight bits. 0: as they are. */
     double relief;
-    const tc_slopes *slopes; /* outlives the clipmap; NULL: as all zeros */
+    const tc_shear *shear; /* outlives the clipmap; NULL: axes go on across sides as they are */
 } tc_ground_options;
 
 /* By how much a level's normals are steeper than the terrain; at least 1. */

@@ -2,8 +2,7 @@
  * level's on the same spot, as z_c stands beside z: one texture fetch a pixel instead of two.
  *
  * They come from the next finer level, whose samples are half as far apart, so from real data; below the finest level
- * that has them from its heights upsampled with U. Levels of spacing g keep slopes times tc_normal_relief(g, relief).
- */
+ * from its heights upsampled with U. Levels of spacing g keep slopes times tc_normal_relief(g, relief). */
 #include <math.h>
 
 #include "common/base/simd.h"
@@ -21,21 +20,15 @@ static size_t scratch_bytes(int n)
     return (fine * fine + 3 * coarse * fine + coarse * coarse) * sizeof(float);
 }
 
-/* The field's finest level that has normals. */
-static int finest_of(const tc_fill *f)
-{
-    const tc_slopes *slopes = f->content->context;
-    return slopes && slopes->finest ? slopes->finest : tc_field_info(tc_clipmap_field(f->clipmap))->levels;
-}
-
 /* Heights at twice the resolution around rect, for normals: first sample at (2 rect.x0 - 2, 2 rect.y0 - 2). */
 static tc_status fine_heights(const tc_fill *f, float **z_ret, ptrdiff_t *stride_ret)
 {
+    const tc_field *field = tc_clipmap_field(f->clipmap);
     const tc_rect rect = f->rect;
     int level = tc_clipmap_field_level(f->clipmap, f->level), n = tc_clipmap_n(f->clipmap);
     tc_beyond straight = {.wraps = tc_clipmap_level(f->clipmap, f->level)->wraps, .straight = true};
     int64_t w = rect.x1 - rect.x0, h = rect.y1 - rect.y0;
-    if (level < finest_of(f)) {
+    if (level < tc_field_info(field)->levels) {
         tc_rect fine = {2 * rect.x0 - 2, 2 * rect.y0 - 2, 2 * rect.x1 + 1, 2 * rect.y1 + 1};
         return tc_read_beyond(f, level + 1, fine, straight, f->scratch, z_ret, stride_ret);
     }
@@ -62,7 +55,7 @@ typedef struct normal_source {
     float steeper;      /* than the coarser level's normals */
     int64_t x, y;       /* the first texel */
     int64_t mask;       /* of the toroidal rows */
-    const float *turn;  /* of its texels (tc_slopes); NULL: none */
+    const float *turn;  /* of its texels (tc_shear); NULL: none */
 } normal_source;
 
 #define TEXEL int8_t
@@ -89,11 +82,11 @@ ROW_MAKER(make_fine, , fine_make_normals)
 ROW_MAKER(make_fine_avx2, TC_TARGET_AVX2, fine_make_normals)
 
 /* Shares of a row of texels, of a level of so many cells a side. */
-static void turns_of(const tc_slopes *slopes, const normal_source *from, int64_t cells, int64_t count, float *turn)
+static void turns_of(const tc_shear *shear, const normal_source *from, int64_t cells, int64_t count, float *turn)
 {
     const double scale = 0.5 / (double)cells, y = (double)from->y * scale;
     for (int64_t i = 0; i < count; i++)
-        turn[i] = (float)slopes->turn((double)(from->x + i) * scale, y);
+        turn[i] = (float)shear->turn((double)(from->x + i) * scale, y);
 }
 
 /* By how much a level's normals are steeper than the terrain. */
@@ -109,8 +102,6 @@ static tc_status fill(const tc_fill *f)
     const tc_clip_level *l = tc_clipmap_level(f->clipmap, f->level);
     float *z;
     ptrdiff_t stride;
-    if (tc_clipmap_field_level(f->clipmap, f->level) > finest_of(f))
-        return TC_OK;
     tc_status status = fine_heights(f, &z, &stride);
     if (status)
         return status;
@@ -134,15 +125,14 @@ static tc_status fill(const tc_fill *f)
                           .mask = mask};
     if (f->coarse)
         from.steeper = (float)(relief / relief_of(f, f->level - 1));
-    const tc_slopes *slopes = f->content->context;
-    const bool sheared = slopes && slopes->turn;
+    const tc_shear *shear = f->content->context;
     const tc_level size = tc_field_level(tc_clipmap_field(f->clipmap), tc_clipmap_field_level(f->clipmap, f->level));
     float turn[2 * (TC_CLIPMAP_MAX_N + 1)];
-    from.turn = sheared ? turn : NULL;
+    from.turn = shear ? turn : NULL;
     for (int64_t j = 0; j < h; j++, from.y++) {
         from.z += stride;
-        if (sheared)
-            turns_of(slopes, &from, size.width - 1, w, turn);
+        if (shear)
+            turns_of(shear, &from, size.width - 1, w, turn);
         make_row(&from, w, row);
         tc_torus_store((char *)f->texels + (size_t)((from.y & mask) * f->size) * texel, from.x, mask, row, w, texel);
     }

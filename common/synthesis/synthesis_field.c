@@ -7,7 +7,6 @@
 
 #include "common/base/rect.h"
 #include "common/base/status.h"
-#include "common/field/fine_voids.h"
 #include "synthesis_chain.h"
 
 enum { BLOCK = 256 }; /* samples along a side of what is made at once */
@@ -49,6 +48,22 @@ static void give_back(synthesis_field *p, arena *a)
 
 /* ---- Voids ------------------------------------------------------------------------------------------------------- */
 
+/* A sample is void where the mesh of the data's finest level is: outlines of holes stay. */
+static void spread_voids(const uint8_t *data, tc_rect around, int k, tc_rect rect, uint8_t *voids, ptrdiff_t stride)
+{
+    int64_t w = around.x1 - around.x0, one = (int64_t)1 << k;
+    for (int64_t y = rect.y0; y < rect.y1; y++)
+        for (int64_t x = rect.x0; x < rect.x1; x++) {
+            int64_t i = tc_floor_shift(x, k), j = tc_floor_shift(y, k), tx = x - i * one, ty = y - j * one;
+            const uint8_t *c = data + (j - around.y0) * w + (i - around.x0);
+            bool lower = tx + ty <= one;
+            int v = lower ? (tx + ty < one && c[0]) : (tx + ty > one && c[w + 1]);
+            v |= (lower ? tx : one - ty) > 0 && c[1];
+            v |= (lower ? ty : one - tx) > 0 && c[w];
+            voids[(y - rect.y0) * stride + (x - rect.x0)] = (uint8_t)v;
+        }
+}
+
 static void repeat_beyond(uint8_t *v, tc_rect around, tc_rect have)
 {
     int64_t w = around.x1 - around.x0;
@@ -86,7 +101,7 @@ static tc_status read_block(synthesis_field *p, int k, tc_rect rect, float *z, u
                                  v + (hole_have.y0 - hole.y0) * w + (hole_have.x0 - hole.x0), w, wait, &status);
         if (p->head.info.void_count > 0 && *how == TC_READY) {
             repeat_beyond(v, hole, hole_have);
-            tc_fine_voids(v, hole, k, rect, voids, stride);
+            spread_voids(v, hole, k, rect, voids, stride);
         } else if (*how == TC_READY) {
             for (int64_t j = 0; j < rect.y1 - rect.y0; j++)
                 memset(voids + j * stride, 0, (size_t)(rect.x1 - rect.x0));

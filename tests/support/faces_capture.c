@@ -44,7 +44,7 @@ void faces_capture_destroy(faces_capture *c)
 typedef struct drawn_block {
     const faces_view *view;
     tc_leaf leaf;
-    int level, cells;
+    int level, cells, finer; /* than the level whose window it reads */
     int64_t x, y;
 } drawn_block;
 
@@ -52,11 +52,11 @@ static drawn_block block_of(const faces_view *view, const tc_layers *layers, con
 {
     const uint32_t bits = (uint32_t)instance->v[3];
     const faces_surface *s = tc_faces_of(view);
-    drawn_block b = {.view = view, .cells = 1 << ((uint32_t)instance->v[2] >> 26)};
+    drawn_block b = {.view = view, .cells = 1 << ((uint32_t)instance->v[2] >> 26), .finer = instance->v[2] & 31};
     int layer = (int)(bits & 127);
     while (b.leaf.block.chart + 1 < s->map->charts && layer >= tc_first_layer(layers, b.leaf.block.chart + 1))
         b.leaf.block.chart++;
-    b.level = layer - tc_first_layer(layers, b.leaf.block.chart) + 1;
+    b.level = layer - tc_first_layer(layers, b.leaf.block.chart) + 1 + b.finer;
     b.leaf.sides = bits >> 7 & 15, b.leaf.corners = bits >> 11 & 15, b.leaf.forced = bits >> 15 & 15;
     b.leaf.finer_corners = bits >> 19 & 15, b.leaf.finer_halves = bits >> 23 & 255;
     const int shift = s->lattice.levels - b.level;
@@ -119,11 +119,22 @@ static void seen_from(const eye *e, const long double p[3], long double seen[3])
     }
 }
 
-static const float *sample(const drawn_block *b, int64_t i, int64_t j)
+/* Heights of a sample of the level and of the coarser one there; of levels finer than the windows' on the triangles of
+ * these. */
+static void sample(const drawn_block *b, int64_t i, int64_t j, long double z[2])
 {
     const tc_clipmap *clipmap = b->view->head.windows->clipmap[b->leaf.block.chart];
-    const int64_t mask = tc_clipmap_n(clipmap);
-    return tc_ground_heights(clipmap, b->level)[(j & mask) * (mask + 1) + (i & mask)];
+    const int64_t mask = tc_clipmap_n(clipmap), one = (int64_t)1 << b->finer, x = i / one, y = j / one;
+    const float(*pairs)[2] = tc_ground_heights(clipmap, b->level - b->finer);
+    float of[4][2];
+    for (int k = 0; k < 4; k++) {
+        const int64_t u = x + (k & 1 && i % one), v = y + (k >> 1 && j % one);
+        memcpy(of[k], pairs[(v & mask) * (mask + 1) + (u & mask)], sizeof of[k]);
+    }
+    const long double u = (long double)(i % one) / (long double)one, v = (long double)(j % one) / (long double)one;
+    z[0] = u + v <= 1 ? (1 - u - v) * of[0][0] + u * of[1][0] + v * of[2][0]
+                      : (u + v - 1) * of[3][0] + (1 - v) * of[1][0] + (1 - u) * of[2][0];
+    z[1] = b->finer ? z[0] : (long double)of[0][1];
 }
 
 /* A vertex relative to the eye; whether it is on its way to a coarser edge. */
@@ -138,9 +149,10 @@ static bool vertex(const drawn_block *b, const eye *e, int64_t i, int64_t j, lon
             d[k] += e->axes[k][c] * (n[c] - e->normal[c]);
     const double near[3] = {(double)d[0], (double)d[1], (double)d[2]};
     const double alpha = tc_faces_alpha(b->view, &b->leaf, b->level, b->cells, i - b->x, j - b->y, near);
-    const float *z = sample(b, i, j);
+    long double z[2];
+    sample(b, i, j, z);
     const bool between = (i & 1) || (j & 1);
-    place_at(&map->body, n, z_base + (between ? z[0] : (1 - alpha) * (long double)z[0] + alpha * (long double)z[1]), p);
+    place_at(&map->body, n, z_base + (between ? z[0] : (1 - alpha) * z[0] + alpha * z[1]), p);
     seen_from(e, p, seen);
     if (!between || alpha <= 0)
         return false;
@@ -150,7 +162,8 @@ static bool vertex(const drawn_block *b, const eye *e, int64_t i, int64_t j, lon
     for (int end = -1; end <= 1; end += 2) {
         long double q[3];
         normal_at(b, i + end * di, j + end * dj, n);
-        place_at(&map->body, n, z_base + (long double)sample(b, i + end * di, j + end * dj)[1], p);
+        sample(b, i + end * di, j + end * dj, z);
+        place_at(&map->body, n, z_base + z[1], p);
         seen_from(e, p, q);
         for (int k = 0; k < 3; k++)
             seen[k] += alpha * 0.5L * q[k];
@@ -170,7 +183,8 @@ static void compare(const drawn_block *b, const eye *e, const tc_camera *camera,
     double place[2] = {(double)i, (double)j}, off = 0;
     for (int a = 0; a < 2; a++) {
         double viewer = fmin(fmax(b->view->chart[b->leaf.block.chart][a], 0), (double)s->cells);
-        off = hypot(off, (double)v->place[a] - (place[a] - ldexp(viewer, b->level - s->lattice.levels)));
+        off =
+            hypot(off, ldexp((double)v->place[a], b->finer) - (place[a] - ldexp(viewer, b->level - s->lattice.levels)));
     }
     if (!rings_oracle_pixel(camera, seen, pixel))
         return;
