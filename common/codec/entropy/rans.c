@@ -57,7 +57,7 @@ void tc_rans_table_build(const tc_rans_frequencies *frequencies, tc_rans_table *
     uint32_t at = 0;
     for (int s = 0; s < TC_RANS_SYMBOLS; at += frequencies->of[s++]) {
         memset(table->slot + at, s, frequencies->of[s]);
-        table->symbol[s] = frequencies->of[s] | at << 16;
+        table->symbol[s] = frequencies->of[s] | at << TC_RANS_BITS | (uint32_t)s << 2 * TC_RANS_BITS;
     }
 }
 

@@ -25,8 +25,8 @@ typedef struct tc_rans_frequencies {
     uint16_t of[TC_RANS_SYMBOLS];
 } tc_rans_frequencies;
 
-/* A decoding table: the symbol of each slot, and for each symbol its frequency and, from bit 16 on, its first slot. In
- * two parts, so that the tables in use fit into the first cache. */
+/* A decoding table: the symbol of each slot, and for each symbol its frequency, which is below 2^12, from bit 12 on its
+ * first slot, and from bit 24 on itself. In two parts, so that the tables in use fit into the first cache. */
 typedef struct tc_rans_table {
     uint8_t slot[TC_RANS_SLOTS];
     uint32_t symbol[TC_RANS_SYMBOLS];
@@ -105,7 +105,7 @@ bool tc_rans_decode_begin(tc_rans_decoder *d, int lanes, const uint8_t *bytes, s
 static inline uint32_t tc_rans_step(const tc_rans_table *table, uint32_t *state)
 {
     uint32_t x = *state, slot = x & (TC_RANS_SLOTS - 1), symbol = table->slot[slot], entry = table->symbol[symbol];
-    *state = (entry & 0xffff) * (x >> TC_RANS_BITS) + slot - (entry >> 16);
+    *state = (entry & (TC_RANS_SLOTS - 1)) * (x >> TC_RANS_BITS) + slot - (entry >> TC_RANS_BITS & (TC_RANS_SLOTS - 1));
     return symbol;
 }
 

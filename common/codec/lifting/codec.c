@@ -39,6 +39,14 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
     for (int mask = 0; mask < 256; mask++)
         for (int lane = 0; lane < 8; lane++)
             codec->spread[mask][lane] = (uint8_t)__builtin_popcount((unsigned)mask & ((1u << lane) - 1));
+    for (int n = 0, bin = 0; n < TC_BIN_SPANS; n++) {
+        int first = n < 2 ? 0 : (2 + n % 2) << n / 2 >> 1;
+        while (bin < TC_BINS - 1 && tc_bin_threshold[bin] <= first)
+            bin++;
+        int last = bin < TC_BINS - 1 ? tc_bin_threshold[bin] - 1 : INT16_MAX;
+        codec->span_bin[n] = (uint8_t)bin;
+        codec->span_last[0][n] = (uint8_t)last, codec->span_last[1][n] = (uint8_t)(last >> 8);
+    }
     for (int b = 0; b < TC_BINS; b++) {
         codec->shift[b] = tc_bin_shift[b];
         tc_rans_table_build(&model->symbols[b], &codec->table[b]);

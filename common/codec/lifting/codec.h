@@ -15,7 +15,9 @@
 enum {
     TC_TILE = 64,
     TC_TILE_MARGIN = 5, /* positions of the coarser level that a tile looks at around itself */
-    TC_TILE_SYMBOLS = TC_BANDS * TC_TILE * TC_TILE
+    TC_TILE_SYMBOLS = TC_BANDS * TC_TILE * TC_TILE,
+    TC_BIN_SPANS = 32,
+    TC_TOGETHER = 4
 };
 
 /* A level's geometry, model and tables. */
@@ -24,9 +26,12 @@ typedef struct tc_codec {
     int64_t cw, ch;           /* positions */
     int64_t tiles_x, tiles_y; /* tiles */
     tc_detail_model model;
-    int32_t coarse_shift, coarse_scale[TC_BANDS];  /* curvatures to steps */
-    int32_t pair[TC_BANDS][TC_PHASES][7];          /* scale weights, two in each for codec_avx2.h */
-    uint8_t spread[256][8];                        /* [which of eight lanes want a word][lane]: how many do before it */
+    int32_t coarse_shift, coarse_scale[TC_BANDS]; /* curvatures to steps */
+    int32_t pair[TC_BANDS][TC_PHASES][7];         /* scale weights, two in each for codec_avx2.h */
+    uint8_t spread[256][8];                       /* [which of eight lanes want a word][lane]: how many do before it */
+    /* Sizes of contexts by halves of octaves, 2 and 3 being numbers 2 and 3, 4 to 5 number 4: the bin of the first one,
+     * and the last one, low byte and high, that has the same bin; the next has the next bin. */
+    uint8_t span_bin[TC_BIN_SPANS], span_last[2][TC_BIN_SPANS];
     int32_t shift[TC_BINS];                        /* tc_bin_shift */
     float bits[TC_BINS * TC_RANS_SYMBOLS];         /* what symbols cost, [bin * TC_RANS_SYMBOLS + symbol] */
     tc_rans_symbol put[TC_BINS * TC_RANS_SYMBOLS]; /* to encode them */
@@ -64,9 +69,9 @@ typedef struct tc_tile_job {
     tc_status status; /* set */
 } tc_tile_job;
 
-/* Decodes two tiles at a time, each with its own bytes, planes and work memory, which takes less than one after the
- * other. */
-void tc_codec_decode_pair(const tc_codec *codec, tc_tile_job job[2], const tc_plane *coarse, tc_simd simd);
+/* Decodes up to TC_TOGETHER tiles at a time, each with its own bytes, planes and work memory, which takes less than one
+ * after the other: decoding a symbol waits for the one before it in the same tile. */
+void tc_codec_decode_tiles(const tc_codec *codec, tc_tile_job job[], int count, const tc_plane *coarse, tc_simd simd);
 
 /* Details of empty tiles over `part`, at most TC_TILE positions either way: what tc_codec_decode_tile() gives there,
  * whatever tiles it touches. coarse covers at least tc_codec_tile_needs(part), the planes of band `part`. */

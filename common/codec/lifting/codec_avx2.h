@@ -96,6 +96,22 @@ TC_TARGET_AVX2 static inline void weigh_avx2(__m256i sum[2], __m256i a, __m256i 
     sum[1] = _mm256_add_epi32(sum[1], _mm256_madd_epi16(_mm256_unpackhi_epi16(a, b), weight));
 }
 
+/* One of 32 bytes for each index of 0 ... 31. */
+TC_TARGET_AVX2 static inline __m256i choose_avx2(const uint8_t table[TC_BIN_SPANS], __m256i index)
+{
+    __m256i low = _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)table));
+    __m256i high = _mm256_broadcastsi128_si256(_mm_loadu_si128((const __m128i *)(table + 16)));
+    /* A shuffle gives zero where an index has its uppermost bit. */
+    return _mm256_or_si256(_mm256_shuffle_epi8(low, _mm256_add_epi8(index, _mm256_set1_epi8(0x70))),
+                           _mm256_shuffle_epi8(high, _mm256_sub_epi8(index, _mm256_set1_epi8(16))));
+}
+
+/* Spans of 8 sizes, tc_codec.span_bin, those of 0 and 1 being 0: exponent and uppermost bit of the mantissa. */
+TC_TARGET_AVX2 static inline __m256i span_avx2(__m256i size)
+{
+    return _mm256_srli_epi32(_mm256_castps_si256(_mm256_cvtepi32_ps(size)), 22);
+}
+
 /* tc_context_bins() */
 TC_TARGET_AVX2 static inline void context_bins_avx2(const tc_codec *c, tc_tile_work *w, int band, int j, int phase,
                                                     uint8_t bin[HALF])
@@ -107,7 +123,7 @@ TC_TARGET_AVX2 static inline void context_bins_avx2(const tc_codec *c, tc_tile_w
                   *nn = magnitude_at(w, band, j - 2, !phase) - !phase;
     const uint8_t *here = magnitude_at(w, band, j, !phase);
     const uint8_t *f4a = phase ? here : same - 1, *f4b = f4a + (phase ? 1 : 2);
-    __m256i count[HALF / 16];
+    __m256i scale[HALF / 16], span[HALF / 16];
     for (int k = 0; k < HALF; k += 16) {
         __m256i sum[2] = {_mm256_setzero_si256(), _mm256_setzero_si256()}, f5, f6;
         if (band == TC_HL) {
@@ -152,16 +168,19 @@ TC_TARGET_AVX2 static inline void context_bins_avx2(const tc_codec *c, tc_tile_w
         weigh_avx2(sum, sum8_avx2(n + k, n + k + 1), sum8_avx2(nn + k, nn + k + 1), pair + 1);
         weigh_avx2(sum, sum8_avx2(f4a + k, f4b + k), f5, pair + 2);
         weigh_avx2(sum, f6, _mm256_setzero_si256(), pair + 3);
+        for (int m = 0; m < 2; m++)
+            sum[m] = _mm256_srai_epi32(sum[m], 2);
         /* This packing cuts off at SCALE_LIMIT. */
-        __m256i scale = _mm256_packs_epi32(_mm256_srai_epi32(sum[0], 2), _mm256_srai_epi32(sum[1], 2));
-        __m256i less = _mm256_setzero_si256();
-        for (int b = 0; b < TC_BINS - 1; b++)
-            less = _mm256_sub_epi16(less,
-                                    _mm256_cmpgt_epi16(scale, _mm256_set1_epi16((int16_t)(tc_bin_threshold[b] - 1))));
-        count[k / 16] = less;
+        scale[k / 16] = _mm256_packs_epi32(sum[0], sum[1]);
+        span[k / 16] = _mm256_subs_epu16(_mm256_packs_epi32(span_avx2(sum[0]), span_avx2(sum[1])),
+                                         _mm256_set1_epi16(2 * 127)); /* the exponent of 1 */
     }
-    __m256i all = _mm256_permute4x64_epi64(_mm256_packus_epi16(count[0], count[1]), 0xd8);
-    _mm256_storeu_si256((__m256i *)bin, all);
+    __m256i index = _mm256_min_epu8(_mm256_packus_epi16(span[0], span[1]), _mm256_set1_epi8(TC_BIN_SPANS - 1));
+    __m256i low = choose_avx2(c->span_last[0], index), high = choose_avx2(c->span_last[1], index);
+    __m256i above = _mm256_packs_epi16(_mm256_cmpgt_epi16(scale[0], _mm256_unpacklo_epi8(low, high)),
+                                       _mm256_cmpgt_epi16(scale[1], _mm256_unpackhi_epi8(low, high)));
+    __m256i all = _mm256_sub_epi8(choose_avx2(c->span_bin, index), above);
+    _mm256_storeu_si256((__m256i *)bin, _mm256_permute4x64_epi64(all, 0xd8));
 #undef CURVE
 }
 

@@ -24,32 +24,37 @@ TC_INLINE uint32_t fast_step(const tc_rans_table *table, uint32_t *state, const 
 #if TC_AVX2
 enum { AHEAD = 16 }; /* bytes that a step of eight lanes loads, whether it needs them or not */
 
-/* Symbols of eight states and the tables' entries for them. By loads, one after the other: gathers take several times
- * as long on processors that keep them from leaking what they read. */
-TC_TARGET_AVX2 static inline __m256i look_up_avx2(const tc_codec *c, __m256i slots, const uint8_t *bin, uint8_t *symbol)
+/* The tables' entries for eight states. By loads, one after the other: gathers take several times as long on processors
+ * that keep them from leaking what they read. */
+TC_TARGET_AVX2 static inline __attribute__((always_inline)) __m256i look_up_avx2(const tc_codec *c, __m256i slots,
+                                                                                 const uint8_t *bin)
 {
-    _Alignas(32) uint32_t slot[8];
+    const uint8_t *tables = c->table[0].slot, *entries = (const uint8_t *)c->table[0].symbol;
+    __m256i bins = _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i *)bin));
+    _Alignas(32) uint32_t table[8], slot[8];
     int32_t entry[8];
-    _mm256_store_si256((__m256i *)slot, slots);
+    bins = _mm256_mullo_epi32(bins, _mm256_set1_epi32(sizeof *c->table));
+    _mm256_store_si256((__m256i *)table, bins);
+    _mm256_store_si256((__m256i *)slot, _mm256_add_epi32(bins, slots));
+    /* Loading them again takes less than taking vectors apart, which the compiler would do. */
+    __asm__("" : "+m"(table), "+m"(slot));
 #pragma GCC unroll 8
-    for (int lane = 0; lane < 8; lane++) {
-        const tc_rans_table *table = &c->table[bin[lane]];
-        uint32_t s = table->slot[slot[lane]];
-        symbol[lane] = (uint8_t)s, entry[lane] = (int32_t)table->symbol[s];
-    }
+    for (int lane = 0; lane < 8; lane++)
+        memcpy(&entry[lane], entries + table[lane] + sizeof *entry * tables[slot[lane]], sizeof *entry);
     return _mm256_setr_epi32(entry[0], entry[1], entry[2], entry[3], entry[4], entry[5], entry[6], entry[7]);
 }
 
 /* Eight lanes at once; the words that some of them want are dealt out by a permutation (Giesen 2014, "SIMD entropy
- * coding"). */
-TC_TARGET_AVX2 static inline void decode_8_avx2(const tc_codec *c, __m256i *state, const uint8_t **at,
-                                                const uint8_t *bin, uint8_t *symbol)
+ * coding"). Returns their symbols, as bytes. */
+TC_TARGET_AVX2 static inline __attribute__((always_inline)) __m128i
+decode_8_avx2(const tc_codec *c, __m256i *state, const uint8_t **at, const uint8_t *bin)
 {
-    __m256i x = *state, slot = _mm256_and_si256(x, _mm256_set1_epi32(TC_RANS_SLOTS - 1));
-    __m256i entry = look_up_avx2(c, slot, bin, symbol);
-    __m256i frequency = _mm256_and_si256(entry, _mm256_set1_epi32(0xffff));
+    const __m256i slots = _mm256_set1_epi32(TC_RANS_SLOTS - 1);
+    __m256i x = *state, slot = _mm256_and_si256(x, slots), entry = look_up_avx2(c, slot, bin);
+    __m256i frequency = _mm256_and_si256(entry, slots);
+    __m256i start = _mm256_and_si256(_mm256_srli_epi32(entry, TC_RANS_BITS), slots);
     x = _mm256_mullo_epi32(frequency, _mm256_srli_epi32(x, TC_RANS_BITS));
-    x = _mm256_add_epi32(x, _mm256_sub_epi32(slot, _mm256_srli_epi32(entry, 16)));
+    x = _mm256_add_epi32(x, _mm256_sub_epi32(slot, start));
     __m256i low = _mm256_cmpeq_epi32(_mm256_srli_epi32(x, 16), _mm256_setzero_si256());
     unsigned mask = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(low));
     __m256i words = _mm256_cvtepu16_epi32(_mm_loadu_si128((const __m128i *)*at));
@@ -57,58 +62,54 @@ TC_TARGET_AVX2 static inline void decode_8_avx2(const tc_codec *c, __m256i *stat
     words = _mm256_permutevar8x32_epi32(words, from);
     *state = _mm256_blendv_epi8(x, _mm256_or_si256(_mm256_slli_epi32(x, 16), words), low);
     *at += 2 * __builtin_popcount(mask);
+    entry = _mm256_shuffle_epi8(entry, _mm256_set1_epi32(0x0f0b0703)); /* the bytes with the symbols */
+    return _mm_unpacklo_epi32(_mm256_castsi256_si128(entry), _mm256_extracti128_si256(entry, 1));
 }
 
-/* A run that is being decoded on 8 or 16 lanes. Of 16, each half waits for nothing of the other but where its words
- * start, so that the processor works on both at a time. lanes: a constant. */
-typedef struct run_avx2 {
-    __m256i state[2];
-    const uint8_t *at;
-} run_avx2;
-
-TC_TARGET_AVX2 static inline void run_begin_avx2(run_avx2 *r, const tc_rans_decoder *d)
+/* Runs of several tiles that are decoded in turn, so that none waits for its own states to become known. Of 16 lanes
+ * each half is a turn, too: it waits for nothing of the other but where its words start. count: a constant. */
+TC_TARGET_AVX2 static inline __attribute__((always_inline)) void decode_runs_avx2(const tc_codec *c,
+                                                                                  tc_rans_decoder *const d[],
+                                                                                  const uint8_t *const bin[],
+                                                                                  uint8_t *const symbol[], int count)
 {
-    r->state[0] = load_avx2(d->state), r->state[1] = load_avx2(d->state + 8), r->at = d->at;
-}
-
-TC_TARGET_AVX2 static inline void run_step_avx2(const tc_codec *c, run_avx2 *r, int lanes, const uint8_t *bin, int k,
-                                                uint8_t *symbol)
-{
-    decode_8_avx2(c, &r->state[lanes == 16 ? k % 2 : 0], &r->at, bin + 8 * k, symbol + 8 * k);
-}
-
-TC_TARGET_AVX2 static inline void run_end_avx2(const run_avx2 *r, int lanes, tc_rans_decoder *d)
-{
-    _mm256_storeu_si256((__m256i *)d->state, r->state[0]);
-    if (lanes == 16)
-        _mm256_storeu_si256((__m256i *)(d->state + 8), r->state[1]);
-    d->at = r->at;
-}
-
-TC_TARGET_AVX2 static inline void decode_run_avx2(const tc_codec *c, tc_rans_decoder *d, int lanes,
-                                                  const uint8_t bin[HALF], uint8_t symbol[HALF])
-{
-    run_avx2 r;
-    run_begin_avx2(&r, d);
+    __m256i state[TC_TOGETHER][2];
+    __m128i got[TC_TOGETHER][HALF / 8];
+    const uint8_t *at[TC_TOGETHER];
+#pragma GCC unroll 4
+    for (int n = 0; n < count; n++)
+        state[n][0] = load_avx2(d[n]->state), state[n][1] = load_avx2(d[n]->state + 8), at[n] = d[n]->at;
     for (int k = 0; k < HALF / 8; k++)
-        run_step_avx2(c, &r, lanes, bin, k, symbol);
-    run_end_avx2(&r, lanes, d);
+#pragma GCC unroll 4
+        for (int n = 0; n < count; n++)
+            got[n][k] = decode_8_avx2(c, &state[n][d[n]->lanes == 16 ? k % 2 : 0], &at[n], bin[n] + 8 * k);
+#pragma GCC unroll 4
+    for (int n = 0; n < count; n++) {
+        __m128i low = _mm_unpacklo_epi64(got[n][0], got[n][1]), high = _mm_unpacklo_epi64(got[n][2], got[n][3]);
+        _mm256_storeu_si256((__m256i *)symbol[n], _mm256_set_m128i(high, low));
+        _mm256_storeu_si256((__m256i *)d[n]->state, state[n][0]);
+        _mm256_storeu_si256((__m256i *)(d[n]->state + 8), state[n][1]);
+        d[n]->at = at[n];
+    }
 }
 
-/* Runs of two streams in turn: neither waits for the other. */
-TC_TARGET_AVX2 static inline void decode_runs_avx2(const tc_codec *c, tc_rans_decoder *d0, tc_rans_decoder *d1,
-                                                   int lanes0, int lanes1, const uint8_t *bin0, const uint8_t *bin1,
-                                                   uint8_t *symbol0, uint8_t *symbol1)
+TC_TARGET_AVX2 static __attribute__((noinline)) void decode_few_avx2(const tc_codec *c, tc_rans_decoder *const d[],
+                                                                     const uint8_t *const bin[],
+                                                                     uint8_t *const symbol[], int count)
 {
-    run_avx2 r0, r1;
-    run_begin_avx2(&r0, d0);
-    run_begin_avx2(&r1, d1);
-    for (int k = 0; k < HALF / 8; k++) {
-        run_step_avx2(c, &r0, lanes0, bin0, k, symbol0);
-        run_step_avx2(c, &r1, lanes1, bin1, k, symbol1);
+    switch (count) {
+    case 1: decode_runs_avx2(c, d, bin, symbol, 1); break;
+    case 2: decode_runs_avx2(c, d, bin, symbol, 2); break;
+    case 3: decode_runs_avx2(c, d, bin, symbol, 3); break;
+    case 4: decode_runs_avx2(c, d, bin, symbol, 4); break;
+    default: break;
     }
-    run_end_avx2(&r0, lanes0, d0);
-    run_end_avx2(&r1, lanes1, d1);
+}
+
+/* Whether a run can be decoded by vectors without looking where the stream ends. */
+TC_INLINE bool is_fast(const tc_rans_decoder *d, int count)
+{
+    return count == HALF && d->lanes > 4 && d->end - d->at >= 2 * HALF + AHEAD;
 }
 #endif
 
@@ -126,28 +127,10 @@ TC_INLINE void decode_run_lanes(const tc_codec *c, tc_rans_decoder *d, const uin
     d->at = at;
 }
 
-#if TC_AVX2
-/* Whether a run can be decoded by vectors without looking where the stream ends. */
-TC_INLINE bool is_fast(const tc_rans_decoder *d, int count)
-{
-    return count == HALF && d->lanes > 4 && d->end - d->at >= 2 * HALF + AHEAD;
-}
-#endif
-
-/* Symbols of one phase of a row. simd: a constant, whether there is AVX2. */
+/* Symbols of one phase of a row. */
 TC_INLINE void decode_run(const tc_codec *c, tc_rans_decoder *d, const uint8_t bin[HALF], int count,
-                          uint8_t symbol[HALF], bool simd)
+                          uint8_t symbol[HALF])
 {
-#if TC_AVX2
-    if (simd && is_fast(d, count)) {
-        if (d->lanes == 16)
-            decode_run_avx2(c, d, 16, bin, symbol);
-        else
-            decode_run_avx2(c, d, 8, bin, symbol);
-        return;
-    }
-#endif
-    (void)simd;
     if (count < HALF || d->end - d->at < 2 * HALF) {
         for (int k = 0; k < count; k++)
             symbol[k] = (uint8_t)tc_rans_decode(d, k % d->lanes, &c->table[bin[k]]);
@@ -170,7 +153,8 @@ typedef struct tc_tile_state {
     tc_rans_decoder rans;
     tc_raw_reader raw;
     uint8_t payload[TC_RANS_PAYLOAD];
-    int coded; /* bands that are */
+    int coded;   /* bands that are */
+    int columns; /* of the band that is being decoded */
     tc_status status;
 } tc_tile_state;
 
@@ -211,74 +195,52 @@ TC_INLINE void show_symbols(int band, int count, int j, int phase, tc_tile_work 
             seen[k] = tc_context_magnitude(symbol[k], bin[k]);
 }
 
-/* Symbols of one phase of a row. */
-TC_INLINE void decode_phase(const tc_codec *c, int band, int columns, int j, int phase, tc_tile_state *t, bool simd)
+/* One phase of a row of a few tiles. band and simd: constants. */
+TC_INLINE void decode_phases(const tc_codec *c, int band, int j, int phase, tc_tile_state *const t[], int tiles,
+                             bool simd)
 {
-    tc_tile_work *w = t->w;
-    int count = tc_phase_columns(columns, phase);
-    find_bins(c, band, j, phase, w, simd);
-    decode_run(c, &t->rans, w->bin[band][j][phase], count, w->symbol[band][j][phase], simd);
-    show_symbols(band, count, j, phase, w, simd);
-}
-
-/* A band of a tile. band and simd: constants. */
-TC_INLINE void tc_decode_symbols(const tc_codec *c, int band, tc_tile_state *t, bool simd)
-{
-    int columns, rows;
-    tc_tile_extent(c, band, t->rect, t->shift, &columns, &rows);
-    for (int j = 0; j < rows; j++) {
-        decode_phase(c, band, columns, j, 0, t, simd);
-        decode_phase(c, band, columns, j, 1, t, simd);
-    }
-}
-
+    const uint8_t *bin[TC_TOGETHER];
+    uint8_t *symbol[TC_TOGETHER];
+    tc_rans_decoder *rans[TC_TOGETHER];
+    int fast = 0, count[TC_TOGETHER];
+    for (int n = 0; n < tiles; n++) {
+        tc_tile_work *w = t[n]->w;
+        find_bins(c, band, j, phase, w, simd);
+        bin[fast] = w->bin[band][j][phase], symbol[fast] = w->symbol[band][j][phase], rans[fast] = &t[n]->rans;
+        count[n] = tc_phase_columns(t[n]->columns, phase);
 #if TC_AVX2
-/* One phase of a row of two tiles that are both there. */
-TC_TARGET_AVX2 static inline __attribute__((always_inline)) void
-decode_phases(const tc_codec *c, int band, const int columns[2], int j, int phase, tc_tile_state t[2])
-{
-    tc_tile_work *w0 = t[0].w, *w1 = t[1].w;
-    int count[2] = {tc_phase_columns(columns[0], phase), tc_phase_columns(columns[1], phase)};
-    if (!is_fast(&t[0].rans, count[0]) || !is_fast(&t[1].rans, count[1])) {
-        decode_phase(c, band, columns[0], j, phase, &t[0], true);
-        decode_phase(c, band, columns[1], j, phase, &t[1], true);
-        return;
+        if (simd && is_fast(rans[fast], count[n]))
+            fast++;
+        else
+#endif
+            decode_run(c, rans[fast], bin[fast], count[n], symbol[fast]);
     }
-    find_bins(c, band, j, phase, w0, true);
-    find_bins(c, band, j, phase, w1, true);
-    const uint8_t *bin0 = w0->bin[band][j][phase], *bin1 = w1->bin[band][j][phase];
-    uint8_t *symbol0 = w0->symbol[band][j][phase], *symbol1 = w1->symbol[band][j][phase];
-    int lanes0 = t[0].rans.lanes, lanes1 = t[1].rans.lanes;
-    if (lanes0 == 16 && lanes1 == 16)
-        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 16, 16, bin0, bin1, symbol0, symbol1);
-    else if (lanes0 == 16)
-        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 16, 8, bin0, bin1, symbol0, symbol1);
-    else if (lanes1 == 16)
-        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 8, 16, bin0, bin1, symbol0, symbol1);
-    else
-        decode_runs_avx2(c, &t[0].rans, &t[1].rans, 8, 8, bin0, bin1, symbol0, symbol1);
-    show_symbols(band, HALF, j, phase, w0, true);
-    show_symbols(band, HALF, j, phase, w1, true);
+#if TC_AVX2
+    if (simd)
+        decode_few_avx2(c, rans, bin, symbol, fast);
+#endif
+    for (int n = 0; n < tiles; n++)
+        show_symbols(band, count[n], j, phase, t[n]->w, simd);
 }
 
-/* A band of two tiles at a time: the one waits while the other's states become known. */
-TC_TARGET_AVX2 static inline __attribute__((always_inline)) void tc_decode_symbols_pair(const tc_codec *c, int band,
-                                                                                        tc_tile_state t[2])
+/* A band of a few tiles, of which some may not have it. band and simd: constants. */
+TC_INLINE void tc_decode_symbols(const tc_codec *c, int band, tc_tile_state t[], int tiles, bool simd)
 {
-    int columns[2], rows[2];
-    for (int n = 0; n < 2; n++)
-        tc_tile_extent(c, band, t[n].rect, t[n].shift, &columns[n], &rows[n]);
-    int both = rows[0] < rows[1] ? rows[0] : rows[1];
-    for (int j = 0; j < both; j++) {
-        decode_phases(c, band, columns, j, 0, t);
-        decode_phases(c, band, columns, j, 1, t);
+    int rows[TC_TOGETHER], most = 0;
+    for (int n = 0; n < tiles; n++) {
+        tc_tile_extent(c, band, t[n].rect, t[n].shift, &t[n].columns, &rows[n]);
+        rows[n] = t[n].coded >> band & 1 ? rows[n] : 0;
+        most = rows[n] > most ? rows[n] : most;
     }
-    for (int n = 0; n < 2; n++)
-        for (int j = both; j < rows[n]; j++) {
-            decode_phase(c, band, columns[n], j, 0, &t[n], true);
-            decode_phase(c, band, columns[n], j, 1, &t[n], true);
-        }
+    for (int j = 0; j < most; j++) {
+        tc_tile_state *some[TC_TOGETHER];
+        int count = 0;
+        for (int n = 0; n < tiles; n++)
+            if (j < rows[n])
+                some[count++] = &t[n];
+        decode_phases(c, band, j, 0, some, count, simd);
+        decode_phases(c, band, j, 1, some, count, simd);
+    }
 }
-#endif
 
 #endif

@@ -89,19 +89,6 @@ TC_INLINE tc_status end_tile(const tc_codec *c, const tc_plane band[TC_BANDS], t
     }
 }
 
-TC_INLINE void decode_tile(const tc_codec *c, tc_tile_job *job, const tc_plane *coarse, bool simd)
-{
-    tc_tile_state t;
-    begin_tile(c, job, coarse, &t, simd);
-    if (t.coded >> TC_HL & 1)
-        tc_decode_symbols(c, TC_HL, &t, simd);
-    if (t.coded >> TC_LH & 1)
-        tc_decode_symbols(c, TC_LH, &t, simd);
-    if (t.coded >> TC_HH & 1)
-        tc_decode_symbols(c, TC_HH, &t, simd);
-    job->status = end_tile(c, job->band, &t, simd);
-}
-
 /* tc_codec_predict() */
 TC_INLINE void predict_part(const tc_codec *c, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
                             tc_tile_work *w)
@@ -127,26 +114,10 @@ TC_TARGET_AVX2 static __attribute__((noinline)) void predict_part_avx2(const tc_
     predict_part(c, part, coarse, band, w);
 }
 
-TC_TARGET_AVX2 static __attribute__((noinline)) void decode_tile_avx2(const tc_codec *c, tc_tile_job *job,
-                                                                      const tc_plane *coarse)
-{
-    decode_tile(c, job, coarse, true);
-}
-
 TC_TARGET_AVX2 static __attribute__((noinline)) void begin_tile_avx2(const tc_codec *c, const tc_tile_job *job,
                                                                      const tc_plane *coarse, tc_tile_state *t)
 {
     begin_tile(c, job, coarse, t, true);
-}
-
-TC_TARGET_AVX2 static __attribute__((noinline)) void decode_symbols_avx2(const tc_codec *c, int band, tc_tile_state *t)
-{
-    if (band == TC_HL)
-        tc_decode_symbols(c, TC_HL, t, true);
-    else if (band == TC_LH)
-        tc_decode_symbols(c, TC_LH, t, true);
-    else
-        tc_decode_symbols(c, TC_HH, t, true);
 }
 
 TC_TARGET_AVX2 static __attribute__((noinline)) tc_status end_tile_avx2(const tc_codec *c,
@@ -155,43 +126,40 @@ TC_TARGET_AVX2 static __attribute__((noinline)) tc_status end_tile_avx2(const tc
     return end_tile(c, band, t, true);
 }
 
-TC_TARGET_AVX2 static void decode_pair_avx2(const tc_codec *c, tc_tile_job job[2], const tc_plane *coarse)
+TC_TARGET_AVX2 static void decode_tiles_avx2(const tc_codec *c, tc_tile_job job[], int count, const tc_plane *coarse)
 {
-    tc_tile_state t[2];
-    for (int n = 0; n < 2; n++)
+    tc_tile_state t[TC_TOGETHER];
+    for (int n = 0; n < count; n++)
         begin_tile_avx2(c, &job[n], coarse, &t[n]);
-    int both = t[0].coded & t[1].coded;
-    for (int n = 0; n < 2; n++)
-        if ((t[n].coded & ~both) >> TC_HL & 1)
-            decode_symbols_avx2(c, TC_HL, &t[n]);
-    if (both >> TC_HL & 1)
-        tc_decode_symbols_pair(c, TC_HL, t);
-    for (int n = 0; n < 2; n++)
-        if ((t[n].coded & ~both) >> TC_LH & 1)
-            decode_symbols_avx2(c, TC_LH, &t[n]);
-    if (both >> TC_LH & 1)
-        tc_decode_symbols_pair(c, TC_LH, t);
-    for (int n = 0; n < 2; n++)
-        if ((t[n].coded & ~both) >> TC_HH & 1)
-            decode_symbols_avx2(c, TC_HH, &t[n]);
-    if (both >> TC_HH & 1)
-        tc_decode_symbols_pair(c, TC_HH, t);
-    for (int n = 0; n < 2; n++)
+    tc_decode_symbols(c, TC_HL, t, count, true);
+    tc_decode_symbols(c, TC_LH, t, count, true);
+    tc_decode_symbols(c, TC_HH, t, count, true);
+    for (int n = 0; n < count; n++)
         job[n].status = end_tile_avx2(c, job[n].band, &t[n]);
 }
 #endif
 
-void tc_codec_decode_pair(const tc_codec *codec, tc_tile_job job[2], const tc_plane *coarse, tc_simd simd)
+static void decode_tile(const tc_codec *c, tc_tile_job *job, const tc_plane *coarse)
+{
+    tc_tile_state t;
+    begin_tile(c, job, coarse, &t, false);
+    tc_decode_symbols(c, TC_HL, &t, 1, false);
+    tc_decode_symbols(c, TC_LH, &t, 1, false);
+    tc_decode_symbols(c, TC_HH, &t, 1, false);
+    job->status = end_tile(c, job->band, &t, false);
+}
+
+void tc_codec_decode_tiles(const tc_codec *codec, tc_tile_job job[], int count, const tc_plane *coarse, tc_simd simd)
 {
 #if TC_AVX2
     if (simd == TC_SIMD_AUTO && tc_have_avx2()) {
-        decode_pair_avx2(codec, job, coarse);
+        decode_tiles_avx2(codec, job, count, coarse);
         return;
     }
 #endif
     (void)simd;
-    for (int n = 0; n < 2; n++)
-        decode_tile(codec, &job[n], coarse, false);
+    for (int n = 0; n < count; n++)
+        decode_tile(codec, &job[n], coarse);
 }
 
 tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, int64_t shift, const uint8_t *bytes,
@@ -199,14 +167,7 @@ tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, in
                                tc_simd simd)
 {
     tc_tile_job job = {tx, ty, shift, bytes, size, band, work, TC_OK};
-#if TC_AVX2
-    if (simd == TC_SIMD_AUTO && tc_have_avx2()) {
-        decode_tile_avx2(codec, &job, coarse);
-        return job.status;
-    }
-#endif
-    (void)simd;
-    decode_tile(codec, &job, coarse, false);
+    tc_codec_decode_tiles(codec, &job, 1, coarse, simd);
     return job.status;
 }
 

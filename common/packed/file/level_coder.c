@@ -115,8 +115,8 @@ tc_rect tc_level_coder_needs(const tc_level_coder *c, int64_t tx, int64_t ty)
 
 static void decode_lifting(const tc_level_coder *c, tc_level_tile *tile, int count, const tc_plane *coarse)
 {
-    tc_plane band[2][TC_BANDS];
-    tc_tile_job job[2];
+    tc_plane band[TC_TOGETHER][TC_BANDS];
+    tc_tile_job job[TC_TOGETHER];
     for (int n = 0; n < count; n++) {
         tc_level_tile *t = &tile[n];
         tc_rect rect = tc_level_coder_positions(c, t->tx, t->ty);
@@ -124,11 +124,7 @@ static void decode_lifting(const tc_level_coder *c, tc_level_tile *tile, int cou
             band[n][b] = (tc_plane){t->to->band[b][0], TC_TILE, rect};
         job[n] = (tc_tile_job){t->tx, t->ty, 0, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], band[n], t->work, TC_OK};
     }
-    if (count == 2)
-        tc_codec_decode_pair(c->codec, job, coarse, TC_SIMD_AUTO);
-    else
-        job->status = tc_codec_decode_tile(c->codec, tile->tx, tile->ty, 0, job->bytes, job->size, coarse, band[0],
-                                           tile->work, TC_SIMD_AUTO);
+    tc_codec_decode_tiles(c->codec, job, count, coarse, TC_SIMD_AUTO);
     for (int n = 0; n < count; n++) {
         tc_level_tile *t = &tile[n];
         t->status = job[n].status;
@@ -178,12 +174,15 @@ static void decode_tile(const tc_level_coder *c, tc_level_tile *t, const tc_plan
 
 void tc_level_coder_decode(const tc_level_coder *c, tc_level_tile *tile, int count, const tc_plane *coarse)
 {
-    if (count < 2 || !c->codec || !tile[0].bytes || !tile[1].bytes) {
+    bool all = c->codec;
+    for (int n = 0; n < count; n++)
+        all &= tile[n].bytes != NULL;
+    if (!all) {
         for (int n = 0; n < count; n++)
             decode_tile(c, &tile[n], coarse);
         return;
     }
-    decode_lifting(c, tile, 2, coarse);
+    decode_lifting(c, tile, count, coarse);
     for (int n = 0; n < count; n++)
         if (tile[n].status)
             memset(tile[n].to, 0, tc_decoded_tile_bytes(c->coder));

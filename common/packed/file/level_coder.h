@@ -59,8 +59,8 @@ typedef struct tc_level_tile {
     tc_status status; /* set */
 } tc_level_tile;
 
-/* Decodes one tile or two at a time, each with its own work memory; where a tile's bytes are damaged or lost, it comes
- * out as one that adds nothing to the coarser level, and its status is TC_ERR_FORMAT. */
+/* Decodes up to TC_TOGETHER tiles at a time, each with its own work memory; where a tile's bytes are damaged or lost,
+ * it comes out as one that adds nothing to the coarser level, and its status is TC_ERR_FORMAT. */
 void tc_level_coder_decode(const tc_level_coder *coder, tc_level_tile *tile, int count, const tc_plane *coarse);
 
 /* A synthesised height, corrected. */

@@ -134,7 +134,7 @@ static tc_status read_coarse(packed_field *p, int l, tc_rect need, const wanted_
     return status ? status : tc_packed_units(p, l - 1, coarse, s);
 }
 
-/* Tiles of one turn read and decoded, one or two. What is wrong with them is counted, and they count as empty. */
+/* Tiles of one turn read and decoded, a few. What is wrong with them is counted, and they count as empty. */
 static tc_status make_few(packed_field *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
                           scratch *s)
 {

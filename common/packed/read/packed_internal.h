@@ -23,7 +23,7 @@ enum {
     BLOCK_WIDTH = 512,
     BLOCK_HEIGHT = 256,
     CHUNK_BYTES = 1 << 20,
-    AT_ONCE = 2 /* tiles that are decoded */
+    AT_ONCE = TC_TOGETHER /* tiles that are decoded */
 };
 
 /* ---- Scratch memory: a stack of chunks, kept from call to call ------------------------------------------------- */
