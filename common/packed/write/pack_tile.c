@@ -283,8 +283,16 @@ static uint32_t largest_step(const level_state *s, tc_rect r)
     int64_t most = 0;
     for (int64_t y = r.y0; y < r.y1; y++) {
         const int32_t *z = tc_plane_at(&s->fine, r.x0, y);
-        for (int64_t x = r.x0; x < r.x1; x++) {
-            int64_t a = below_at(s, (x + 1) / 2, y / 2), b = below_at(s, x / 2, (y + 1) / 2);
+        int64_t y0 = y >> 1, y1 = (y + 1) >> 1, x = r.x0;
+        if (y1 < s->ch) { /* nearly everywhere nothing lies beyond the last samples */
+            const int32_t *p = tc_plane_at(&s->below, 0, y0), *q = tc_plane_at(&s->below, 0, y1);
+            for (int64_t end = tc_min64(r.x1, 2 * s->cw - 1); x < end; x++) {
+                int64_t off = 4 * (int64_t)z[x - r.x0] - 2 * ((int64_t)p[(x + 1) >> 1] + q[x >> 1]);
+                most = tc_max64(most, llabs(off));
+            }
+        }
+        for (; x < r.x1; x++) {
+            int64_t a = below_at(s, (x + 1) >> 1, y0), b = below_at(s, x >> 1, y1);
             most = tc_max64(most, llabs(4 * (int64_t)z[x - r.x0] - a - b));
         }
     }
