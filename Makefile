@@ -4,6 +4,7 @@
 #   make demo       default terrain and pictures, into build/demo/
 #   make check      fast tests (seconds)          make test    all tests (minutes)
 #   make test-extreme  extreme cases, a row each  make report  error against run time, into build/report/ (report-full)
+#   make gpu-report what this OpenGL draws and costs, into build/gpu-report/, to be copied to machines with a GPU
 #   make soak       a flight of FRAMES=100000     make soak-threads  a shorter one under ThreadSanitizer
 #   make bench      measurements                  make format  clang-format over the sources
 #   make fuzz       TIME=seconds, all fuzzers together
@@ -196,6 +197,7 @@ $(eval $(call test_rule,slow))
 $(eval $(call test_rule,extreme))
 $(eval $(call test_rule,bench))
 $(eval $(call test_rule,soak))
+$(eval $(call test_rule,gpu))
 .SECONDARY:
 
 # Counts what our own objects allocate, not what the driver does (tests/wrapped).
@@ -259,7 +261,7 @@ check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
 test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights \
-      $(O)/tests/make-picture $(O)/tests/used $(O)/tests/window-pixels $(COMPARED)
+      $(O)/tests/make-picture $(O)/tests/used $(O)/tests/window-pixels $(O)/tests/gpu_figures $(COMPARED)
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SLOW) $(wildcard tests/cli/test_*.sh) $(EXTREME) $(FAST)
 
@@ -284,6 +286,14 @@ bench: all $(BENCH)
 # Measures, and makes a page of it: build/report/index.html. Under 3 minutes; report-full takes about an hour.
 report report-full: all $(BENCH) $(EXTREME)
 	@sh tests/report/report.sh $(O) $(if $(filter report,$@),quick,full)
+
+# Measures what the machine's OpenGL draws, against a software renderer: build/gpu-report/index.html. The folder can be
+# copied to another machine, whose OpenGL its run.sh measures (tests/gpu/run.sh).
+GPU_TESTS := $(addprefix test_,watertight globe_watertight faces_watertight rings_precision faces_precision)
+.PHONY: gpu-report
+gpu-report: $(addprefix $(O)/tests/,gpu_figures $(GPU_TESTS))
+	@TERRACLIP_GPU_START=$$(date +%s); export TERRACLIP_GPU_START; \
+	sh tests/gpu/folder.sh $(O) $(O)/gpu-report $(GPU_TESTS) && sh $(O)/gpu-report/run.sh
 
 # ---- Fuzzing -----------------------------------------------------------------------------------------------------
 

@@ -110,7 +110,7 @@ static void exact_within_bounds(const relief *f)
          */
         const shape of = {radii[i % RADII], i < RADII ? 0 : i == RADII + 2 ? 0.1 : WGS84_FLATTENING};
         rings_error e = planet(f, of, TC_RINGS_EXACT, sweep_of(RINGS_PLACES), sweep_whole() ? 3 : 1);
-        assert_true(e.seen > sweep_of(100000));
+        assert_true(e.seen > sweep_of(50000)); /* less is in sight from the special places */
         assert_true(e.differ * 10000 < e.vertices);
         pixels = fmax(pixels, e.pixels), texels = fmax(texels, e.texels);
     }

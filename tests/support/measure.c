@@ -11,9 +11,10 @@ static int by_value(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Interpolated between the sorted values. */
-static double quantile(const double *values, int count, double q)
+double measure_quantile(const double *values, int count, double q)
 {
+    if (count <= 0)
+        return NAN;
     double at = q * (count - 1);
     int i = (int)at;
     return i + 1 < count ? values[i] + (at - i) * (values[i + 1] - values[i]) : values[count - 1];
@@ -24,8 +25,8 @@ measure_spread measure_of(double *values, int count)
     if (count <= 0)
         return (measure_spread){NAN, NAN, NAN, 0};
     qsort(values, (size_t)count, sizeof *values, by_value);
-    return (measure_spread){quantile(values, count, 0.5), quantile(values, count, 0.1), quantile(values, count, 0.9),
-                            count};
+    return (measure_spread){measure_quantile(values, count, 0.5), measure_quantile(values, count, 0.1),
+                            measure_quantile(values, count, 0.9), count};
 }
 
 static FILE *begin_table(const char *path, const char *header)

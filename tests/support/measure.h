@@ -14,6 +14,9 @@ typedef struct measure_spread {
 /* Of values in any order, which it sorts; all NAN where there is none. */
 measure_spread measure_of(double *values, int count);
 
+/* What a share q of them lies below, interpolated, of values that are sorted; NAN where there is none. */
+double measure_quantile(const double *values, int count, double q);
+
 /* bench_NAME [--quick] [--csv FILE]: fewer and smaller measurements; a table for the report. */
 typedef struct measure_options {
     bool quick;

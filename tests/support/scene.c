@@ -20,11 +20,18 @@ static tc_context *announced(tc_context *context)
 
 tc_context *scene_context(void)
 {
+    static const struct {
+        const char *name; /* as the viewers' --backend */
+        tc_backend backend;
+    } of[] = {{"osmesa", TC_BACKEND_OSMESA}, {"egl", TC_BACKEND_EGL}, {"auto", TC_BACKEND_AUTO}};
+    const char *asked = getenv("TERRACLIP_BACKEND");
     tc_context *context;
-    tc_error error;
-    if (tc_context_create(TC_BACKEND_OSMESA, &context, &error) == TC_OK ||
-        tc_context_create(TC_BACKEND_AUTO, &context, &error) == TC_OK)
-        return announced(context);
+    tc_error error = {.text = "TERRACLIP_BACKEND: expected auto, egl or osmesa"};
+    for (size_t k = 0; k < sizeof of / sizeof *of; k++) {
+        const bool wanted = asked && *asked ? strcmp(asked, of[k].name) == 0 : of[k].backend != TC_BACKEND_EGL;
+        if (wanted && tc_context_create(of[k].backend, &context, &error) == TC_OK)
+            return announced(context);
+    }
     printf("no OpenGL context: %s\n", error.text);
     return NULL;
 }

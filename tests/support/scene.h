@@ -13,8 +13,8 @@ typedef struct scene {
     tc_view *view; /* of scene_look() */
 } scene;
 
-/* An offscreen context (OSMesa where there is one: the reference); NULL, with the reason printed, where none can be
- * had. The first one is named on stdout. */
+/* An offscreen context: what TERRACLIP_BACKEND names (auto, egl or osmesa), else OSMesa where there is one, the
+ * reference; NULL, with the reason printed, where none can be had. The first one is named on stdout. */
 tc_context *scene_context(void);
 
 /* The same for measurements: on a GPU where there is one. */
