@@ -52,21 +52,22 @@ vec3 direction_at(int chart, ivec2 at)
     return d;
 }
 
-vec3 position_of(vec3 d, float height)
+// rest: of the height, what a float has no room for.
+vec3 position_of(vec3 d, float height, float rest)
 {
-    precise float above = (height - eye.x) - eye.y;
+    precise float above = ((height - eye.x) - eye.y) + rest;
     precise vec3 p = body_place(d, height, above);
     return p;
 }
 
 // The heights of a place on a layer's level, and of the coarser level's mesh there: of a sample both are at hand; of what lies
-// between samples, or is `finer`, all levels are of one mesh. The same float from either end of an edge.
-vec2 heights_at(int l, int shift, int finer, ivec2 at)
+// between samples, or is `finer`, all levels are of one mesh, and there is a rest. The same floats from either end of an edge.
+vec3 heights_at(int l, int shift, int finer, ivec2 at)
 {
     ivec2 cell = at >> shift, beside = at - (cell << shift);
     vec2 z = texelFetch(heights_map, ivec3(cell & WINDOW_MASK, l), 0).rg;
     if (beside == ivec2(0))
-        return finer > 0 ? z.xx : z;
+        return vec3(finer > 0 ? z.xx : z, 0.0);
     vec2 t = vec2(beside) * exp2(-float(shift));
     ivec2 next = cell + ivec2(beside.x > 0, beside.y > 0);
     bool lower = t.x + t.y <= 1.0;
@@ -76,8 +77,11 @@ vec2 heights_at(int l, int shift, int finer, ivec2 at)
     }
     float east = texelFetch(heights_map, ivec3(ivec2(next.x, cell.y) & WINDOW_MASK, l), 0).r;
     float north = texelFetch(heights_map, ivec3(ivec2(cell.x, next.y) & WINDOW_MASK, l), 0).r;
-    precise float height = (1.0 - t.x - t.y) * z.x + (t.x * east + t.y * north);
-    return vec2(height);
+    float own = 1.0 - t.x - t.y;
+    precise float height = own * z.x + (t.x * east + t.y * north);
+    precise float from_eye = own * (z.x - eye.x) + (t.x * (east - eye.x) + t.y * (north - eye.x));
+    precise float rest = from_eye - (height - eye.x);
+    return vec3(height, height, rest);
 }
 
 #ifdef HOLES
@@ -105,7 +109,7 @@ vec3 surface_vertex()
     vec4 level = layer[3 * l];
     int chart = int(level.x), own = int(level.y), shift = own - finer, torus = 2 * (WINDOW_MASK + 1);
     ivec2 at = in_instance.xy + (in_vertex << shift), texel = at >> own;
-    vec2 z = heights_at(l, own, finer, at);
+    vec3 z = heights_at(l, own, finer, at);
     vec3 d = direction_at(chart, at);
     float missing, edge = edge_alpha(missing);
     float to_range = level.z;
@@ -118,14 +122,14 @@ vec3 surface_vertex()
     alpha = to_range > 0.0 ? alpha * surface[2].z : 0.0;
     ivec2 odd = at >> shift & 1;
     bool between = odd != ivec2(0);
-    precise float height = between ? z.x : (1.0 - alpha) * z.x + alpha * z.y;
-    precise vec3 position = position_of(d, height);
+    precise float height = between || finer > 0 ? z.x : (1.0 - alpha) * z.x + alpha * z.y;
+    precise vec3 position = position_of(d, height, z.z);
     if (between && alpha > 0.0) {
         // Ends of the coarser edge: along a row, a column, or the diagonal that all cells are cut by.
         ivec2 way = ivec2(odd.x, odd.x == 1 ? -odd.y : 1) << shift;
-        float z0 = heights_at(l, own, finer, at + way).y, z1 = heights_at(l, own, finer, at - way).y;
+        vec2 z0 = heights_at(l, own, finer, at + way).yz, z1 = heights_at(l, own, finer, at - way).yz;
         vec3 d0 = direction_at(chart, at + way), d1 = direction_at(chart, at - way);
-        position = (1.0 - alpha) * position + alpha * (0.5 * (position_of(d0, z0) + position_of(d1, z1)));
+        position = (1.0 - alpha) * position + alpha * (0.5 * (position_of(d0, z0.x, z0.y) + position_of(d1, z1.x, z1.y)));
         d = (1.0 - alpha) * d + alpha * (0.5 * (d0 + d1));
     }
     float told = ((1.0 - alpha) * (z.x - surface[1].y) + alpha * (z.y - surface[1].y)) - surface[1].z;

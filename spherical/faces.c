@@ -230,7 +230,10 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
     frame->strip_draws = a.strips, frame->list_draws = a.lists;
     frame->triangles = a.triangles, frame->triangles_unculled = a.triangles_unculled;
     frame->draws_unculled = a.blocks;
-    frame->one_sided = !head->options.two_sided && !tc_ground_voids(head->windows->clipmap[0], 1) &&
+    /* Cells that are drawn curved have a ridge of their own before the eye, where triangles are edge-on: a driver may
+     * take one for a back, by its rounding, that alone covers a pixel. */
+    frame->one_sided = !head->options.two_sided && v->finest == s->own &&
+                       !tc_ground_voids(head->windows->clipmap[0], 1) &&
                        tc_faces_height_in(v, all ? &v->tree : &held, head->camera.x, head->camera.y, &z) &&
                        head->camera.z > z + 1e-6 * fabs(z);
     frame->levels_active = 0;
