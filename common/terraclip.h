@@ -161,8 +161,14 @@ tc_ready tc_field_read_ready(const tc_field *field, int level, tc_rect rect, flo
 /* Bounds of heights, metres above z_base. Conservative: may be wider than the truth, never narrower. */
 typedef struct tc_range {
     float lo, hi;
-    float step; /* how far a sample may be from the next coarser level's mesh there; INFINITY where that is not known */
+    float step;  /* how far a sample may be from the next coarser level's mesh there, and */
+    float error; /* the finest level's mesh; INFINITY where that is not known */
 } tc_range;
+
+/* Finds what tc_range.error needs, once: of a field in memory by a look at all samples for each level; of a packed one
+ * from all of its index, unless that has more than 4,096 pages (some 8 billion samples), for which it stays unknown, as
+ * it does where that cannot be read. Before, errors are not known. Thread-safe. */
+void tc_field_know_errors(const tc_field *field);
 
 /* What bounds the level's heights over rect (cut to the level where that does not wrap; all of the terrain where
  * nothing is left). At most four reads of memory, however large the rectangle: never waits for a file. Of a packed
@@ -364,9 +370,9 @@ tc_packed_level tc_field_packed_level(const tc_field *field, int level);
 /* ---- Maps: heights on a body ---------------------------------------------------------------------------------- */
 
 /* A flat terrain or a planet, with all its charts: fields of their own, each a part of the body. A flat terrain has
- * one; a planet has one of longitude and latitude and, where that reaches both poles, polar caps laid over it, or it was
- * resampled to the faces of an octahedron or a cube when it was packed. Heights are read at places: (x, y) metres from the south-west sample, or longitude and latitude in radians. Reading is
- * thread-safe. */
+ * one; a planet has one of longitude and latitude and, where that reaches both poles, polar caps laid over it, or it
+ * was resampled to the faces of an octahedron or a cube when it was packed. Heights are read at places: (x, y) metres
+ * from the south-west sample, or longitude and latitude in radians. Reading is thread-safe. */
 typedef struct tc_map tc_map;
 
 /* Builds a map of *grid in memory and takes the grid over (it is zeroed, also on failure freed).

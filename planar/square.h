@@ -4,9 +4,14 @@
 
 #include "common/render/scheme.h"
 
-/* A surface over a field, which must outlive it, whose windows are made as the options say. */
-tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, tc_surface **surface_ret,
-                           tc_error *error);
+/* A surface over a field, which must outlive it, whose windows are made as the options say. by_error: blocks are chosen
+ * by a frame's tolerance (tc_frame_options.error), in windows of at least 127 samples; else by distance alone. */
+tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, bool by_error,
+                           tc_surface **surface_ret, tc_error *error);
+
+/* Window size for a tolerance, pixels, at a camera's width and field of view: by which levels may be drawn as far out
+ * as their coarser one is seen to be off by more; 2^k - 1 of 127 to four times what the frame alone calls for. */
+int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera);
 
 extern const tc_scheme tc_square_schemes[]; /* ended by a NULL name */
 

@@ -40,10 +40,29 @@ static int64_t find_cell(double p, int shift, int64_t edge, double *t_ret)
 /* The cell of a level that finest position (px, py) is in; false where it is not in the region. */
 static bool cell_of(const tc_clip_level *l, tc_rect region, double px, double py, int64_t cell_ret[2], double t_ret[2])
 {
-    cell_ret[0] = find_cell(px, l->shift, l->edge_x, &t_ret[0]);
-    cell_ret[1] = find_cell(py, l->shift, l->edge_y, &t_ret[1]);
+    tc_square_cell(l, px, py, cell_ret, t_ret);
     return tc_rect_contains(region, cell_ret[0], cell_ret[1]) &&
            tc_rect_contains(region, cell_ret[0] + 1, cell_ret[1] + 1);
+}
+
+void tc_square_cell(const tc_clip_level *l, double px, double py, int64_t cell_ret[2], double t_ret[2])
+{
+    cell_ret[0] = find_cell(px, l->shift, l->edge_x, &t_ret[0]);
+    cell_ret[1] = find_cell(py, l->shift, l->edge_y, &t_ret[1]);
+}
+
+const float *tc_square_held(const tc_clipmap *clipmap, int level, int64_t i, int64_t j)
+{
+    const int64_t mask = tc_clipmap_n(clipmap);
+    return tc_ground_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+}
+
+bool tc_square_place(const tc_field *field, double x, double y, double place_ret[2])
+{
+    const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    const double px = x / finest.spacing_x, py = y / finest.spacing_y;
+    place_ret[0] = px, place_ret[1] = py;
+    return px >= 0 && py >= 0 && px <= (double)(finest.width - 1) && py <= (double)(finest.height - 1);
 }
 
 /* Height above ground in windows of the level, `side` samples wide. */
@@ -63,7 +82,7 @@ static double held_height(const tc_clipmap *clipmap, double px, double py, doubl
 {
     double height = 0;
     for (int level = 1; level <= tc_clipmap_levels(clipmap); level++) {
-        int64_t cell[2], mask = tc_clipmap_n(clipmap);
+        int64_t cell[2];
         double t[2], c[4];
         if (level > 1 && relative_height(clipmap, level, height) > DROP_HEIGHT)
             break;
@@ -71,8 +90,7 @@ static double held_height(const tc_clipmap *clipmap, double px, double py, doubl
         if (!cell_of(l, l->active, px, py, cell, t))
             continue;
         for (int k = 0; k < 4; k++)
-            c[k] = tc_ground_heights(
-                clipmap, level)[((cell[1] + (k >> 1)) & mask) * (mask + 1) + ((cell[0] + (k & 1)) & mask)][0];
+            c[k] = tc_square_held(clipmap, level, cell[0] + (k & 1), cell[1] + (k >> 1))[0];
         double own = fabs(z - tc_triangle_height(c[0], c[1], c[2], c[3], t[0], t[1]));
         if (level == 1 || relative_height(clipmap, level, own) <= DROP_HEIGHT)
             height = own;
@@ -231,8 +249,7 @@ static double vertex_height(const tc_clipmap *clipmap, int level, const square_m
                             int64_t i, int64_t j)
 {
     const tc_clip_level *l = tc_clipmap_level(clipmap, level);
-    int64_t mask = tc_clipmap_n(clipmap);
-    const float *z = tc_ground_heights(clipmap, level)[(j & mask) * (mask + 1) + (i & mask)];
+    const float *z = tc_square_held(clipmap, level, i, j);
     double cell = ldexp(1, l->shift);
     double x = (double)(tc_min64(i << l->shift, l->edge_x) - viewer->snap_x) / cell;
     double y = (double)(tc_min64(j << l->shift, l->edge_y) - viewer->snap_y) / cell;
@@ -244,15 +261,14 @@ bool tc_square_height(const tc_clipmap *clipmap, const square_viewer *viewer, co
                       double y, double *z_ret)
 {
     const tc_field *field = tc_clipmap_field(clipmap);
-    tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
-    double px = x / finest.spacing_x, py = y / finest.spacing_y;
-    if (!(px >= 0 && py >= 0 && px <= (double)(finest.width - 1) && py <= (double)(finest.height - 1)))
+    double place[2];
+    if (!tc_square_place(field, x, y, place))
         return false;
     for (int level = tc_clipmap_levels(clipmap); level >= 1; level--) {
         int64_t cell[2];
         double t[2], z[4];
         tc_rect region = tc_square_region(clipmap, level, viewer, options);
-        if (!cell_of(tc_clipmap_level(clipmap, level), region, px, py, cell, t))
+        if (!cell_of(tc_clipmap_level(clipmap, level), region, place[0], place[1], cell, t))
             continue;
         square_morph m = tc_square_morph(clipmap, level, viewer, options);
         for (int k = 0; k < 4; k++)

@@ -1,5 +1,28 @@
 /* square_scheme.c - square nested grids as large as the frame calls for. */
-#include "square.h"
+#include <math.h>
+
+#include "common/base/rect.h"
+#include "common/view/camera.h"
+#include "square_internal.h"
+
+int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera)
+{
+    const double tolerance = error / tc_camera_pixel_scale(camera);
+    const int most = (int)tc_min64(4 * (tc_clipmap_n_for(camera) + 1) - 1, TC_CLIPMAP_MAX_N);
+    double cells = 0;
+    tc_field_know_errors(field);
+    for (int level = 2; level <= tc_field_info(field)->levels; level++) {
+        const tc_level size = tc_field_level(field, level);
+        const tc_range r = tc_field_range(field, level, (tc_rect){0, 0, size.width, size.height});
+        /* No further than the terrain goes. */
+        const double g = fmin(size.spacing_x, size.spacing_y), far = r.error / tolerance / g;
+        cells = fmax(cells, fmin(far, (double)tc_max64(size.width, size.height)));
+    }
+    int n = 127;
+    while (n < most && tc_square_tree_reach(n) < cells)
+        n = 2 * n + 1;
+    return n;
+}
 
 /* Samples a side of the windows. */
 static int size(const tc_surface_request *request)
@@ -24,7 +47,7 @@ static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_sur
                                        .normals = request->needs->normals,
                                        .fine_normals = request->needs->fine_normals,
                                        .holes = request->needs->holes};
-    return tc_square_create(tc_map_field(map, 0), &options, surface_ret, error);
+    return tc_square_create(tc_map_field(map, 0), &options, request->error > 0, surface_ret, error);
 }
 
 const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL, NULL}, {0}};

@@ -7,6 +7,9 @@
 // What is interpolated goes into one vector: on a software renderer each one more costs 4 % of a frame.
 layout(location = 0) in ivec2 in_vertex; // of the static geometry
 layout(location = 1) in ivec4 in_instance; // its block: instance() in square.c
+#ifdef BLOCKS
+layout(location = 2) in vec4 in_corners; // alpha at its corners: south-west, south-east, north-west, north-east
+#endif
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 #ifdef HOLES
 layout(binding = 3) uniform sampler2DArray voids_map;
@@ -66,8 +69,15 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out vec2 c, out 
     c = vec2(place) * rest.y;
 #endif
     texel = origin + in_vertex;
+#ifdef BLOCKS
+    // Exact along edges: a block has a power of two cells a side, and alphas are multiples of 2^-16.
+    vec2 t = vec2(in_vertex) * surface[1].x;
+    vec2 ends = in_corners.xz * (1.0 - t.x) + in_corners.yw * t.x;
+    alpha = ends.x * (1.0 - t.y) + ends.y * t.y;
+#else
     vec4 ramp = vec4(start.x - c.x, c.x - start.y, start.z - c.y, c.y - start.w) * rate;
     alpha = clamp(max(max(max(ramp.x, ramp.y), max(ramp.z, ramp.w)), rest.x), 0.0, 1.0);
+#endif
 }
 
 vec3 surface_vertex()

@@ -61,7 +61,7 @@ static bool visible(const assembly *a, const tc_leaf *leaf)
     const tc_block b = leaf->block;
     if (a->v->head.options.no_cull)
         return true;
-    const double block = (double)a->s->cells / a->s->lattice.blocks[b.level - 1];
+    const double block = (double)a->s->cells / a->s->lattice.blocks[b.level - 1][0];
     const tc_body *body = &a->s->map->body;
     double middle[3], n[3], place[3], around = 0, lo, hi;
     tc_faces_normal(a->s, b.chart, (b.x + 0.5) * block, (b.y + 0.5) * block, middle);
@@ -94,10 +94,9 @@ static tc_instance instance(const assembly *a, const tc_leaf *leaf, int level, i
     uint32_t how = (uint32_t)(level - own);
     while (cells >>= 1)
         how += 1u << 26;
-    return (tc_instance){
-        {(int32_t)(x << shift), (int32_t)(y << shift), (int32_t)how,
-         (int32_t)(layer | (uint32_t)leaf->sides << 7 | (uint32_t)leaf->corners << 11 | (uint32_t)leaf->forced << 15 |
-                   (uint32_t)leaf->finer_corners << 19 | (uint32_t)leaf->finer_halves << 23)}};
+    const uint32_t edges = (uint32_t)leaf->sides << 7 | (uint32_t)leaf->corners << 11 | (uint32_t)leaf->forced << 15 |
+                           (uint32_t)leaf->finer_corners << 19 | (uint32_t)leaf->finer_halves << 23;
+    return (tc_instance){.v = {(int32_t)(x << shift), (int32_t)(y << shift), (int32_t)how, (int32_t)(layer | edges)}};
 }
 
 /* Closers along a leaf's sides: rows and columns of vertices, all of which are the coarser level's. */

@@ -168,7 +168,7 @@ static bool wanted_before(void *context, tc_block b)
 /* d at one of 3 x 3 places on a block. */
 static void place_on(const faces_view *v, tc_block b, int k, double d[3])
 {
-    const double block = (double)tc_faces_of(v)->cells / tc_faces_of(v)->lattice.blocks[b.level - 1];
+    const double block = (double)tc_faces_of(v)->cells / tc_faces_of(v)->lattice.blocks[b.level - 1][0];
     roughly(v, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, d);
 }
 
@@ -209,7 +209,7 @@ static bool wanted(void *context, tc_block b)
     if (b.level > s->own)
         return b.level <= g->view->finest &&
                middle < range + 1.05 * (5 - ldexp(4, b.level - g->view->finest)) * half_diagonal(g->view, b);
-    if (middle >= range + FACES_LONGEST * M_PI / 2 / s->lattice.blocks[b.level - 1])
+    if (middle >= range + FACES_LONGEST * M_PI / 2 / s->lattice.blocks[b.level - 1][0])
         return false;
     for (int k = 0; k < PLACES; k++)
         if (distance_at(g->view, b, k) < range)
@@ -261,9 +261,9 @@ bool tc_faces_all_held(const faces_view *v, int chart)
 static bool in_sight(const faces_view *v, int chart)
 {
     const faces_surface *s = tc_faces_of(v);
-    const double block = (double)s->cells / s->lattice.blocks[0];
-    for (int32_t y = 0; y <= s->lattice.blocks[0]; y++)
-        for (int32_t x = 0; x <= s->lattice.blocks[0]; x++) {
+    const double block = (double)s->cells / s->lattice.blocks[0][0];
+    for (int32_t y = 0; y <= s->lattice.blocks[0][0]; y++)
+        for (int32_t x = 0; x <= s->lattice.blocks[0][0]; x++) {
             double d[3];
             roughly(v, chart, x * block, y * block, d);
             /* As far as to a block's middle, wherever that is. */

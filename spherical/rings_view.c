@@ -289,7 +289,7 @@ static tc_range coarsest_range(const tc_clipmap *clipmap, tc_rect r)
     const float(*heights)[2] = tc_ground_heights(clipmap, 1);
     if (tc_rect_area(r) > FEW)
         return tc_field_range(field, field_level, r);
-    tc_range all = {INFINITY, -INFINITY, 0};
+    tc_range all = {INFINITY, -INFINITY, 0, 0};
     for (int64_t j = tc_max64(r.y0, l->clip.y0); j < tc_min64(r.y1, l->clip.y1); j++)
         for (int64_t i = r.x0; i < r.x1; i++) {
             int64_t x = i - (l->wraps ? tc_turn(i - l->clip.x0, width) : 0);

@@ -72,6 +72,11 @@ static bool read_target(void *target_ms, const char *value)
     return true;
 }
 
+static bool read_error(void *pixels, const char *value)
+{
+    return tc_read_number(value, 0, 1000, pixels);
+}
+
 bool tc_read_scheme(void *options, const char *value)
 {
     tc_options *o = options;
@@ -148,6 +153,9 @@ static const tc_option table[] = {
     TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),
     {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
      offsetof(tc_options, scene.samples)},
+    {0, "error", "PX", "0..1000 pixels",
+     "that what is drawn may be off the data, which chooses its blocks; 0: by distance alone (0)", read_error,
+     offsetof(tc_options, scene.frame.error)},
     {0, "target-ms", "MS", "more than 0 ms",
      "milliseconds a frame may take; less detail is drawn while it would take longer (as long as it takes)",
      read_target, offsetof(tc_options, target_ms)},
@@ -211,7 +219,8 @@ static void name_schemes(const tc_viewer_program *program, rows *r)
         help += (size_t)snprintf(r->schemes_help + help, sizeof r->schemes_help - help, "%s%s%s%s", before,
                                  scheme->name, scheme->help ? ": " : "", scheme->help ? scheme->help : "");
     }
-    snprintf(r->schemes_help + help, sizeof r->schemes_help - help, " (%s)", tc_scheme_at(program->schemes, NULL, 0)->name);
+    snprintf(r->schemes_help + help, sizeof r->schemes_help - help, " (%s)",
+             tc_scheme_at(program->schemes, NULL, 0)->name);
 }
 
 static void make_rows(const tc_viewer_program *program, rows *r)

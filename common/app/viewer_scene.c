@@ -10,6 +10,8 @@ static tc_surface_request request_of(const tc_viewer *v)
 {
     return (tc_surface_request){.n = v->options.n,
                                 .levels = v->options.levels,
+                                .error = v->options.scene.frame.error,
+                                .map = v->map,
                                 .steps = v->options.steps,
                                 .interactive = tc_viewer_interactive(&v->options) &&
                                                tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),

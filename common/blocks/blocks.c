@@ -2,6 +2,7 @@
  */
 #include "blocks.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "common/base/rect.h"
@@ -12,7 +13,7 @@ enum { THERE = 1, OWN = 2, SPLIT = 4, FORCED = 8, CHILD = 16 };
 bool tc_block_lattice_set(tc_block_lattice *l, const tc_chart *chart, int charts, int64_t cells, int64_t finest,
                           int levels, int most)
 {
-    *l = (tc_block_lattice){.charts = charts, .levels = levels, .finest = finest};
+    *l = (tc_block_lattice){.charts = charts, .levels = levels};
     if (charts > TC_BLOCK_CHARTS || levels < 1 || levels > TC_BLOCK_LEVELS || finest < 2)
         return false;
     int64_t coarsest = finest >> (levels - 1);
@@ -25,7 +26,8 @@ bool tc_block_lattice_set(tc_block_lattice *l, const tc_chart *chart, int charts
         return false;
     for (int k = 0; k < levels; k++) {
         l->side[k] = k == 0 ? first : 2 * l->side[k - 1] < most ? 2 * l->side[k - 1] : most;
-        l->blocks[k] = (int32_t)((coarsest << k) / l->side[k]);
+        for (int axis = 0; axis < 2; axis++)
+            l->cells[k][axis] = coarsest << k, l->blocks[k][axis] = (int32_t)((coarsest << k) / l->side[k]);
     }
     for (int c = 0; c < charts; c++)
         for (int side = 0; side < TC_SIDES; side++) {
@@ -35,10 +37,32 @@ bool tc_block_lattice_set(tc_block_lattice *l, const tc_chart *chart, int charts
     return true;
 }
 
-/* Blocks of the next finer level along a side of one: 2, or 1. */
+bool tc_block_lattice_cut(tc_block_lattice *l, int levels, const int64_t (*cells)[2], int side)
+{
+    *l = (tc_block_lattice){.charts = 1, .levels = levels};
+    for (int s = 0; s < TC_SIDES; s++)
+        l->seam[0][s].chart = -1;
+    if (levels < 1 || levels > TC_BLOCK_LEVELS)
+        return false;
+    for (int k = 0; k < levels; k++) {
+        l->side[k] = side;
+        for (int axis = 0; axis < 2; axis++) {
+            l->cells[k][axis] = cells[k][axis];
+            l->blocks[k][axis] = (int32_t)((cells[k][axis] + side - 1) / side);
+        }
+    }
+    return l->blocks[0][0] <= TC_BLOCKS_ACROSS && l->blocks[0][1] <= TC_BLOCKS_ACROSS;
+}
+
+/* Blocks of the next finer level along a side of a whole one: 2, or 1. */
 static int children_across(const tc_block_lattice *l, int level)
 {
-    return l->blocks[level] / l->blocks[level - 1];
+    return 2 * l->side[level - 1] / l->side[level];
+}
+
+static bool exists(const tc_block_lattice *l, tc_block b)
+{
+    return b.x >= 0 && b.y >= 0 && b.x < l->blocks[b.level - 1][0] && b.y < l->blocks[b.level - 1][1];
 }
 
 static uint8_t *state_of(tc_block_tree *t, tc_block b)
@@ -67,7 +91,7 @@ enum { MOST_ALIASES = 8 };
 
 static corner beyond(const tc_block_lattice *l, int level, const tc_seam *seam, corner c)
 {
-    const int32_t b = l->blocks[level - 1];
+    const int32_t b = l->blocks[level - 1][0];
     return (corner){seam->chart, seam->m[0] * c.x + seam->m[1] * c.y + (int32_t)seam->dx * b,
                     seam->m[2] * c.x + seam->m[3] * c.y + (int32_t)seam->dy * b};
 }
@@ -78,11 +102,11 @@ static int aliases(const tc_block_lattice *l, int level, corner c, corner all[MO
     int count = 0;
     all[count++] = c;
     for (int k = 0; k < count; k++) {
-        const int32_t last = l->blocks[level - 1];
+        const int32_t *last = l->blocks[level - 1];
         const bool on[TC_SIDES] = {[TC_WEST] = all[k].x == 0,
-                                   [TC_EAST] = all[k].x == last,
+                                   [TC_EAST] = all[k].x == last[0],
                                    [TC_SOUTH] = all[k].y == 0,
-                                   [TC_NORTH] = all[k].y == last};
+                                   [TC_NORTH] = all[k].y == last[1]};
         for (int side = 0; side < TC_SIDES; side++) {
             const tc_seam *seam = &l->seam[all[k].chart][side];
             if (!on[side] || seam->chart < 0)
@@ -99,32 +123,37 @@ static int aliases(const tc_block_lattice *l, int level, corner c, corner all[MO
 }
 
 /* Blocks that touch a corner. */
-enum { MOST_TOUCHING = 8 };
-static int touching(const tc_block_lattice *l, int level, corner c, tc_block all[MOST_TOUCHING])
+static int touching(const tc_block_lattice *l, int level, corner c, tc_block all[TC_BLOCKS_TOUCHING])
 {
     corner as[MOST_ALIASES];
-    const int32_t last = l->blocks[level - 1];
-    const bool inside = c.x > 0 && c.y > 0 && c.x < last && c.y < last;
+    const int32_t *last = l->blocks[level - 1];
+    const bool inside = c.x > 0 && c.y > 0 && c.x < last[0] && c.y < last[1];
     int count = 0, charts = inside ? 1 : aliases(l, level, c, as);
     if (inside)
         as[0] = c;
     for (int k = 0; k < charts; k++)
         for (int i = 0; i < 4; i++) {
-            int32_t x = as[k].x - (i & 1), y = as[k].y - (i >> 1);
-            if (x >= 0 && y >= 0 && x < last && y < last && count < MOST_TOUCHING)
-                all[count++] = (tc_block){as[k].chart, level, x, y};
+            const tc_block b = {as[k].chart, level, as[k].x - (i & 1), as[k].y - (i >> 1)};
+            if (exists(l, b) && count < TC_BLOCKS_TOUCHING)
+                all[count++] = b;
         }
     return count;
+}
+
+int tc_block_touching(const tc_block_lattice *l, int chart, int level, int32_t x, int32_t y,
+                      tc_block all[TC_BLOCKS_TOUCHING])
+{
+    return touching(l, level, (corner){chart, x, y}, all);
 }
 
 /* The block beyond a side; false: the map ends there. */
 static bool across(const tc_block_lattice *l, tc_block b, int side, tc_block *other)
 {
-    const int32_t last = l->blocks[b.level - 1];
     const int step[TC_SIDES][2] = {[TC_WEST] = {-1, 0}, [TC_EAST] = {1, 0}, [TC_SOUTH] = {0, -1}, [TC_NORTH] = {0, 1}};
     *other = (tc_block){b.chart, b.level, b.x + step[side][0], b.y + step[side][1]};
-    if (other->x >= 0 && other->y >= 0 && other->x < last && other->y < last)
+    if (exists(l, *other))
         return true;
+    const int32_t last = l->blocks[b.level - 1][0];
     const tc_seam *seam = &l->seam[b.chart][side];
     if (seam->chart < 0)
         return false;
@@ -163,6 +192,11 @@ static tc_block child_of(tc_block b, int k, int across_it)
     return (tc_block){b.chart, b.level + 1, b.x * across_it + (k & 1), b.y * across_it + (k >> 1)};
 }
 
+static bool has_child(const tc_block_lattice *l, tc_block b, int k, int across_it)
+{
+    return (k & 1) < across_it && k >> 1 < across_it && exists(l, child_of(b, k, across_it));
+}
+
 /* Goes through the blocks of a level and chart that are there. */
 #define FOR_EACH_BLOCK(t, c, l, b)                                                                                     \
     for (tc_block b = {c, l, 0, (t)->level[c][l - 1].lo[1]}; b.y < (t)->level[c][l - 1].hi[1]; b.y++)                  \
@@ -179,7 +213,7 @@ static void ask(tc_block_tree *t, int chart, int level, const tc_block_rule *rul
         if (!(state(t, b) & OWN))
             continue;
         for (int k = 0; k < 4; k++)
-            if ((k & 1) < n && k >> 1 < n && rule->wanted(rule->context, child_of(b, k, n))) {
+            if (has_child(t->lattice, b, k, n) && rule->wanted(rule->context, child_of(b, k, n))) {
                 *state_of(t, b) |= (uint8_t)(CHILD << k);
                 lo[0] = b.x < lo[0] ? b.x : lo[0], hi[0] = b.x > hi[0] ? b.x : hi[0];
                 lo[1] = b.y < lo[1] ? b.y : lo[1], hi[1] = b.y > hi[1] ? b.y : hi[1];
@@ -200,7 +234,7 @@ static void ask(tc_block_tree *t, int chart, int level, const tc_block_rule *rul
 static bool closed_around(const tc_block_tree *t, tc_block b, const tc_block_rule *rule)
 {
     for (int k = 0; k < 4; k++) {
-        tc_block near[MOST_TOUCHING];
+        tc_block near[TC_BLOCKS_TOUCHING];
         for (int i = touching(t->lattice, b.level, corner_of(b, k), near) - 1; i >= 0; i--) {
             int s = state(t, near[i]);
             if (!(s & THERE) || (!(s & OWN) && !rule->held(rule->context, near[i])))
@@ -215,7 +249,7 @@ static bool children_held(tc_block_tree *t, tc_block b, const tc_block_rule *rul
     const int n = children_across(t->lattice, b.level);
     for (int k = 0; k < 4; k++) {
         tc_block child = child_of(b, k, n);
-        if ((k & 1) >= n || k >> 1 >= n)
+        if (!has_child(t->lattice, b, k, n))
             continue;
         if (!state_of(t, child) || ((state(t, b) & CHILD << k) && !rule->held(rule->context, child)))
             return false;
@@ -228,10 +262,10 @@ static void split(tc_block_tree *t, tc_block b)
     const int n = children_across(t->lattice, b.level);
     *state_of(t, b) |= SPLIT;
     for (int k = 0; k < 4; k++)
-        if ((k & 1) < n && k >> 1 < n)
+        if (has_child(t->lattice, b, k, n))
             add(t, child_of(b, k, n), state(t, b) & CHILD << k ? THERE | OWN : THERE);
     for (int k = 0; k < 4; k++) {
-        tc_block near[MOST_TOUCHING];
+        tc_block near[TC_BLOCKS_TOUCHING];
         for (int i = touching(t->lattice, b.level, corner_of(b, k), near) - 1; i >= 0; i--)
             *state_of(t, near[i]) |= OWN;
     }
@@ -247,8 +281,8 @@ void tc_block_tree_make(tc_block_tree *t, const tc_block_lattice *l, const tc_bl
             t->level[c][k].hi[0] = t->level[c][k].hi[1] = INT32_MIN;
         }
     for (int c = 0; c < l->charts; c++)
-        for (int32_t y = 0; y < l->blocks[0]; y++)
-            for (int32_t x = 0; x < l->blocks[0]; x++)
+        for (int32_t y = 0; y < l->blocks[0][1]; y++)
+            for (int32_t x = 0; x < l->blocks[0][0]; x++)
                 add(t, (tc_block){c, 1, x, y}, THERE | OWN);
     for (int level = 1; level < l->levels; level++) {
         for (int c = 0; c < l->charts; c++)
@@ -309,7 +343,7 @@ static void meet_coarser(const tc_block_tree *t, tc_leaf *leaf)
 {
     const tc_block b = leaf->block;
     for (int k = 0; k < 4; k++) {
-        tc_block near[MOST_TOUCHING];
+        tc_block near[TC_BLOCKS_TOUCHING];
         for (int i = touching(t->lattice, b.level, corner_of(b, k), near) - 1; i >= 0; i--) {
             int s = state(t, near[i]);
             if (!(s & OWN))
@@ -330,7 +364,7 @@ static void meet_finer(const tc_block_tree *t, tc_leaf *leaf)
 {
     const tc_block b = leaf->block;
     for (int k = 0; k < 4; k++) {
-        tc_block near[MOST_TOUCHING];
+        tc_block near[TC_BLOCKS_TOUCHING];
         const corner at = corner_of(b, k);
         for (int i = touching(t->lattice, b.level, at, near) - 1; i >= 0; i--)
             if (leaf->coarse ? state(t, near[i]) & OWN : finer_at(t, near[i], at))
@@ -393,9 +427,9 @@ tc_leaf tc_block_leaf_at(const tc_block_tree *t, int chart, double x, double y)
     tc_block b = {chart, 0, 0, 0};
     do {
         b.level++;
-        double scale = (double)l->blocks[b.level - 1] / (double)l->finest;
-        b.x = (int32_t)tc_clamp64((int64_t)(x * scale), 0, l->blocks[b.level - 1] - 1);
-        b.y = (int32_t)tc_clamp64((int64_t)(y * scale), 0, l->blocks[b.level - 1] - 1);
+        const double block = ldexp(l->side[b.level - 1], l->levels - b.level); /* finest cells */
+        b.x = (int32_t)tc_clamp64((int64_t)(x / block), 0, l->blocks[b.level - 1][0] - 1);
+        b.y = (int32_t)tc_clamp64((int64_t)(y / block), 0, l->blocks[b.level - 1][1] - 1);
     } while (state(t, b) & SPLIT);
     return leaf_of(t, b);
 }

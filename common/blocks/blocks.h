@@ -24,16 +24,16 @@
 enum {
     TC_BLOCK_CHARTS = 6,  /* at most */
     TC_BLOCK_LEVELS = 32, /* likewise */
-    TC_BLOCKS_ACROSS = 32 /* of a level and chart that can be in a tree, along a side */
+    TC_BLOCKS_ACROSS = 64 /* of a level and chart that can be in a tree, along a side */
 };
 
-/* How square charts, all of the same size, are cut. Level 1 is the coarsest. */
+/* How charts are cut: square ones, all of the same size, or a single one. Level 1 is the coarsest. */
 typedef struct tc_block_lattice {
     int charts, levels;
-    int64_t finest;                          /* cells of a chart along a side at the finest level */
     tc_seam seam[TC_BLOCK_CHARTS][TC_SIDES]; /* dx and dy are counted in whole sides */
-    int side[TC_BLOCK_LEVELS];               /* [level - 1]: cells of a block along a side, even */
-    int32_t blocks[TC_BLOCK_LEVELS];         /* [level - 1]: of a chart along a side */
+    int64_t cells[TC_BLOCK_LEVELS][2];       /* [level - 1]: of a chart along x and y, even */
+    int side[TC_BLOCK_LEVELS];               /* of a block, even; those next to a chart's end may be cut short */
+    int32_t blocks[TC_BLOCK_LEVELS][2];      /* of a chart */
 } tc_block_lattice;
 
 /* A lattice over charts of `cells` cells a side, as their seams count them, whose finest level drawn has `finest` and
@@ -43,16 +43,35 @@ typedef struct tc_block_lattice {
 bool tc_block_lattice_set(tc_block_lattice *lattice, const tc_chart *chart, int charts, int64_t cells, int64_t finest,
                           int levels, int most);
 
+/* A lattice over one chart without neighbours, of so many cells, even, at each level; a cell is two of the next finer
+ * level, but beyond the end of that there are none. Blocks have `side` cells. False where there would be more than
+ * TC_BLOCKS_ACROSS blocks at the coarsest level. */
+bool tc_block_lattice_cut(tc_block_lattice *lattice, int levels, const int64_t (*cells)[2], int side);
+
 /* Cells of a chart along a side at a level. */
 static inline int64_t tc_block_cells(const tc_block_lattice *lattice, int level)
 {
-    return lattice->finest >> (lattice->levels - level);
+    return lattice->cells[level - 1][0];
 }
 
 typedef struct tc_block {
     int chart, level;
     int32_t x, y; /* blocks of the level from the chart's first */
 } tc_block;
+
+/* Its cells. */
+static inline tc_rect tc_block_rect(const tc_block_lattice *l, tc_block b)
+{
+    const int64_t side = l->side[b.level - 1], x = b.x * side, y = b.y * side;
+    const int64_t *cells = l->cells[b.level - 1];
+    return (tc_rect){x, y, x + side < cells[0] ? x + side : cells[0], y + side < cells[1] ? y + side : cells[1]};
+}
+
+/* Blocks of a level that touch a corner, counted in blocks of its chart, also those of other charts; returns how many.
+ */
+enum { TC_BLOCKS_TOUCHING = 8 };
+int tc_block_touching(const tc_block_lattice *lattice, int chart, int level, int32_t x, int32_t y,
+                      tc_block touching_ret[TC_BLOCKS_TOUCHING]);
 
 /* A caller's rule. Both are asked coarse to fine; a block of level 1 is wanted and held. */
 typedef struct tc_block_rule {

@@ -401,11 +401,12 @@ static tc_range joined_range(const tc_field *field, int level, tc_rect rect)
     const joined *p = (const joined *)field;
     const group *g = p->group;
     tc_range r = tc_field_range(own(field), level, rect), all = r;
-    float fine = g->apart[level - 1], coarse = level > 1 ? g->apart[level - 2] : 0;
+    float fine = g->apart[level - 1], coarse = level > 1 ? g->apart[level - 2] : 0,
+          finest = g->apart[field->info.levels - 1];
     if (!is_beside(p, cells_of(&g->chart[p->face], level), rect))
         return r;
-    if (isfinite(fine + coarse))
-        return (tc_range){r.lo - fine, r.hi + fine, r.step + fine + coarse};
+    if (isfinite(fine + coarse + finest))
+        return (tc_range){r.lo - fine, r.hi + fine, r.step + fine + coarse, r.error + coarse + finest};
     /* How far apart they are is not known, but for that all are within their ranges. */
     bool found = false;
     all = tc_range_both(all, range_beside(p, level, rect, &found));
@@ -416,6 +417,7 @@ static tc_range joined_range(const tc_field *field, int level, tc_rect rect)
         all = tc_range_both(all, range_beside(p, level - 1, around, &found));
     }
     r.step += all.hi - all.lo;
+    r.error += 2 * (all.hi - all.lo);
     return r;
 }
 
@@ -423,6 +425,13 @@ static tc_range joined_range(const tc_field *field, int level, tc_rect rect)
 static tc_range settled_range(const tc_field *field, int level, tc_rect rect)
 {
     return tc_field_range(own(field), level, rect);
+}
+
+static void joined_know_errors(const tc_field *field)
+{
+    const group *g = ((const joined *)field)->group;
+    for (int k = 0; k < g->charts; k++)
+        tc_field_know_errors(g->chart[k].field);
 }
 
 static bool joined_changed(const tc_field *field, uint64_t *since, tc_rect *finest_ret)
@@ -456,8 +465,8 @@ static void joined_destroy(tc_field *field)
 #define CLASS(its_range, its_changed)                                                                                  \
     {                                                                                                                  \
         .sample = TC_FIELD_HEIGHTS, .read = joined_read, .read_ready = joined_read_ready, .ready = joined_ready,       \
-        .range = its_range, .changed = its_changed, .tell = joined_tell, .container = joined_container,                \
-        .destroy = joined_destroy                                                                                      \
+        .range = its_range, .know_errors = joined_know_errors, .changed = its_changed, .tell = joined_tell,            \
+        .container = joined_container, .destroy = joined_destroy                                                       \
     }
 static const tc_field_class joined_class = CLASS(joined_range, NULL),
                             joined_changing_class = CLASS(joined_range, joined_changed),

@@ -141,8 +141,14 @@ tc_range tc_field_range(const tc_field *field, int level, tc_rect rect)
 {
     rect = level < 1 || level > field->info.levels ? (tc_rect){0, 0, 0, 0} : cut(field, level, rect, 0);
     if (tc_rect_empty(rect))
-        return (tc_range){field->info.z_min, field->info.z_max, INFINITY};
+        return (tc_range){field->info.z_min, field->info.z_max, INFINITY, INFINITY};
     return field->class->range(field, level, rect);
+}
+
+void tc_field_know_errors(const tc_field *field)
+{
+    if (field->class->know_errors)
+        field->class->know_errors(field);
 }
 
 bool tc_field_changed(const tc_field *field, uint64_t *since, tc_rect *finest_ret)

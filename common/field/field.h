@@ -25,6 +25,7 @@ typedef struct tc_field_class {
     bool (*read_ready)(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride);
     tc_ready (*ready)(const tc_field *field, int level, tc_rect rect, tc_urgency urgency); /* NULL: always */
     tc_range (*range)(const tc_field *field, int level, tc_rect rect);
+    void (*know_errors)(const tc_field *field);                                   /* NULL: it never does */
     bool (*changed)(const tc_field *field, uint64_t *since, tc_rect *finest_ret); /* NULL: never */
     void (*tell)(const tc_field *field, tc_field_stats *stats);                   /* adds to what is there */
     /* Head of the packed file that this is read from. NULL: none. */

@@ -1,10 +1,12 @@
 /* memory_field.c - a field held in memory: every level as floats, with a pyramid of ranges over its tiles. */
 #include <math.h>
+#include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "filter.h"
+#include "level_error.h"
 #include "common/base/parallel.h"
 #include "memory_field.h"
 #include "range_pyramid.h"
@@ -12,19 +14,23 @@
 #include "common/base/status.h"
 
 enum {
-    TILE = 16, /* samples of a bounds tile along a side */
-    BAND = 64  /* rows that one task filters */
+    TILE_SHIFT = 4,
+    TILE = 1 << TILE_SHIFT, /* samples of a bounds tile along a side */
+    BAND = 64               /* rows that one task filters */
 };
 
 typedef struct memory_level {
     float *z;                /* [j * width + i] */
     uint8_t *voids;          /* the same; NULL where the terrain has no voids */
     tc_range_pyramid ranges; /* leaves: tiles */
+    tc_range_pyramid errors; /* likewise, once they are known; only error counts */
 } memory_level;
 
 typedef struct memory_field {
     tc_field head;
     memory_level level[TC_MAX_FIELD_LEVELS];
+    pthread_mutex_t mutex; /* of finding out about errors */
+    _Atomic bool errors_known;
     bool flat; /* voids are shown at a height of their own */
     float void_height;
     _Atomic int64_t asked, range_reads;
@@ -52,11 +58,16 @@ static tc_range memory_range(const tc_field *field, int level, tc_rect rect)
     memory_field *p = (memory_field *)field;
     tc_rect piece[2];
     int pieces = tc_rect_round(rect, field->level[level - 1].width, piece), reads = 0;
+    float error = p->errors_known ? 0 : INFINITY;
     tc_range all = TC_NO_RANGE;
     for (int n = 0; n < pieces; n++) {
         tc_rect r = piece[n], leaves = {r.x0 / TILE, r.y0 / TILE, (r.x1 - 1) / TILE + 1, (r.y1 - 1) / TILE + 1};
-        all = tc_range_both(all, tc_range_ask(&p->level[level - 1].ranges, leaves, pieces == 1 ? 2 : 1, &reads));
+        const int64_t most_x = pieces == 1 ? 2 : 1;
+        all = tc_range_both(all, tc_range_ask(&p->level[level - 1].ranges, leaves, most_x, &reads));
+        if (p->errors_known)
+            error = fmaxf(error, tc_range_ask(&p->level[level - 1].errors, leaves, most_x, &reads).error);
     }
+    all.error = error;
     p->asked++;
     p->range_reads += reads;
     return all;
@@ -74,7 +85,7 @@ static void memory_tell(const tc_field *field, tc_field_stats *stats)
     for (int l = 0; l < field->info.levels; l++) {
         int64_t w = field->level[l].width, h = field->level[l].height;
         stats->bytes += (size_t)(w * h) * (sizeof(float) + (p->level[l].voids ? 1 : 0));
-        stats->bytes += (size_t)tc_range_nodes(tiles(w), tiles(h)) * sizeof(tc_range);
+        stats->bytes += (size_t)tc_range_nodes(tiles(w), tiles(h)) * sizeof(tc_range) * (p->errors_known ? 2 : 1);
     }
     stats->ranges += p->asked, stats->range_reads += p->range_reads;
 }
@@ -86,14 +97,81 @@ static void memory_destroy(tc_field *field)
         free(p->level[l].z);
         free(p->level[l].voids);
         free(p->level[l].ranges.node);
+        free(p->level[l].errors.node);
     }
+    pthread_mutex_destroy(&p->mutex);
     free(p->head.georef.crs_wkt);
     free(p);
+}
+
+/* Errors of a row of a level's tiles. */
+typedef struct finding {
+    const memory_field *p;
+    int level;
+    _Atomic bool failed;
+} finding;
+
+static void error_row(void *context, int64_t ty)
+{
+    finding *f = context;
+    const tc_field *head = &f->p->head;
+    const memory_level *l = &f->p->level[f->level - 1];
+    const int m = head->info.levels, finer = m - f->level;
+    const tc_range_pyramid *r = &l->errors, *parts = &l[1].errors;
+    tc_range *tile = r->node + ty * r->nx;
+    const tc_level_pair pair = {.fine = head->level[m - 1],
+                                .coarse = head->level[f->level - 2],
+                                .z = f->p->level[m - 1].z,
+                                .mesh = l[-1].z,
+                                .shift = finer + 1,
+                                .wraps = tc_field_wraps(head, f->level)};
+    float *errors = malloc((size_t)(r->nx + 2 * pair.coarse.width + 4) * sizeof *errors);
+    if (!errors) {
+        f->failed = true;
+        return;
+    }
+    tc_level_errors(&pair, TILE_SHIFT + finer, ty * TILE << finer, tc_min64((ty + 1) * TILE << finer, pair.fine.height),
+                    errors, errors + r->nx);
+    for (int64_t tx = 0; tx < r->nx; tx++) {
+        tile[tx] = TC_NO_RANGE;
+        tile[tx].error = errors[tx];
+        /* No less than the finer level's. */
+        for (int k = 0; k < 4 && finer > 0; k++)
+            if (2 * tx + (k & 1) < parts->nx && 2 * ty + (k >> 1) < parts->ny)
+                tile[tx] = tc_range_both(tile[tx], parts->node[(2 * ty + (k >> 1)) * parts->nx + 2 * tx + (k & 1)]);
+    }
+    free(errors);
+}
+
+static void memory_know_errors(const tc_field *field)
+{
+    memory_field *p = (memory_field *)field;
+    if (p->errors_known)
+        return;
+    pthread_mutex_lock(&p->mutex);
+    finding f = {.p = p};
+    for (int l = field->info.levels; l >= 1 && !p->errors_known && !f.failed; l--) {
+        tc_range_pyramid *r = &p->level[l - 1].errors;
+        const tc_range_pyramid *like = &p->level[l - 1].ranges;
+        const int64_t nodes = tc_range_nodes(like->nx, like->ny);
+        *r = (tc_range_pyramid){like->nx, like->ny, r->node ? r->node : malloc((size_t)nodes * sizeof *r->node)};
+        if (!r->node)
+            break;
+        for (int64_t n = 0; n < like->nx * like->ny; n++)
+            r->node[n] = (tc_range){INFINITY, -INFINITY, 0, INFINITY};
+        f.level = l;
+        if (l > 1)
+            tc_parallel_for(0, r->ny, error_row, &f);
+        tc_range_build(r);
+        p->errors_known = l == 1 && !f.failed;
+    }
+    pthread_mutex_unlock(&p->mutex);
 }
 
 static const tc_field_class memory_class = {.sample = TC_FIELD_HEIGHTS,
                                             .read = memory_read,
                                             .range = memory_range,
+                                            .know_errors = memory_know_errors,
                                             .tell = memory_tell,
                                             .destroy = memory_destroy};
 
@@ -182,7 +260,7 @@ static void range_row(void *context, int64_t ty)
         return;
     }
     for (int64_t tx = 0; tx < l->ranges.nx; tx++)
-        range[tx] = (tc_range){INFINITY, -INFINITY, mesh ? 0 : INFINITY};
+        range[tx] = (tc_range){INFINITY, -INFINITY, mesh ? 0 : INFINITY, 0};
     for (int64_t j = ty * TILE; j < tc_min64((ty + 1) * TILE, height); j++) {
         const float *row = l->z + j * width;
         if (mesh)
@@ -258,6 +336,7 @@ tc_status tc_memory_field_begin(tc_grid *grid, tc_field **field_ret, tc_error *e
         tc_grid_free(grid);
         return tc_fail(error, TC_ERR_MEMORY, "pyramid: not enough memory");
     }
+    pthread_mutex_init(&p->mutex, NULL);
     bool voids = grid->voids != NULL && grid->void_count > 0;
     p->flat = voids && grid->voids_flat;
     p->void_height = grid->void_height;

@@ -12,10 +12,11 @@ typedef struct tc_range_pyramid {
 } tc_range_pyramid;
 
 /* What covers nothing, and what covers both. */
-#define TC_NO_RANGE ((tc_range){INFINITY, -INFINITY, 0})
+#define TC_NO_RANGE ((tc_range){INFINITY, -INFINITY, 0, 0})
 static inline tc_range tc_range_both(tc_range a, tc_range b)
 {
-    return (tc_range){a.lo < b.lo ? a.lo : b.lo, a.hi > b.hi ? a.hi : b.hi, a.step > b.step ? a.step : b.step};
+    return (tc_range){a.lo < b.lo ? a.lo : b.lo, a.hi > b.hi ? a.hi : b.hi, a.step > b.step ? a.step : b.step,
+                      a.error > b.error ? a.error : b.error};
 }
 
 /* Nodes of a pyramid over so many leaves. */

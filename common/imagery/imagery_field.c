@@ -194,7 +194,7 @@ tc_piece tc_colour_read_piece(tc_wish *wish)
 static tc_range colours_range(const tc_field *field, int level, tc_rect rect)
 {
     (void)field, (void)level, (void)rect;
-    return (tc_range){0, 0, INFINITY}; /* colours have no height */
+    return (tc_range){0, 0, INFINITY, INFINITY}; /* colours have no height */
 }
 
 static void colours_tell(const tc_field *field, tc_field_stats *stats)

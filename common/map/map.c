@@ -138,7 +138,7 @@ void tc_map_extent(const tc_map *map, double lo[2], double hi[2])
 
 tc_range tc_map_range(const tc_map *map)
 {
-    tc_range all = {INFINITY, -INFINITY, 0};
+    tc_range all = {INFINITY, -INFINITY, 0, 0};
     for (int chart = 0; chart < map->charts; chart++) {
         const tc_field *field = map->chart[chart].field;
         for (int l = 1; l <= tc_field_info(field)->levels; l++) {

@@ -24,6 +24,9 @@ static GLuint vertex_array(const tc_gl *gl, const tc_geometry *g, const tc_scene
         gl->EnableVertexArrayAttrib(vao, 1);
         gl->VertexArrayAttribIFormat(vao, 1, 4, GL_INT, 0);
         gl->VertexArrayAttribBinding(vao, 1, 1);
+        gl->EnableVertexArrayAttrib(vao, 2);
+        gl->VertexArrayAttribFormat(vao, 2, 4, GL_FLOAT, GL_FALSE, offsetof(tc_instance, corner));
+        gl->VertexArrayAttribBinding(vao, 2, 1);
         gl->VertexArrayBindingDivisor(vao, 1, 1);
     }
     return vao;

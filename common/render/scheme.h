@@ -9,6 +9,8 @@
 /* What the scene and the machine ask of a surface; zero is the default. */
 typedef struct tc_surface_request {
     int n, levels, steps;
+    double error;      /* pixels that blocks are to be chosen by; 0: by distance */
+    const tc_map *map; /* that is to be drawn: how rough it is tells n by the error; NULL: none */
     const tc_scene_needs *needs;
     bool interactive; /* a window on a software renderer: no more detail than it can draw */
     int halvings;     /* of what the frame calls for: the driver has no memory for more */

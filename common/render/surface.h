@@ -75,6 +75,7 @@ typedef struct tc_draw {
 /* Per-draw data of the vertex shader; the meaning is the surface's. */
 typedef struct tc_instance {
     int32_t v[4];
+    float corner[4]; /* a block's alpha at its corners */
 } tc_instance;
 
 /* A layer of the vertex textures is a level of a chart: first those of chart 0, coarse to fine, then those of chart 1.
@@ -119,6 +120,8 @@ typedef struct tc_frame_options {
     bool no_stitch;               /* edges of levels where they are as well: for the tests that look for cracks */
     bool no_cull;                 /* draws what is outside the view, too */
     bool two_sided;               /* draws backs of triangles, too, even where none can be seen */
+    double error;                 /* pixels that what is drawn may be off the finest level's mesh, as far as windows
+                                   * reach; 0: levels by distance alone. For surfaces by_error */
     double throttle;              /* octaves by which all is drawn coarser, 0 to the surface's most_throttle */
     const tc_camera *cull_camera; /* the camera to cull for, where it is not the one drawn (frozen culling) */
 } tc_frame_options;
@@ -174,6 +177,7 @@ struct tc_surface {
     int refined;           /* of the levels drawn those finer than the map's, on its mesh */
     int n;                 /* size of the windows */
     int shaded_n;          /* of those that shading alone would call for; 0: n */
+    bool by_error;         /* heeds tc_frame_options.error */
     int draw_capacity;     /* the most draws that a frame can have */
     double most_throttle;  /* that frames can have; 0: none. With more of it there are never more triangles, and heights
                             * pass over evenly */

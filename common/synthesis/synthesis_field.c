@@ -159,36 +159,64 @@ static tc_ready synthesis_ready(const tc_field *field, int level, tc_rect rect, 
 
 /* ---- Bounds ------------------------------------------------------------------------------------------------------ */
 
-/* Largest A of level m + k where the data's heights around are within `relief`; beyond a side they go on in a straight
- * line, up to five times as far. */
-static float largest_amplitude(const tc_chain *p, int k, float relief)
+/* Largest A of level m + k where the data's heights around are within `relief` and their details within `detail`. */
+static float largest_amplitude(const tc_chain *p, int k, float detail, float relief)
 {
     tc_level size = p->levels[p->data - 1];
-    float detail = 5 * relief, gx = relief / (float)size.spacing_x, gy = relief / (float)size.spacing_y;
+    float gx = relief / (float)size.spacing_x, gy = relief / (float)size.spacing_y;
     float e = log2f(detail * detail + p->fit.energy_floor), s = log2f(gx * gx + gy * gy + p->fit.slope_floor);
     float a = exp2f(0.5f * (p->fit.level[k - 1].a + p->fit.level[k - 1].b * e + p->fit.level[k - 1].c * s));
     float shared = p->share.of ? 1.42f : 1.01f; /* powers there are off by less than 1e-3 */
     return shared * fminf(a, p->fit.level[k - 1].cap);
 }
 
+/* How far the finest level's mesh is from that of level m + k, by the fit: an estimate. Levels of the same terrain bend
+ * as their data's finest one does, by `step`, so that U is off the mesh by half of that, and a quarter on each further
+ * level; beside it there is what is added. */
+static float synthesised_error(const synthesis_field *p, int k, float step, float relief)
+{
+    float error = 0;
+    for (int finer = k + 1; finer <= p->head.info.synthesised && isfinite(step); finer++) {
+        error += ldexpf(step, 1 - 2 * finer);
+        if (relief > 0 && !p->chain.fit.none)
+            error += TC_ADDED_MOST * largest_amplitude(&p->chain, finer, step, relief);
+    }
+    return isfinite(step) ? error : INFINITY;
+}
+
 static tc_range synthesis_range(const tc_field *field, int level, tc_rect rect)
 {
     const synthesis_field *p = (const synthesis_field *)field;
     const tc_chain *c = &p->chain;
-    if (level <= c->data)
-        return tc_field_range(p->base, level, rect);
+    if (level <= c->data) {
+        tc_range r = tc_field_range(p->base, level, rect);
+        const int finer = c->data - level;
+        const tc_rect there = {rect.x0 << finer, rect.y0 << finer, rect.x1 << finer, rect.y1 << finer};
+        if (isfinite(r.error)) {
+            const tc_range data = tc_field_range(p->base, c->data, there);
+            r.error += synthesised_error(p, 0, data.step, data.hi - data.lo);
+        }
+        return r;
+    }
     tc_range r = tc_field_range(p->base, c->data, tc_chain_depends(c, level - c->data, rect));
     /* However often U is applied, it swings by no more than 0.45 of the range beyond it, and makes no more than 1.9 of
-     * a sample's height (the sums of its limit's magnitudes, 1.37 an axis). */
+     * a sample's height (the sums of its limit's magnitudes, 1.37 an axis). Beyond a side heights go on in a straight
+     * line, up to five times as far. */
     const float swing = 0.45f, gain = 1.9f;
     float relief = r.hi - r.lo, pad = swing * relief;
     for (int k = 1; k <= level - c->data && relief > 0 && !c->fit.none; k++)
-        pad += gain * TC_ADDED_MOST * largest_amplitude(c, k, relief);
-    return (tc_range){fmaxf(r.lo - pad, fminf(c->lowest, r.lo)), fminf(r.hi + pad, fmaxf(c->highest, r.hi)), INFINITY};
+        pad += gain * TC_ADDED_MOST * largest_amplitude(c, k, 5 * relief, relief);
+    return (tc_range){fmaxf(r.lo - pad, fminf(c->lowest, r.lo)), fminf(r.hi + pad, fmaxf(c->highest, r.hi)), INFINITY,
+                      synthesised_error(p, level - 1 - c->data, r.step, relief)};
 }
 
 /* ---- The rest of a field ------------------------------------------------------------------------------------------
  */
+
+static void synthesis_know_errors(const tc_field *field)
+{
+    tc_field_know_errors(((const synthesis_field *)field)->base);
+}
 
 static bool synthesis_changed(const tc_field *field, uint64_t *since, tc_rect *finest_ret)
 {
@@ -233,6 +261,7 @@ static const tc_field_class synthesis_class = {.sample = TC_FIELD_HEIGHTS,
                                                .read_ready = synthesis_read_ready,
                                                .ready = synthesis_ready,
                                                .range = synthesis_range,
+                                               .know_errors = synthesis_know_errors,
                                                .changed = synthesis_changed,
                                                .tell = synthesis_tell,
                                                .container = synthesis_container,

@@ -209,6 +209,22 @@ static bool fits_window(const tc_field *field, int level, bool wraps, int n)
     return x <= n && vertices_to_edge(top.height - 1, shift) <= n;
 }
 
+int tc_clipmap_coarsest(const tc_field *field, int n)
+{
+    int first = tc_field_info(field)->levels;
+    while (first > 1 && !fits_window(field, first, false, n))
+        first--;
+    return first;
+}
+
+tc_rect tc_clipmap_extent(const tc_field *field, int field_level)
+{
+    const int finest = tc_field_info(field)->levels;
+    const tc_level top = tc_field_level(field, finest);
+    return (tc_rect){0, 0, vertices_to_edge(top.width - 1, finest - field_level),
+                     vertices_to_edge(top.height - 1, finest - field_level)};
+}
+
 static void change(clip_state *s, tc_rect rect)
 {
     s->changes[s->changed++ % TC_MAX_CHANGES] = rect;

@@ -295,8 +295,8 @@ static void leaves_are_found(void **state)
         tc_block finer = {c, b.level + 1, 0, 0};
         if (b.level == LEVELS)
             continue;
-        finer.x = (int32_t)(x / (double)CELLS * l.blocks[b.level]),
-        finer.y = (int32_t)(y / (double)CELLS * l.blocks[b.level]);
+        finer.x = (int32_t)(x / (double)CELLS * l.blocks[b.level][0]),
+        finer.y = (int32_t)(y / (double)CELLS * l.blocks[b.level][0]);
         assert_false(wanted(&a, finer));
     }
 }
@@ -308,13 +308,13 @@ static void lattices_are_refused(void **state)
     tc_block_lattice l;
     lattice_of(&kinds[0], chart, &l);
     assert_false(tc_block_lattice_set(&l, chart, 4, 17 * 64, 17 * 64, 7, 16)); /* 17 cells at the coarsest level */
-    assert_false(tc_block_lattice_set(&l, chart, 4, 200, 200, 2, 2));          /* 50 blocks */
+    assert_false(tc_block_lattice_set(&l, chart, 4, 400, 400, 2, 2));          /* 100 blocks */
     assert_false(tc_block_lattice_set(&l, chart, 4, 96, 96, 7, 8));            /* not so often */
     assert_true(tc_block_lattice_set(&l, chart, 4, 176, 176, 2, 16));
     assert_int_equal(l.side[0], 8); /* 88 = 11 x 8 */
     assert_int_equal(l.side[1], 16);
-    assert_int_equal(l.blocks[0], 11);
-    assert_int_equal(l.blocks[1], 11);
+    assert_int_equal(l.blocks[0][0], 11);
+    assert_int_equal(l.blocks[1][0], 11);
 }
 
 int main(void)

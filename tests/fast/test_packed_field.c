@@ -199,7 +199,7 @@ static tc_range raised_range(const tc_field *f, int level, tc_rect rect)
 {
     const raised *r = (const raised *)f;
     tc_range range = tc_field_range(r->base, level, rect);
-    return (tc_range){range.lo + r->by, range.hi + r->by, range.step};
+    return (tc_range){range.lo + r->by, range.hi + r->by, range.step, range.error};
 }
 
 static void raised_tell(const tc_field *f, tc_field_stats *stats)

@@ -153,7 +153,7 @@ static bool changing_changed(const tc_field *field, uint64_t *since, tc_rect *fi
 static tc_range changing_range(const tc_field *field, int level, tc_rect rect)
 {
     tc_range r = tc_field_range(((const changing *)field)->base, level, rect);
-    return (tc_range){r.lo, r.hi + 100, INFINITY};
+    return (tc_range){r.lo, r.hi + 100, INFINITY, INFINITY};
 }
 
 static void changing_tell(const tc_field *field, tc_field_stats *stats)

@@ -52,7 +52,7 @@ static tc_status read_samples(const tc_field *field, int level, tc_rect rect, vo
 static tc_range range(const tc_field *field, int level, tc_rect rect)
 {
     (void)level, (void)rect;
-    return (tc_range){field->info.z_min, field->info.z_max, INFINITY};
+    return (tc_range){field->info.z_min, field->info.z_max, INFINITY, INFINITY};
 }
 
 static void tell(const tc_field *field, tc_field_stats *stats)

@@ -44,7 +44,7 @@ static void draws(const tc_view *view, const tc_layers *layers, tc_frame *frame)
     for (int64_t y = 0; y < l->extent.y1 - 1; y += CELLS)
         for (int64_t x = 0; x < l->extent.x1 - 1; x += CELLS) {
             int i = (int)(d - frame->draws);
-            frame->instances[i] = (tc_instance){{(int32_t)x, (int32_t)y, 0, 0}};
+            frame->instances[i] = (tc_instance){.v = {(int32_t)x, (int32_t)y, 0, 0}};
             *d++ = (tc_draw){(uint32_t)view->surface->geometry.index_count, 1, 0, 0, (uint32_t)i};
         }
     frame->surface[0][0] = (float)l->spacing_x, frame->surface[0][1] = (float)l->spacing_y;

@@ -238,7 +238,8 @@ static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages
 
 static tc_range in_metres(const tc_container *c, int32_t low, int32_t high)
 {
-    return (tc_range){(float)(c->z_origin + c->z_unit * low), (float)(c->z_origin + c->z_unit * high), INFINITY};
+    return (tc_range){(float)(c->z_origin + c->z_unit * low), (float)(c->z_origin + c->z_unit * high), INFINITY,
+                      INFINITY};
 }
 
 static tc_range level_range(const tc_container *c, int l)

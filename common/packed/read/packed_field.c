@@ -150,6 +150,7 @@ static void packed_destroy(tc_field *field)
         tc_level_coder_free(&p->level[l].coder);
         free(p->level[l].whole);
         free(p->base[l].node);
+        free(p->error[l].node);
         pthread_mutex_destroy(&p->level[l].mutex);
     }
     while (p->idle) {
@@ -168,6 +169,7 @@ const tc_field_class tc_packed_class = {.sample = TC_FIELD_HEIGHTS,
                                         .read_ready = packed_read_ready,
                                         .ready = tc_packed_ready,
                                         .range = tc_packed_range,
+                                        .know_errors = tc_packed_know_errors,
                                         .tell = packed_tell,
                                         .container = packed_container,
                                         .destroy = packed_destroy};

@@ -4,6 +4,7 @@
  *     packed_masks.c     masks of voids, likewise
  *     packed_ready.c     whether they need no waiting, and reading ahead
  *     packed_range.c     bounds of heights
+ *     packed_error.c     bounds of what levels are off the finest one
  *     packed_field.c     the field's interface
  *     packed_open.c      opening
  *     packed_scratch.c   memory that they use meanwhile */
@@ -74,7 +75,9 @@ typedef struct packed_field {
     tc_tile_store *store;
     int owner; /* in the store */
     level_state level[TC_MAX_FIELD_LEVELS];
-    tc_range_pyramid base[TC_MAX_FIELD_LEVELS]; /* of levels that stand in the head; leaves: samples */
+    tc_range_pyramid base[TC_MAX_FIELD_LEVELS];  /* of levels that stand in the head; leaves: samples */
+    tc_range_pyramid error[TC_MAX_FIELD_LEVELS]; /* once errors_known; leaves: tiles, of base's samples */
+    _Atomic bool errors_known;
     pthread_mutex_t mutex;
     scratch *idle;
     tc_void_policy voids;
@@ -127,6 +130,7 @@ extern const tc_field_class tc_packed_class;
 /* Its functions. */
 tc_ready tc_packed_ready(const tc_field *field, int l, tc_rect rect, tc_urgency urgency);
 tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect);
+void tc_packed_know_errors(const tc_field *field);
 
 /* Reads a piece of what is wished ahead: what it decodes stays in the store. */
 tc_piece tc_packed_read_piece(tc_wish *wish);

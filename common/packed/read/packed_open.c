@@ -69,7 +69,7 @@ static tc_status make_base_ranges(packed_field *p)
             return TC_ERR_MEMORY;
         for (int64_t n = 0; n < r->nx * r->ny; n++) {
             float z = (float)(c->z_origin + c->z_unit * p->level[l - 1].whole[n]);
-            r->node[n] = (tc_range){z, z, INFINITY};
+            r->node[n] = (tc_range){z, z, INFINITY, INFINITY};
         }
         tc_range_build(r);
     }

@@ -23,25 +23,29 @@ tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect)
     packed_field *p = (packed_field *)field;
     const tc_container *c = &p->file.container;
     tc_range all = TC_NO_RANGE;
+    float error = 0;
     tc_rect piece[2];
     int reads = 0, pieces = tc_rect_round(rect, field->level[l - 1].width, piece);
     for (int n = 0; n < pieces; n++) {
         tc_rect r = piece[n], tiles = {r.x0 / FINE, r.y0 / FINE, (r.x1 - 1) / FINE + 1, (r.y1 - 1) / FINE + 1};
         int64_t most_x = pieces == 1 ? 2 : 1;
         if (l <= c->base) {
+            tiles = r;
             all = tc_range_both(all, tc_range_ask(&p->base[l - 1], r, most_x, &reads));
         } else {
             tc_missing_pages missing;
             all = tc_range_both(all, tc_packed_file_range(&p->file, l, tiles, most_x, &reads, &missing));
             ask_for(p, l, &missing);
         }
+        error = p->errors_known ? fmaxf(error, tc_range_ask(&p->error[l - 1], tiles, most_x, &reads).error) : INFINITY;
     }
+    all.error = p->damaged > 0 ? INFINITY : error;
     if (l > c->base && p->damaged > 0) { /* what stands in for damaged tiles lies about within the terrain's range */
         double margin = 0.1 * (c->z_max - c->z_min);
-        all = (tc_range){(float)(c->z_min - margin), (float)(c->z_max + margin), INFINITY};
+        all = (tc_range){(float)(c->z_min - margin), (float)(c->z_max + margin), INFINITY, INFINITY};
     }
     if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT)
-        all = (tc_range){fminf(all.lo, p->void_height), fmaxf(all.hi, p->void_height), INFINITY};
+        all = (tc_range){fminf(all.lo, p->void_height), fmaxf(all.hi, p->void_height), INFINITY, INFINITY};
     p->ranges++;
     p->range_reads += reads;
     return all;
