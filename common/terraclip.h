@@ -144,6 +144,7 @@ typedef enum tc_ready {
 /* What a question whether samples are ready asks for beside. */
 typedef enum tc_urgency {
     TC_ONLY_ASK, /* nothing */
+    TC_LATER,    /* that a thread decodes them once it has nothing better to do; for what may be wanted before long */
     TC_SOON,     /* that a thread decodes them, after what is urgent */
     TC_URGENT    /* that it decodes them first; of what is as urgent, coarser levels first */
 } tc_urgency;
@@ -189,6 +190,7 @@ typedef struct tc_field_stats {
     int64_t waits;      /* readings that had to wait for a file or for decoding on the thread that asked */
     int64_t ranges;     /* questions for a range, and reads of memory for them */
     int64_t range_reads;
+    int64_t cancelled; /* wishes given up, since no window wanted them any more, before they were decoded */
 } tc_field_stats;
 tc_field_stats tc_field_tell(const tc_field *field);
 

@@ -61,6 +61,8 @@ typedef struct tc_draw_options {
     uint8_t background[3]; /* shown there instead, where the target is cleared */
     bool holes;            /* voids are holes */
     int64_t budget;        /* height samples updated a frame; 0: n * n, negative: no limit */
+    int64_t budget_us;     /* microseconds that updating takes in a frame that does not wait, to within a small piece a
+                            * chart; 0: 4000 or, where a budget is given, no limit; negative: no limit */
 } tc_draw_options;
 
 /* A drawer of the map in the current context. get_proc: finds an OpenGL function by name, as

@@ -19,6 +19,7 @@ int main(int argc, char **argv)
          offsetof(tc_options, n)},
         TC_LEVELS_OPTION,
         TC_BUDGET_OPTION,
+        TC_BUDGET_US_OPTION,
     };
     static const tc_scheme *const schemes[] = {tc_square_schemes, NULL};
     static const tc_viewer_program program = {

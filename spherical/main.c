@@ -28,6 +28,7 @@ int main(int argc, char **argv)
         {.help = "Geometry clipmap"},
         TC_LEVELS_OPTION,
         TC_BUDGET_OPTION,
+        TC_BUDGET_US_OPTION,
         {.help = "Planet"},
         TC_SCHEME_OPTION,
         {0, "n", "N", "a number of 64..4096",

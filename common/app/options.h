@@ -61,6 +61,11 @@ enum { TC_PROGRAM_OPTIONS = 12 };
         0, "budget", "SAMPLES", "1 or more samples", "updated a frame (N * N; all that is missing with -o)",           \
             tc_read_budget, offsetof(tc_options, scene.budget)                                                         \
     }
+#define TC_BUDGET_US_OPTION                                                                                            \
+    {                                                                                                                  \
+        0, "budget-us", "US", "1 or more microseconds", "for updating a frame in a window (4000; none with --budget)", \
+            tc_read_budget, offsetof(tc_options, scene.budget_us)                                                      \
+    }
 bool tc_read_scheme(void *options, const char *value); /* tc_options */
 bool tc_read_levels(void *levels, const char *value);  /* int */
 bool tc_read_budget(void *budget, const char *value);  /* int64_t */

@@ -137,6 +137,13 @@ tc_ready tc_field_ready(const tc_field *field, int level, tc_rect rect, tc_urgen
     return !field->class->ready || tc_rect_empty(rect) ? TC_READY : field->class->ready(field, level, rect, urgency);
 }
 
+void tc_field_overtaken(const tc_field *field, int level, tc_rect rect)
+{
+    rect = level < 1 || level > field->info.levels ? (tc_rect){0, 0, 0, 0} : cut(field, level, rect, field->beyond);
+    if (field->class->overtaken && !tc_rect_empty(rect))
+        field->class->overtaken(field, level, rect);
+}
+
 tc_range tc_field_range(const tc_field *field, int level, tc_rect rect)
 {
     rect = level < 1 || level > field->info.levels ? (tc_rect){0, 0, 0, 0} : cut(field, level, rect, 0);

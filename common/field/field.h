@@ -24,6 +24,8 @@ typedef struct tc_field_class {
     /* The same without waiting; false where that cannot be. NULL: reading never waits. */
     bool (*read_ready)(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride);
     tc_ready (*ready)(const tc_field *field, int level, tc_rect rect, tc_urgency urgency); /* NULL: always */
+    /* What was asked for with that rectangle is not wanted any more. NULL: nothing to be done. */
+    void (*overtaken)(const tc_field *field, int level, tc_rect rect);
     tc_range (*range)(const tc_field *field, int level, tc_rect rect);
     void (*know_errors)(const tc_field *field);                                   /* NULL: it never does */
     bool (*changed)(const tc_field *field, uint64_t *since, tc_rect *finest_ret); /* NULL: never */
@@ -59,6 +61,10 @@ tc_status tc_field_read_samples(const tc_field *field, int level, tc_rect rect, 
                                 ptrdiff_t stride);
 tc_ready tc_field_samples_ready(const tc_field *field, int level, tc_rect rect, void *samples, uint8_t *voids,
                                 ptrdiff_t stride, tc_urgency urgency);
+
+/* What tc_field_ready() was asked about with the same rectangle, and said to be coming, is not wanted any more: what
+ * has not been decoded of it by now is not. Another reader that wants it has to ask again. */
+void tc_field_overtaken(const tc_field *field, int level, tc_rect rect);
 
 /* Its packed file's head, through what decorates it; NULL where there is none. */
 const struct tc_container *tc_field_container(const tc_field *field);

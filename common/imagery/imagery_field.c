@@ -165,6 +165,12 @@ static tc_ready colours_ready(const tc_field *field, int level, tc_rect rect, tc
     return urgency == TC_ONLY_ASK || tc_prefetch_ask(&imagery->prefetch, &wish) ? TC_COMING : TC_FAILED;
 }
 
+static void colours_overtaken(const tc_field *field, int level, tc_rect rect)
+{
+    tc_colour_field *f = (tc_colour_field *)field;
+    f->cancelled += tc_prefetch_cancel(&f->imagery->prefetch, f, level, rect);
+}
+
 /* The next tile of a wish: the first one that is missing. */
 tc_piece tc_colour_read_piece(tc_wish *wish)
 {
@@ -204,6 +210,7 @@ static void colours_tell(const tc_field *field, tc_field_stats *stats)
     stats->bytes += sizeof *f + cached;
     stats->cache_bytes += cached;
     stats->decoded += f->made * TILE_BYTES;
+    stats->cancelled += f->cancelled;
     stats->unreadable += tc_faults_count(&f->imagery->faults, f->owner);
 }
 
@@ -216,6 +223,7 @@ static const tc_field_class colours_class = {.sample = TC_FIELD_COLOURS,
                                              .read = colours_read,
                                              .read_ready = colours_read_ready,
                                              .ready = colours_ready,
+                                             .overtaken = colours_overtaken,
                                              .range = colours_range,
                                              .tell = colours_tell,
                                              .destroy = colours_destroy};

@@ -51,7 +51,7 @@ typedef struct tc_colour_field {
     tc_imagery *imagery;
     int chart, owner;
     double x0, y0, dx, dy; /* of the finest level's samples, in chart coordinates */
-    _Atomic int64_t made;
+    _Atomic int64_t made, cancelled;
 } tc_colour_field;
 
 /* ---- Places (imagery_place.c) -------------------------------------------------------------------------------------

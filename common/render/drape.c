@@ -129,22 +129,23 @@ static tc_status hold(const tc_gl *gl, tc_drape *d, tc_error *error)
     return tc_level_textures_hold(gl, &d->textures, d->windows.clipmap, d->windows.charts, levels, error);
 }
 
-tc_status tc_drape_move(const tc_gl *gl, tc_drape *d, const tc_view *view, int64_t budget, bool wait, double now,
+tc_status tc_drape_move(const tc_gl *gl, tc_drape *d, const tc_view *view, const tc_update *how, double until,
                         tc_drape_update *update_ret, tc_error *error)
 {
     tc_drape_update u = {.resident = true};
+    tc_update move = *how;
     for (int chart = 0; chart < d->windows.charts; chart++) { /* each gets at least what makes progress */
         tc_clipmap *clipmap = d->windows.clipmap[chart];
         want_chart(d, view, chart);
-        u.texels += tc_clipmap_update(clipmap, d->wanted[chart],
-                                      budget < 0 ? -1 : tc_max64(tc_clipmap_n(clipmap), budget - u.texels), wait, now);
+        move.budget = how->budget < 0 ? -1 : tc_max64(tc_clipmap_n(clipmap), how->budget - u.texels);
+        u.texels += tc_clipmap_update_as(clipmap, d->wanted[chart], &move);
         u.resident &= tc_clipmap_resident(clipmap);
         u.failed |= tc_clipmap_failed(clipmap) != TC_OK;
     }
     tc_status status = hold(gl, d, error);
     if (status == TC_OK) {
         u.bytes = tc_level_textures_upload(gl, &d->textures, d->windows.clipmap, d->windows.charts,
-                                           wait || budget < 0 ? -1 : u.texels + budget);
+                                           how->wait || how->budget < 0 ? -1 : u.texels + how->budget, until);
         for (int chart = 0; chart < d->windows.charts; chart++)
             u.resident &= d->textures.layers.ready[chart] == d->textures.layers.held[chart];
     }

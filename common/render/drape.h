@@ -23,12 +23,13 @@ tc_status tc_drape_create(const tc_gl *gl, const tc_imagery *imagery, const tc_s
                           tc_error *error);
 void tc_drape_destroy(const tc_gl *gl, tc_drape *drape);
 
-/* Moves the windows towards what the view wants, by so many texels (below 0: no limit), and uploads them. */
+/* Moves the windows towards what the view wants, by as many texels as how->budget says, and uploads them until a time
+ * as tc_level_textures_upload() has it. */
 typedef struct tc_drape_update {
     int64_t texels, bytes;
     bool resident, failed;
 } tc_drape_update;
-tc_status tc_drape_move(const tc_gl *gl, tc_drape *drape, const tc_view *view, int64_t budget, bool wait, double now,
+tc_status tc_drape_move(const tc_gl *gl, tc_drape *drape, const tc_view *view, const tc_update *how, double until,
                         tc_drape_update *update_ret, tc_error *error);
 
 /* What imagery.glsl needs to know. */

@@ -78,8 +78,11 @@ tc_status tc_drawer_create(tc_map *map, const tc_draw_options *options, void *(*
     if (!d)
         return tc_fail(error, TC_ERR_MEMORY, "drawer: not enough memory");
     *d = (tc_drawer){.users = 1, .map = tc_map_share(map), .scheme = scheme, .options = *o};
-    d->scene =
-        (tc_scene_options){.unlit = o->unlit, .background_set = o->no_sky, .holes = o->holes, .budget = o->budget};
+    d->scene = (tc_scene_options){.unlit = o->unlit,
+                                  .background_set = o->no_sky,
+                                  .holes = o->holes,
+                                  .budget = o->budget,
+                                  .budget_us = o->budget_us};
     memcpy(d->scene.background, o->background, sizeof d->scene.background);
     d->options.scheme = scheme->name;
     tc_status status = tc_gl_load(&d->gl, get_proc, error);

@@ -26,6 +26,7 @@ struct tc_renderer {
     tc_scene_options options;
     tc_scene_needs needs; /* of the options as they are */
     tc_scene_objects *objects;
+    tc_upload_ring ring; /* of both of the next */
     tc_level_textures textures;
     tc_drape drape; /* where the scene has imagery */
     tc_frame_slots slots;
@@ -47,12 +48,23 @@ static tc_status make_own(tc_renderer *r, tc_error *error)
     return r->surface->make_windows(r->surface, &r->windows, error);
 }
 
+static tc_status make_ring(tc_renderer *r, tc_error *error)
+{
+    const int asked = r->options.ring;
+    if (asked < 0 || (asked == 0 && !tc_upload_ring_pays(r->gl)))
+        return TC_OK;
+    tc_status status = tc_upload_ring_create(r->gl, &r->ring, error);
+    r->textures.ring = &r->ring;
+    return status;
+}
+
 static tc_status make_drape(tc_renderer *r, tc_error *error)
 {
     enum { TAPS = 4 };
     if (!r->needs.imagery)
         return TC_OK;
     tc_status status = tc_drape_create(r->gl, r->options.imagery, r->surface, &r->drape, error);
+    r->drape.textures.ring = r->textures.ring;
     if (status == TC_OK) {
         r->needs.image_n = tc_clipmap_n(r->drape.windows.clipmap[0]);
         r->needs.image_taps = TAPS, r->needs.image_filter = (int)r->drape.textures.anisotropy;
@@ -86,6 +98,8 @@ static tc_status create(const tc_gl *gl, const tc_surface *surface, const tc_sce
     if (shared)
         r->objects = tc_scene_objects_share(shared);
     tc_status status = make_own(r, error);
+    if (status == TC_OK)
+        status = make_ring(r, error);
     if (status == TC_OK)
         status = make_drape(r, error);
     if (status == TC_OK && !shared)
@@ -123,6 +137,7 @@ void tc_renderer_destroy(tc_renderer *renderer)
     tc_renderer *r = renderer;
     tc_level_textures_destroy(r->gl, &r->textures);
     tc_drape_destroy(r->gl, &r->drape);
+    tc_upload_ring_destroy(r->gl, &r->ring);
     tc_frame_slots_destroy(r->gl, &r->slots);
     tc_scene_objects_release(r->gl, r->objects);
     tc_canvas_destroy(r->gl, &r->picture.canvas);
@@ -138,6 +153,8 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
     renderer->options.wireframe = options->wireframe;
     renderer->options.frame = options->frame;
     renderer->options.budget = options->budget;
+    renderer->options.budget_us = options->budget_us;
+    renderer->options.ahead = options->ahead;
     const tc_scene_needs before = renderer->needs;
     renderer->needs = tc_scene_needs_of(&renderer->options, tc_field_info(renderer->surface->field));
     renderer->needs.image_n = before.image_n;
@@ -236,39 +253,67 @@ static tc_status hold_levels(tc_renderer *r, tc_error *error)
     return tc_level_textures_hold(r->gl, &r->textures, r->windows.clipmap, r->windows.charts, levels, error);
 }
 
+/* The time that a frame's update has, from its beginning; what it is used for, one after the other, ends at shares of
+ * it. No limit: 0. */
+typedef struct update_time {
+    double start, limit; /* milliseconds */
+} update_time;
+
+enum { USUAL_BUDGET_US = 4000 };
+
+static const double FILLING = 0.7; /* the rest is for uploading */
+
+static update_time time_of(const tc_scene_options *o, bool finish)
+{
+    const int64_t us = o->budget_us ? o->budget_us : o->budget ? -1 : USUAL_BUDGET_US;
+    return (update_time){tc_clock_ms(), finish || us < 0 ? 0 : 1e-3 * (double)us};
+}
+
+static double until(const update_time *t, double share)
+{
+    return t->limit > 0 ? t->start + share * t->limit : 0;
+}
+
 /* Moves the windows towards what the view wants and uploads what is new. */
 static tc_status update(tc_renderer *r, const tc_sight *sight, bool finish, tc_frame_stats *stats, tc_error *error)
 {
-    double start = tc_clock_ms();
+    const update_time time = time_of(&r->options, finish);
     const tc_surface *surface = r->surface;
     int64_t n = surface->n, budget = r->options.budget ? r->options.budget : n * n;
+    const double own = r->needs.imagery ? 0.5 : 1; /* share of the surface's windows */
+    tc_update move = {.wait = finish,
+                      .now = 1e-3 * time.start,
+                      .ahead = r->options.ahead == 0 ? 1 : fmax(r->options.ahead, 0),
+                      .until = until(&time, FILLING * own)};
     tc_frame_options options = r->options.frame;
     if (!options.cull_camera && !sight->through)
         options.cull_camera = &sight->around;
     surface->look(surface, &r->windows, &sight->camera, &options, finish, r->view);
     surface->wanted(r->view, r->wanted);
     for (int chart = 0; chart < r->windows.charts; chart++) { /* each gets at least what makes progress */
-        int64_t share = budget < 0 ? -1 : tc_max64(n, budget - stats->samples_updated);
-        stats->samples_updated +=
-            tc_clipmap_update(r->windows.clipmap[chart], r->wanted[chart], share, finish, 1e-3 * start);
+        move.budget = budget < 0 ? -1 : tc_max64(n, budget - stats->samples_updated);
+        stats->samples_updated += tc_clipmap_update_as(r->windows.clipmap[chart], r->wanted[chart], &move);
         stats->resident &= tc_clipmap_resident(r->windows.clipmap[chart]);
         stats->failed |= tc_clipmap_failed(r->windows.clipmap[chart]) != TC_OK;
     }
     tc_draw_state_for_uploads(r->gl);
+    tc_upload_ring_begin(r->gl, &r->ring);
     tc_status status = hold_levels(r, error);
     if (status == TC_OK) {
         /* All of what was filled now, and as much again of what a frame before could not be given; for a picture, all.
          */
-        stats->bytes_uploaded = tc_level_textures_upload(r->gl, &r->textures, r->windows.clipmap, r->windows.charts,
-                                                         finish || budget < 0 ? -1 : stats->samples_updated + budget);
+        stats->bytes_uploaded =
+            tc_level_textures_upload(r->gl, &r->textures, r->windows.clipmap, r->windows.charts,
+                                     finish || budget < 0 ? -1 : stats->samples_updated + budget, until(&time, own));
         for (int chart = 0; chart < r->windows.charts; chart++)
             stats->resident &= r->textures.layers.ready[chart] == r->textures.layers.held[chart];
     }
     if (status == TC_OK && r->needs.imagery) {
         /* As many texels to a sample as windows have. */
-        const int64_t texels = budget < 0 ? -1 : budget * (r->needs.image_n + 1) / (n + 1);
+        move.budget = budget < 0 ? -1 : budget * (r->needs.image_n + 1) / (n + 1);
+        move.until = until(&time, own + FILLING * (1 - own));
         tc_drape_update u;
-        status = tc_drape_move(r->gl, &r->drape, r->view, texels, finish, 1e-3 * start, &u, error);
+        status = tc_drape_move(r->gl, &r->drape, r->view, &move, until(&time, 1), &u, error);
         if (status == TC_OK) {
             stats->bytes_uploaded += u.bytes;
             stats->texels_updated = u.texels;
@@ -276,7 +321,8 @@ static tc_status update(tc_renderer *r, const tc_sight *sight, bool finish, tc_f
             stats->imagery_failed = u.failed;
         }
     }
-    stats->update_ms = tc_clock_ms() - start;
+    tc_upload_ring_end(r->gl, &r->ring);
+    stats->update_ms = tc_clock_ms() - time.start;
     return status;
 }
 
@@ -420,7 +466,8 @@ void tc_renderer_memory(const tc_renderer *renderer, tc_memory_stats *stats_ret)
         heights += h, normals += n;
         fields += tc_field_tell(tc_clipmap_field(renderer->windows.clipmap[chart])).bytes;
     }
-    *stats_ret = (tc_memory_stats){.geometry = o->bytes + tc_frame_slots_bytes(&renderer->slots),
+    *stats_ret = (tc_memory_stats){.geometry = o->bytes + tc_frame_slots_bytes(&renderer->slots) +
+                                               tc_upload_ring_bytes(&renderer->ring),
                                    .heights = tc_level_texture_of(t, &tc_heights_content).bytes +
                                               tc_level_texture_of(t, &tc_voids_content).bytes + heights,
                                    .normals = normals_of(renderer).bytes + normals,

@@ -10,13 +10,18 @@
 
 /* What may be asked of a scene. */
 typedef struct tc_scene_options {
-    bool unlit;                    /* colours without light: no normal map */
-    bool background_set;           /* flat background: no sky, no haze */
-    uint8_t background[3];         /* RGB */
-    bool holes;                    /* voids, where there are any, are left out of the mesh */
-    int samples;                   /* a pixel; 0: 1. The most that the driver has where it has fewer */
-    int64_t budget;                /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
-    bool throttle;                 /* frames may be throttled: what these need is made beforehand */
+    bool unlit;            /* colours without light: no normal map */
+    bool background_set;   /* flat background: no sky, no haze */
+    uint8_t background[3]; /* RGB */
+    bool holes;            /* voids, where there are any, are left out of the mesh */
+    int samples;           /* a pixel; 0: 1. The most that the driver has where it has fewer */
+    int64_t budget;        /* height samples updated a frame, at least n; 0: n * n; negative: no limit */
+    int64_t budget_us;     /* microseconds that updating takes in a frame that waits for nothing, to within a small
+                            * piece; 0: 4000 or, where a budget is given, no limit; negative: no limit */
+    double ahead;          /* seconds on for which packed tiles are asked for, as the eye moves; 0: 1; negative:
+                            * none */
+    int ring;      /* uploads through a mapped buffer: 0 where the driver gains by it, 1 wherever it can, -1 not */
+    bool throttle; /* frames may be throttled: what these need is made beforehand */
     const tc_colour_ramp *colours; /* of heights, in place of the terrain's own; outlives the renderer. NULL: those */
     const tc_imagery *imagery;     /* over the map; outlives the renderer. NULL: none */
     const tc_shade *shade;         /* NULL: natural colours */

@@ -148,13 +148,27 @@ static bool synthesis_read_ready(const tc_field *field, int level, tc_rect rect,
     return !read_levels(field, level, rect, samples, voids, stride, false, &how) && how == TC_READY;
 }
 
+/* What of the data a rectangle of any level takes; the data's level. */
+static int data_for(const synthesis_field *p, int level, tc_rect *rect)
+{
+    const int data = p->chain.data;
+    if (level > data)
+        *rect = tc_chain_reads(&p->chain, level - data, *rect);
+    return level > data ? data : level;
+}
+
 static tc_ready synthesis_ready(const tc_field *field, int level, tc_rect rect, tc_urgency urgency)
 {
     const synthesis_field *p = (const synthesis_field *)field;
-    const int data = p->chain.data;
-    if (level <= data)
-        return tc_field_ready(p->base, level, rect, urgency);
-    return tc_field_ready(p->base, data, tc_chain_reads(&p->chain, level - data, rect), urgency);
+    level = data_for(p, level, &rect);
+    return tc_field_ready(p->base, level, rect, urgency);
+}
+
+static void synthesis_overtaken(const tc_field *field, int level, tc_rect rect)
+{
+    const synthesis_field *p = (const synthesis_field *)field;
+    level = data_for(p, level, &rect);
+    tc_field_overtaken(p->base, level, rect);
 }
 
 /* ---- Bounds ------------------------------------------------------------------------------------------------------ */
@@ -260,6 +274,7 @@ static const tc_field_class synthesis_class = {.sample = TC_FIELD_HEIGHTS,
                                                .read = synthesis_read,
                                                .read_ready = synthesis_read_ready,
                                                .ready = synthesis_ready,
+                                               .overtaken = synthesis_overtaken,
                                                .range = synthesis_range,
                                                .know_errors = synthesis_know_errors,
                                                .changed = synthesis_changed,

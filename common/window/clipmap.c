@@ -1,10 +1,5 @@
-/* clipmap.c - the regions of a geometry clipmap and their update within a budget (LH04 sections 3 to 5).
- *
- * Clip regions move coarse to fine. A region is a rectangle at all times: what leaves the wanted window is dropped,
- * then whole rows or columns are added at its sides until it is the wanted window or the budget is used up. The active
- * regions follow from the clip regions; LH04's four constraints hold after every update. Where the terrain ends both
- * levels end, so erosion stops there. */
-#include "clipmap.h"
+/* clipmap.c - a geometry clipmap: its levels and their arrays, how they are filled, and what is asked about them. */
+#include "clipmap_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,38 +9,6 @@
 #include "common/base/rect.h"
 #include "common/field/field.h"
 #include "common/base/status.h"
-#include "turn.h"
-
-/* Where a region grows: beyond its four sides; where it begins. */
-enum { SIDES = 4, BEGINNING = SIDES, PLACES };
-
-/* What could not be read there: the other sides go on meanwhile. */
-typedef struct pause {
-    int failures;      /* in a row */
-    double not_before; /* when to try again */
-} pause;
-
-typedef struct clip_state {
-    tc_clip_level view;
-    int field_level;
-    int64_t width;                 /* samples that the field has at this level; vertices beyond lie on the edge */
-    void *texels[TC_MAX_CONTENTS]; /* toroidal */
-    tc_rect changes[TC_MAX_CHANGES];
-    uint64_t changed; /* how often; the last ones are in changes[(k - 1) % TC_MAX_CHANGES] */
-    pause pause[PLACES];
-} clip_state;
-
-struct tc_clipmap {
-    const tc_field *field;
-    int n, levels, contents;
-    tc_content content[TC_MAX_CONTENTS];
-    clip_state level[TC_MAX_LEVELS]; /* [l - 1] */
-    void *scratch;
-    tc_status failed; /* of the last filling that failed, while any level waits to be read again */
-};
-
-/* Seconds until what could not be read is tried again: first, and at most. */
-static const double FIRST_PAUSE = 0.25, LONGEST_PAUSE = 30;
 
 size_t tc_texel_bytes(tc_texel_format format)
 {
@@ -104,15 +67,14 @@ const void *tc_clipmap_texels(const tc_clipmap *clipmap, const tc_content_class 
     return NULL;
 }
 
-/* Texels along a side of a content's arrays. */
-static int64_t side_of(const tc_clipmap *c, const tc_content_class *content)
+int64_t tc_clipmap_side(const tc_clipmap *c, const tc_content_class *content)
 {
     return (int64_t)content->scale * (c->n + 1);
 }
 
 static size_t array_bytes(const tc_clipmap *c, const tc_content_class *content)
 {
-    size_t side = (size_t)side_of(c, content);
+    size_t side = (size_t)tc_clipmap_side(c, content);
     return side * side * tc_texel_bytes(content->format);
 }
 
@@ -122,7 +84,7 @@ static size_t scratch_bytes(const tc_clipmap *c)
     for (int k = 0; k < c->contents; k++) {
         const tc_content_class *content = c->content[k].class;
         size_t bytes = content->scratch_bytes(c->n);
-        size_t row = (size_t)(side_of(c, content) + 2 * content->border) * tc_texel_bytes(content->format);
+        size_t row = (size_t)(tc_clipmap_side(c, content) + 2 * content->border) * tc_texel_bytes(content->format);
         most = bytes > most ? bytes : most;
         most = row > most ? row : most;
     }
@@ -133,35 +95,6 @@ static size_t scratch_bytes(const tc_clipmap *c)
 static int64_t vertices_to_edge(int64_t edge, int shift)
 {
     return 2 * tc_ceil_shift(edge, shift + 1) + 1;
-}
-
-/* The part of a level's rectangle that lies `distance` samples within, but up to the terrain's end where it reaches it.
- */
-static tc_rect erode(tc_rect r, tc_rect extent, int64_t distance)
-{
-    if (tc_rect_empty(r))
-        return r;
-    r.x0 += r.x0 > extent.x0 ? distance : 0;
-    r.y0 += r.y0 > extent.y0 ? distance : 0;
-    r.x1 -= r.x1 < extent.x1 ? distance : 0;
-    r.y1 -= r.y1 < extent.y1 ? distance : 0;
-    return tc_rect_empty(r) ? (tc_rect){0, 0, 0, 0} : r;
-}
-
-/* The rectangle of a finer level's samples that spans r of the coarser one. */
-static tc_rect refine(tc_rect r)
-{
-    return tc_rect_empty(r) ? r : (tc_rect){2 * r.x0, 2 * r.y0, 2 * r.x1 - 1, 2 * r.y1 - 1};
-}
-
-/* The largest rectangle within r whose first and last samples are even; empty where it would cover no cell. */
-static tc_rect even_perimeter(tc_rect r)
-{
-    r.x0 += r.x0 & 1;
-    r.y0 += r.y0 & 1;
-    r.x1 -= (r.x1 - 1) & 1;
-    r.y1 -= (r.y1 - 1) & 1;
-    return r.x1 - r.x0 < 3 || r.y1 - r.y0 < 3 ? (tc_rect){0, 0, 0, 0} : r;
 }
 
 /* A column farther out than any viewer gets, in samples of the finest level: even on all levels. */
@@ -225,13 +158,7 @@ tc_rect tc_clipmap_extent(const tc_field *field, int field_level)
                      vertices_to_edge(top.height - 1, finest - field_level)};
 }
 
-static void change(clip_state *s, tc_rect rect)
-{
-    s->changes[s->changed++ % TC_MAX_CHANGES] = rect;
-}
-
-/* late: NULL to wait for the field; else set where that would have been needed, and nothing is filled. */
-static tc_status fill_contents(tc_clipmap *c, int level, tc_rect rect, bool *late)
+tc_status tc_clipmap_fill_contents(tc_clipmap *c, int level, tc_rect rect, bool *late)
 {
     clip_state *s = &c->level[level - 1];
     tc_status status = TC_OK;
@@ -243,18 +170,19 @@ static tc_status fill_contents(tc_clipmap *c, int level, tc_rect rect, bool *lat
                            .rect = rect,
                            .texels = s->texels[k],
                            .coarse = level > 1 ? s[-1].texels[k] : NULL,
-                           .size = side_of(c, c->content[k].class),
+                           .size = tc_clipmap_side(c, c->content[k].class),
                            .scratch = c->scratch};
         status = c->content[k].class->fill(&f);
     }
-    if (!status)
-        change(s, rect);
     return status;
 }
 
 tc_status tc_clipmap_fill(tc_clipmap *c, int level, tc_rect rect)
 {
-    return fill_contents(c, level, rect, NULL);
+    tc_status status = tc_clipmap_fill_contents(c, level, rect, NULL);
+    if (!status)
+        tc_clipmap_changed(&c->level[level - 1], rect);
+    return status;
 }
 
 tc_status tc_fill_read(const tc_fill *f, int level, tc_rect rect, void *samples, uint8_t *voids, ptrdiff_t stride)
@@ -265,15 +193,6 @@ tc_status tc_fill_read(const tc_fill *f, int level, tc_rect rect, void *samples,
     tc_ready ready = tc_field_samples_ready(field, level, rect, samples, voids, stride, TC_SOON);
     *f->late = ready == TC_COMING;
     return ready == TC_READY ? TC_OK : TC_ERR_IO;
-}
-
-/* A part of the level cannot be read: its pause begins. */
-static void put_off(tc_clipmap *c, int level, int place, tc_status why, double now)
-{
-    pause *p = &c->level[level - 1].pause[place];
-    c->failed = why;
-    p->not_before = now + fmin(ldexp(FIRST_PAUSE, p->failures < 16 ? p->failures : 16), LONGEST_PAUSE);
-    p->failures++;
 }
 
 tc_status tc_clipmap_check_n(int n, tc_error *error)
@@ -345,225 +264,12 @@ void tc_clipmap_destroy(tc_clipmap *clipmap)
 {
     if (!clipmap)
         return;
+    tc_clipmap_ask_nothing(clipmap);
     for (int l = 0; l < TC_MAX_LEVELS; l++)
         for (int k = 0; k < TC_MAX_CONTENTS; k++)
             free(clipmap->level[l].texels[k]);
     free(clipmap->scratch);
     free(clipmap);
-}
-
-/* How many rows (or columns) of `length` samples to add of `missing`: what the budget allows. */
-static int64_t affordable(int64_t missing, int64_t length, int64_t budget)
-{
-    return budget < 0 ? missing : tc_min64(missing, budget / length);
-}
-
-/* The first rectangle of an empty region: as much as the budget allows, which may be nothing, around the middle of its
- * target. */
-static tc_rect seed(tc_rect target, int64_t budget)
-{
-    if (budget < 0 || tc_rect_area(target) <= budget)
-        return target;
-    int64_t side = 0;
-    while ((side + 1) * (side + 1) <= budget)
-        side++;
-    int64_t x = (target.x0 + target.x1 - side) / 2, y = (target.y0 + target.y1 - side) / 2;
-    return tc_rect_intersect(target, (tc_rect){x, y, x + side, y + side});
-}
-
-/* What a field is asked for at once where it is not waited for: as many lines as have about PIECE_SAMPLES samples. With
- * normals four times as many are read. */
-enum { PIECE_SAMPLES = 1 << 16, PIECE_LINES = 128 };
-
-static int64_t lines_a_piece(int64_t length)
-{
-    return tc_clamp64(PIECE_SAMPLES / tc_max64(length, 1), 1, PIECE_LINES);
-}
-
-/* Whether filling rect need not wait for the field. */
-static tc_ready readiness(const tc_clipmap *c, int level, tc_rect rect)
-{
-    const clip_state *s = &c->level[level - 1];
-    int own = 0, finer = -1;
-    for (int k = 0; k < c->contents; k++) {
-        const tc_content_class *content = c->content[k].class;
-        own = content->reach > own ? content->reach : own;
-        finer = content->reach_finer > finer ? content->reach_finer : finer;
-    }
-    tc_ready ready = tc_field_ready(c->field, s->field_level, tc_rect_grown(rect, own), TC_SOON), more = TC_READY;
-    if (finer >= 0 && s->field_level < tc_field_info(c->field)->levels)
-        more = tc_field_ready(c->field, s->field_level + 1, tc_rect_grown(refine(rect), finer), TC_SOON);
-    return ready == TC_FAILED || more == TC_FAILED ? TC_FAILED : ready == TC_READY ? more : ready;
-}
-
-/* How an update is to be made. */
-typedef struct effort {
-    int64_t budget; /* samples; below 0: no limit */
-    bool wait;      /* for what is not ready */
-    bool at_once;   /* tries what could not be read, whatever its pause */
-    double now;
-} effort;
-
-/* Lines first .. last - 1 beyond a side of r, counted outwards: columns in the west (0) and east (1), rows in the south
- * (2) and north (3). */
-static tc_rect lines_beyond(tc_rect r, int side, int64_t first, int64_t last)
-{
-    switch (side) {
-    case 0: return (tc_rect){r.x0 - last, r.y0, r.x0 - first, r.y1};
-    case 1: return (tc_rect){r.x1 + first, r.y0, r.x1 + last, r.y1};
-    case 2: return (tc_rect){r.x0, r.y0 - last, r.x1, r.y0 - first};
-    default: return (tc_rect){r.x0, r.y1 + first, r.x1, r.y1 + last};
-    }
-}
-
-/* How many of the lines beyond a side, from the innermost on, need not wait. The field is asked for them piece by piece
- * and no farther than the first that is not ready: a window comes as its parts do, those next to what is held first,
- * and no piece is too large for a cache to keep until it is used. *failed_ret: set where the next ones cannot be read.
- */
-static int64_t ready_lines(const tc_clipmap *c, int level, tc_rect r, int side, int64_t lines, bool *failed_ret)
-{
-    int64_t piece = lines_a_piece(side < 2 ? r.y1 - r.y0 : r.x1 - r.x0), ready = 0;
-    while (ready < lines) {
-        int64_t next = tc_min64(lines, ready + piece);
-        tc_ready answer = readiness(c, level, lines_beyond(r, side, ready, next));
-        *failed_ret |= answer == TC_FAILED;
-        if (answer != TC_READY)
-            break;
-        ready = next;
-    }
-    return ready;
-}
-
-/* The part of an empty region's first rectangle that need not wait: all of it, else its middle, else nothing. */
-static tc_rect ready_seed(const tc_clipmap *c, int level, tc_rect first, bool *failed_ret)
-{
-    tc_rect none = {0, 0, 0, 0}, middle = seed(first, PIECE_SAMPLES / 4);
-    tc_ready answer = tc_rect_empty(first) ? TC_COMING : readiness(c, level, middle);
-    *failed_ret |= answer == TC_FAILED;
-    if (answer != TC_READY)
-        return none;
-    tc_rect row = {first.x0, first.y0, first.x1, first.y0};
-    return ready_lines(c, level, row, 3, first.y1 - first.y0, failed_ret) == first.y1 - first.y0 ? first : middle;
-}
-
-/* Adds a rectangle to what is held; returns its samples, none where it is empty, late, or cannot be read, which then is
- * put off. failed: its next part is known not to be read. */
-static int64_t add_rect(tc_clipmap *c, int level, int place, tc_rect add, const effort *e, bool failed)
-{
-    tc_rect *clip = &c->level[level - 1].view.clip;
-    bool late = false;
-    tc_status status = tc_rect_empty(add) ? TC_OK : fill_contents(c, level, add, e->wait ? NULL : &late);
-    if (late)
-        return 0;
-    if (status || failed)
-        put_off(c, level, place, status ? status : TC_ERR_IO, e->now);
-    else if (!tc_rect_empty(add))
-        c->level[level - 1].pause[place].failures = 0;
-    if (status || tc_rect_empty(add))
-        return 0;
-    *clip = tc_rect_empty(*clip) ? add
-                                 : (tc_rect){tc_min64(clip->x0, add.x0), tc_min64(clip->y0, add.y0),
-                                             tc_max64(clip->x1, add.x1), tc_max64(clip->y1, add.y1)};
-    return tc_rect_area(add);
-}
-
-static bool pauses(const clip_state *s, int place, const effort *e)
-{
-    return !e->at_once && s->pause[place].failures && e->now < s->pause[place].not_before;
-}
-
-/* Adds rows and columns to what is held on its way to target; returns the samples filled. Without waiting, what the
- * field would have to decode first is left to a later call. */
-static int64_t grow(tc_clipmap *c, int level, tc_rect target, effort e)
-{
-    clip_state *s = &c->level[level - 1];
-    const tc_rect *clip = &s->view.clip;
-    int64_t spent = 0;
-    if (tc_rect_empty(target))
-        return 0;
-    if (tc_rect_empty(*clip) && !pauses(s, BEGINNING, &e)) {
-        tc_rect first = seed(target, e.budget);
-        bool failed = false;
-        if (!e.wait)
-            first = ready_seed(c, level, first, &failed);
-        spent = add_rect(c, level, BEGINNING, first, &e, failed);
-    }
-    for (int side = 0; side < SIDES && !tc_rect_empty(*clip); side++) {
-        int64_t missing[] = {clip->x0 - target.x0, target.x1 - clip->x1, clip->y0 - target.y0, target.y1 - clip->y1};
-        int64_t length = side < 2 ? clip->y1 - clip->y0 : clip->x1 - clip->x0;
-        int64_t lines = affordable(missing[side], length, e.budget < 0 ? -1 : tc_max64(0, e.budget - spent));
-        bool failed = false;
-        if (missing[side] == 0)
-            s->pause[side].failures = 0;
-        if (missing[side] == 0 || pauses(s, side, &e))
-            continue;
-        if (!e.wait)
-            lines = ready_lines(c, level, *clip, side, lines, &failed);
-        spent += add_rect(c, level, side, lines_beyond(*clip, side, 0, lines), &e, failed);
-    }
-    return spent;
-}
-
-/* Moves a level that holds all of a map which wraps: what comes in it has already. */
-static int64_t move_round(tc_clipmap *c, int level, tc_rect target)
-{
-    clip_state *s = &c->level[level - 1];
-    const tc_rect clip = s->view.clip, kept = tc_rect_intersect(clip, target);
-    tc_rect add = target;
-    if (!tc_rect_empty(kept) && kept.x0 > target.x0)
-        add.x1 = kept.x0;
-    else if (!tc_rect_empty(kept))
-        add.x0 = kept.x1;
-    if (tc_rect_empty(add))
-        return 0;
-    for (int k = 0; k < c->contents; k++) {
-        const tc_content_class *content = c->content[k].class;
-        tc_turn_texels(s->texels[k], side_of(c, content), tc_texel_bytes(content->format),
-                       tc_content_rect(content, add), content->scale * clip.x0, content->scale * s->width, c->scratch);
-    }
-    change(s, add);
-    s->view.clip = target;
-    return tc_rect_area(add);
-}
-
-/* The active region: what is held, cropped so that the coarser level can surround it. */
-static void set_active(tc_clipmap *c, int level)
-{
-    tc_clip_level *v = &c->level[level - 1].view;
-    if (level == 1) {
-        v->active = v->clip;
-        return;
-    }
-    const tc_clip_level *coarse = &c->level[level - 2].view;
-    tc_rect around = refine(erode(coarse->active, coarse->extent, 2));
-    v->active = even_perimeter(tc_rect_intersect(v->clip, around));
-}
-
-int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait, double now)
-{
-    int64_t samples = 0;
-    for (int l = 1; l <= clipmap->levels; l++) {
-        tc_clip_level *v = &clipmap->level[l - 1].view;
-        if (l == 1 && v->wraps && !tc_rect_empty(wanted[0])) {
-            int64_t width = v->clip.x1 - v->clip.x0; /* always whole */
-            v->wanted = (tc_rect){wanted[0].x0, v->clip.y0, wanted[0].x0 + width, v->clip.y1};
-            samples += move_round(clipmap, 1, v->wanted);
-        } else if (l > 1) {
-            const tc_clip_level *coarse = &clipmap->level[l - 2].view;
-            tc_rect allowed = refine(erode(coarse->clip, coarse->extent, 1));
-            /* No more than there will be room for within the coarser level, or it would be waited for for ever. */
-            tc_rect room = refine(erode(coarse->wanted, coarse->extent, 1));
-            v->wanted = tc_rect_intersect(tc_rect_intersect(wanted[l - 1], v->extent), room);
-            tc_rect target = tc_rect_intersect(v->wanted, allowed);
-            v->clip = tc_rect_intersect(v->clip, target);
-            int64_t spent = grow(clipmap, l, target, (effort){budget, wait, wait, now});
-            samples += spent;
-            if (budget >= 0)
-                budget = tc_max64(0, budget - spent);
-        }
-        set_active(clipmap, l);
-    }
-    return samples;
 }
 
 bool tc_clipmap_resident(const tc_clipmap *clipmap)

@@ -151,6 +151,18 @@ static inline tc_rect tc_content_rect(const tc_content_class *content, tc_rect r
  * samples filled, which the budget counts (normals read up to four times as many from the next finer level). */
 int64_t tc_clipmap_update(tc_clipmap *clipmap, const tc_rect *wanted, int64_t budget, bool wait, double now);
 
+/* The same with more to say. Who waits gets what is wanted whatever the time is, and asks for nothing ahead. */
+typedef struct tc_update {
+    int64_t budget; /* samples; below 0: no limit */
+    double until; /* by tc_clock_ms(): no piece of some 8,000 samples (a row or column at least) but the first is begun
+                   * later; 0: no limit */
+    bool wait;
+    double now;   /* seconds of any origin */
+    double ahead; /* the field is asked, without urgency, for what windows that go on as they move will want so many
+                   * seconds on; 0: not */
+} tc_update;
+int64_t tc_clipmap_update_as(tc_clipmap *clipmap, const tc_rect *wanted, const tc_update *how);
+
 /* Fills samples of a level, whose coarser level holds those around half of it, with all contents, whatever is wanted or
  * held: what an update does of a rectangle, for measuring it. */
 tc_status tc_clipmap_fill(tc_clipmap *clipmap, int level, tc_rect rect);

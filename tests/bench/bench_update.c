@@ -174,41 +174,52 @@ static void synthesis(bench *b, step *first, step *eighth)
 }
 
 /* A whole update of a level, the finest or so many coarser, whose coarser level is held: from the field to the
- * textures, and of that the upload alone. */
-static void update(bench *b, const tc_gl *gl, const tc_field *p, int coarser, int run, step *upload, step *whole)
+ * textures, and of that the upload alone; through a ring, or as the driver copies it where that is NULL. */
+static void update(bench *b, const tc_gl *gl, const tc_field *p, int coarser, int run, tc_upload_ring *ring,
+                   step *upload, step *whole)
 {
     tc_clipmap *c = clipmap_of(p, true);
-    tc_level_textures textures = {0};
+    tc_level_textures textures = {.ring = ring};
     tc_error error;
     int m = tc_clipmap_levels(c), l = m - coarser, all[TC_MAX_CHARTS] = {m};
     terrain_must(tc_level_textures_hold(gl, &textures, &c, 1, all, &error), &error);
     tc_rect r = place(b, tc_field_level(p, tc_field_info(p)->levels - coarser), run);
     tc_rect around = {r.x0 / 2 - 2, r.y0 / 2 - 2, r.x1 / 2 + 3, r.y1 / 2 + 3};
     tc_clipmap_fill(c, l - 1, around);
-    tc_level_textures_upload(gl, &textures, &c, 1, -1);
+    tc_level_textures_upload(gl, &textures, &c, 1, -1, 0);
     gl->Finish();
     double start = now_us();
     tc_clipmap_fill(c, l, r);
     double filled = now_us();
-    tc_level_textures_upload(gl, &textures, &c, 1, -1);
+    if (ring)
+        tc_upload_ring_begin(gl, ring);
+    tc_level_textures_upload(gl, &textures, &c, 1, -1, 0);
+    if (ring)
+        tc_upload_ring_end(gl, ring);
     gl->Finish();
     double end = now_us();
     if (upload)
         note(b, upload, end - filled);
-    note(b, whole, end - start);
+    if (whole)
+        note(b, whole, end - start);
     tc_level_textures_destroy(gl, &textures);
     tc_clipmap_destroy(c);
 }
 
-static void updates(bench *b, const tc_gl *gl, step *upload, step *packed, step *finest, step *inner)
+static void updates(bench *b, const tc_gl *gl, step *upload, step *through, step *packed, step *finest, step *inner)
 {
+    tc_upload_ring ring;
+    tc_error error;
+    terrain_must(tc_upload_ring_create(gl, &ring, &error), &error);
     for (int i = 0; i < b->runs; i++) {
         tc_field *p = terrain_open(b->path);
-        update(b, gl, p, 0, i, upload, packed);
+        update(b, gl, p, 0, i, NULL, upload, packed);
+        update(b, gl, p, 0, i, &ring, through, NULL);
         tc_field_destroy(p);
-        update(b, gl, b->finer[0], 0, i, NULL, finest);
-        update(b, gl, b->finer[1], 1, i, NULL, inner);
+        update(b, gl, b->finer[0], 0, i, NULL, NULL, finest);
+        update(b, gl, b->finer[1], 1, i, NULL, NULL, inner);
     }
+    tc_upload_ring_destroy(gl, &ring);
 }
 
 /* A field of a copy of the grid. */
@@ -242,7 +253,7 @@ static void print(const measure_options *o, step *s)
 
 int main(int argc, char **argv)
 {
-    enum { Z_C, UP, HELD, COLD, FIRST, EIGHTH, INNER, FINEST, UPLOAD, WHOLE, WHOLE_FIRST, WHOLE_INNER, STEPS };
+    enum { Z_C, UP, HELD, COLD, FIRST, EIGHTH, INNER, FINEST, UPLOAD, THROUGH, WHOLE, WHOLE_FIRST, WHOLE_INNER, STEPS };
     const size_t heights = LEVEL_SAMPLES * sizeof(float), normals = NORMAL_SIDE * NORMAL_SIDE * 4;
     static step steps[STEPS] = {
         [Z_C] = {.name = "z_c", .paper_ms = 2},
@@ -254,6 +265,7 @@ int main(int argc, char **argv)
         [INNER] = {.name = "normal map; from the next finer level", .paper_ms = 11},
         [FINEST] = {.name = "normal map; of the finest level", .paper_ms = NAN},
         [UPLOAD] = {.name = "upload of heights and normals", .paper_ms = 2},
+        [THROUGH] = {.name = "upload of heights and normals; through a ring", .paper_ms = NAN},
         [WHOLE] = {.name = "whole update; from the file to the textures", .paper_ms = 26},
         [WHOLE_FIRST] = {.name = "whole update; synthesised; finest level", .paper_ms = 21},
         [WHOLE_INNER] = {.name = "whole update; synthesised; normals from a finer level", .paper_ms = NAN}};
@@ -278,7 +290,8 @@ int main(int argc, char **argv)
     decompression(&b, &steps[COLD], &steps[HELD]);
     synthesis(&b, &steps[FIRST], &steps[EIGHTH]);
     if (context)
-        updates(&b, tc_context_gl(context), &steps[UPLOAD], &steps[WHOLE], &steps[WHOLE_FIRST], &steps[WHOLE_INNER]);
+        updates(&b, tc_context_gl(context), &steps[UPLOAD], &steps[THROUGH], &steps[WHOLE], &steps[WHOLE_FIRST],
+                &steps[WHOLE_INNER]);
     printf("%-52s %9s %9s %9s %10s %8s\n", "a level of 255 x 255: microseconds of a processor", "median", "10 %",
            "90 %", "x copying", "LH04 ms");
     for (int i = 0; i < STEPS; i++)

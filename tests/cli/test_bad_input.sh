@@ -184,6 +184,7 @@ done <<end
 --n           14 16 100 4095 -255 255.0 ""
 --levels      0 -1 33 all ""
 --budget      0 -5 1e6 99999999999999999999 ""
+--budget-us   0 -5 1e6 99999999999999999999 ""
 --stats       ""
 end
 refuses 2 'height of voids: expected -1e9 to 1e9' $viewer hills.tif $picture --voids constant=1e11

@@ -215,7 +215,7 @@ done
 run $viewer --help
 # Every option that the table of bad values knows is in the help, and the keys of the window are.
 for word in --view --fov --size --colours --imagery --synthesis --shade --contours --unlit --background --wireframe --level-colours --no-morph --samples --target-ms --output --path \
-    --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --stats --json --explain \
+    --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --budget-us --stats --json --explain \
     --quiet --verbose 'W A S D' F11; do
     grep -q -- "$word" stdout.txt || fail "the help does not tell of $word"
 done
@@ -257,6 +257,8 @@ accepts '' $viewer metres.tif $near -o out/picture.png --size 320x240 --threads 
 same once.png last.png 'one thread and all'
 accepts '' $viewer metres.tif $near -o out/picture.png --size 320x240 --budget 5000
 same once.png last.png 'little by little'
+accepts '' $viewer metres.tif $near -o out/picture.png --size 320x240 --budget-us 50
+same once.png last.png 'in little time'
 for extension in jpg tif ppm; do
     run $viewer metres.tif --size 96x64 -o out/picture.$extension
     { [ $rc = 0 ] && [ -s out/picture.$extension ] && [ ! -s stderr.txt ]; } || report "-o .$extension" $viewer

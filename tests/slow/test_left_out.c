@@ -379,7 +379,8 @@ static void threads_are_started_when_needed(void **state)
     lean_free_all(); /* nothing of it is decoded */
     s = lean_create(tc_context_gl(context), packed, &packed->options, NULL);
     draw_a_flight(&s, packed, false); /* as a window does */
-    assert_int_equal(threads(TC_PREFETCH_NAME), 1);
+    const long spare = sysconf(_SC_NPROCESSORS_ONLN) - 1;
+    assert_in_range(threads(TC_PREFETCH_NAME), 1, spare > 1 ? spare : 1);
     scene_destroy(&s);
     lean_free_all();
     assert_threads(TC_PREFETCH_NAME, 0);

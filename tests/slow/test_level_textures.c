@@ -8,6 +8,7 @@
 
 #include "common/base/rect.h"
 #include "common/render/level_textures.h"
+#include "tests/support/gl_refuse.h"
 #include "tests/support/scene.h"
 #include "tests/support/stripes.h"
 #include "tests/support/terrains.h"
@@ -153,7 +154,7 @@ static void a_content_of_our_own_is_uploaded(void **state)
         int depth = t.depth;
         assert_int_equal(tc_level_textures_hold(gl, &t, c.clipmap, CHARTS, levels, NULL), TC_OK);
         grown += t.depth > depth;
-        int64_t bytes = tc_level_textures_upload(gl, &t, c.clipmap, CHARTS, -1), expected = due(&c, cursor);
+        int64_t bytes = tc_level_textures_upload(gl, &t, c.clipmap, CHARTS, -1, 0), expected = due(&c, cursor);
         if (step != 30) /* when the second chart came into sight: all that its coarsest level held since long */
             assert_true(bytes <= expected);
         bytes_all += bytes, expected_all += expected;
@@ -180,7 +181,7 @@ static void late_readers_keep_to_their_budget(void **state)
     for (;; frames++) {
         int64_t filled = frames > 0 ? move(&c, 2, N) : 0, budget = filled + N;
         int64_t most = 8 * (budget + N * N) + 4 * (budget + N * N) + CHARTS * SIDE * SIDE * 3 + 64 * SIDE;
-        assert_true(tc_level_textures_upload(gl, &t, c.clipmap, CHARTS, budget) <= most);
+        assert_true(tc_level_textures_upload(gl, &t, c.clipmap, CHARTS, budget, 0) <= most);
         assert_right(gl, &t, &c);
         assert_true(t.layers.ready[0] >= 1 && t.layers.ready[1] >= 1);
         if (t.layers.ready[0] + t.layers.ready[1] == all)
@@ -191,6 +192,137 @@ static void late_readers_keep_to_their_budget(void **state)
     assert_true(frames > all / 4);
     tc_level_textures_destroy(gl, &t);
     free_charts(&c);
+}
+
+/* Time is always over: a piece a call, and in the end all that there is. */
+static void no_time_is_a_piece_a_call(void **state)
+{
+    (void)state;
+    enum { WIDE = 255, PIECE = 1 << 13 };
+    const tc_gl *gl = tc_context_gl(context);
+    tc_field *field = terrain_field(TERRAIN_SMOOTH, 2049, 2049, 10, 7);
+    const tc_clipmap_options options = {.n = WIDE, .contents = 1, .content = {{.class = &tc_heights_content}}};
+    tc_clipmap *c;
+    tc_rect wanted[TC_MAX_LEVELS];
+    assert_int_equal(tc_clipmap_create(field, &options, &c, NULL), TC_OK);
+    stripes_want(c, 900, 1000, wanted);
+    tc_clipmap_update(c, wanted, -1, true, 0);
+    tc_level_textures t = {0};
+    int levels[TC_MAX_CHARTS] = {tc_clipmap_levels(c)}, calls = 0;
+    assert_int_equal(tc_level_textures_hold(gl, &t, &c, 1, levels, NULL), TC_OK);
+    for (; t.layers.ready[0] < levels[0]; calls++) {
+        const int64_t coarsest = calls ? 0 : tc_rect_area(tc_clipmap_level(c, 1)->clip);
+        const int64_t samples = tc_level_textures_upload(gl, &t, &c, 1, -1, 1e-3) / 8 - coarsest;
+        assert_true(samples > 0 && samples <= PIECE);
+        assert_true(calls < 1000);
+        if (calls % 5 == 4 && t.layers.ready[0] < levels[0]) { /* meanwhile the windows move on */
+            stripes_want(c, 900 + calls, 1000 - calls, wanted);
+            tc_clipmap_update(c, wanted, -1, true, 0);
+        }
+    }
+    assert_true(calls > (levels[0] - 1) * WIDE * WIDE / PIECE);
+    static float heights[WIDE + 1][WIDE + 1][2];
+    for (int l = 1; l <= levels[0]; l++) {
+        tc_rect r = tc_clipmap_level(c, l)->clip;
+        gl->GetTextureSubImage(tc_level_texture_of(&t, &tc_heights_content).texture, 0, 0, 0, l - 1, WIDE + 1, WIDE + 1,
+                               1, GL_RG, GL_FLOAT, sizeof heights, heights);
+        for (int64_t j = r.y0; j < r.y1; j++)
+            for (int64_t i = r.x0; i < r.x1; i++)
+                assert_memory_equal(heights[j & WIDE][i & WIDE],
+                                    tc_ground_heights(c, l)[(j & WIDE) * (WIDE + 1) + (i & WIDE)],
+                                    sizeof heights[0][0]);
+    }
+    printf("a piece a call: %d levels in %d calls\n", levels[0], calls);
+    tc_level_textures_destroy(gl, &t);
+    tc_clipmap_destroy(c);
+    tc_field_destroy(field);
+}
+
+/* Uploads through a ring, with a driver that never comes to an end with an earlier frame, and with one that maps no
+ * buffer. Returns the times that the ring had no room. */
+static int upload_through_a_ring(const tc_gl *gl, bool mapped)
+{
+    charts c = make_charts(6);
+    tc_upload_ring ring;
+    tc_level_textures t = {.ring = &ring};
+    int full = 0;
+    assert_int_equal(tc_upload_ring_create(gl, &ring, NULL), TC_OK);
+    assert_true(mapped == (tc_upload_ring_bytes(&ring) > 0));
+    want_all(&c);
+    assert_int_equal(tc_level_textures_hold(gl, &t, c.clipmap, CHARTS, c.levels, NULL), TC_OK);
+    for (int step = 0; step < 200; step++) {
+        size_t unused;
+        move(&c, step % 9 ? 3 : 400, -1);
+        tc_upload_ring_begin(gl, &ring);
+        if (step % 7 == 3) /* most of a part is used up */
+            tc_upload_ring_take(&ring, TC_UPLOAD_PART_BYTES - 5000, &unused);
+        tc_level_textures_upload(gl, &t, c.clipmap, CHARTS, -1, 0);
+        full += tc_upload_ring_take(&ring, TC_UPLOAD_PART_BYTES / 2, &unused) == NULL;
+        tc_upload_ring_end(gl, &ring);
+        assert_right(gl, &t, &c);
+    }
+    tc_level_textures_destroy(gl, &t);
+    tc_upload_ring_destroy(gl, &ring);
+    free_charts(&c);
+    return full;
+}
+
+static GLenum APIENTRY never_done(GLsync sync, GLbitfield flags, GLuint64 timeout)
+{
+    (void)sync, (void)flags;
+    assert_int_equal(timeout, 0); /* nothing is waited for */
+    return GL_TIMEOUT_EXPIRED;
+}
+
+static void what_goes_through_a_ring_is_the_same(void **state)
+{
+    (void)state;
+    tc_gl gl = *tc_context_gl(context);
+    assert_in_range(upload_through_a_ring(&gl, true), 1, 100); /* a part that is full */
+    gl.ClientWaitSync = never_done;
+    assert_in_range(upload_through_a_ring(&gl, true), 200 - TC_UPLOAD_PARTS, 199);
+    gl_refuse driver = {.maps_nothing = true};
+    gl = gl_refuse_begin(tc_context_gl(context), &driver);
+    assert_int_equal(upload_through_a_ring(&gl, false), 200);
+    assert_int_equal(driver.alive, 0);
+}
+
+/* And pictures, by any way and a little at a time. */
+static void pictures_are_the_same_by_any_way(void **state)
+{
+    (void)state;
+    enum { W = 160, H = 120 };
+    static const tc_scene_options ways[] = {
+        {.ring = -1}, {.ring = 1}, {.ring = 1, .budget_us = 1}, {.ring = -1, .budget_us = 1, .ahead = -1}};
+    tc_field *field = terrain_field(TERRAIN_SMOOTH, 1025, 1025, 30, 5);
+    uint8_t *first = NULL, *other;
+    for (int way = 0; way < 5; way++) { /* the last one is a driver that maps no buffer */
+        scene s = scene_create(context, field, N, &ways[way % 4]);
+        gl_refuse driver = {.maps_nothing = true};
+        tc_gl gl = gl_refuse_begin(tc_context_gl(context), &driver);
+        tc_renderer *r;
+        tc_frame_stats stats = {0};
+        tc_camera camera = {.x = 15000, .y = 15000, .z = 3000, .pitch = -1.4, .fov = 1, .width = W, .height = H};
+        const tc_scene_options with_ring = {.ring = 1};
+        assert_int_equal(tc_renderer_create(way < 4 ? tc_context_gl(context) : &gl, s.surface,
+                                            way < 4 ? &ways[way] : &with_ring, &r, NULL),
+                         TC_OK);
+        for (int frame = 0; frame < 10 || !stats.resident; frame++) {
+            assert_true(frame < 5000);
+            camera.x += frame < 10 ? 100 : 0;
+            assert_int_equal(tc_renderer_frame(r, &camera, false, &stats, NULL), TC_OK);
+        }
+        other = malloc(3 * W * H);
+        tc_renderer_read(r, other, NULL);
+        if (first)
+            assert_memory_equal(first, other, 3 * W * H);
+        free(first);
+        first = other;
+        tc_renderer_destroy(r);
+        scene_destroy(&s);
+    }
+    free(first);
+    tc_field_destroy(field);
 }
 
 /* The same as it is drawn: no hole, and at last the picture that the first reader has. */
@@ -266,7 +398,7 @@ static void no_room_is_said_and_harmless(void **state)
     c.levels[0] = 2;
     move(&c, 100, -1);
     assert_int_equal(tc_level_textures_hold(&gl, &t, c.clipmap, CHARTS, coarse, &error), TC_OK);
-    tc_level_textures_upload(&gl, &t, c.clipmap, CHARTS, -1);
+    tc_level_textures_upload(&gl, &t, c.clipmap, CHARTS, -1, 0);
     assert_right(&gl, &t, &c);
     /* A texture of the grown set, or all; or no context any more. What there was stays, whole. */
     want_all(&c);
@@ -278,11 +410,11 @@ static void no_room_is_said_and_harmless(void **state)
         assert_memory_equal(&t, &before, sizeof t);
         refused = 0, complains = false;
         move(&c, 100, -1);
-        tc_level_textures_upload(&gl, &t, c.clipmap, CHARTS, -1);
+        tc_level_textures_upload(&gl, &t, c.clipmap, CHARTS, -1, 0);
         assert_right(&gl, &t, &c);
     }
     assert_int_equal(tc_level_textures_hold(&gl, &t, c.clipmap, CHARTS, c.levels, &error), TC_OK);
-    tc_level_textures_upload(&gl, &t, c.clipmap, CHARTS, -1);
+    tc_level_textures_upload(&gl, &t, c.clipmap, CHARTS, -1, 0);
     assert_right(&gl, &t, &c);
     tc_level_textures_destroy(&gl, &t);
     free_charts(&c);
@@ -291,9 +423,9 @@ static void no_room_is_said_and_harmless(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_content_of_our_own_is_uploaded),
-        cmocka_unit_test(late_readers_keep_to_their_budget),
-        cmocka_unit_test(what_is_not_there_yet_is_drawn_coarser),
+        cmocka_unit_test(a_content_of_our_own_is_uploaded), cmocka_unit_test(late_readers_keep_to_their_budget),
+        cmocka_unit_test(no_time_is_a_piece_a_call),        cmocka_unit_test(what_goes_through_a_ring_is_the_same),
+        cmocka_unit_test(pictures_are_the_same_by_any_way), cmocka_unit_test(what_is_not_there_yet_is_drawn_coarser),
         cmocka_unit_test(no_room_is_said_and_harmless),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

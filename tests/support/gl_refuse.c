@@ -28,6 +28,14 @@ static void APIENTRY buffer_storage(GLuint buffer, GLsizeiptr size, const void *
         real.NamedBufferStorage(buffer, size, data, flags);
 }
 
+static void *APIENTRY map(GLuint buffer, GLintptr offset, GLsizeiptr length, GLbitfield access)
+{
+    if (!now->maps_nothing)
+        return real.MapNamedBufferRange(buffer, offset, length, access);
+    pending = true;
+    return NULL;
+}
+
 static void APIENTRY buffer_data(GLuint buffer, GLsizeiptr size, const void *data, GLenum usage)
 {
     if (!refused())
@@ -140,6 +148,7 @@ tc_gl gl_refuse_begin(const tc_gl *gl, gl_refuse *refuse)
     t.GetError = get_error;
     t.NamedBufferStorage = buffer_storage;
     t.NamedBufferData = buffer_data;
+    t.MapNamedBufferRange = map;
     t.TextureStorage1D = storage_1d;
     t.TextureStorage3D = storage_3d;
     t.TextureStorage2DMultisample = storage_samples;

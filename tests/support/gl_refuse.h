@@ -8,6 +8,7 @@
  * asked for and the objects, programs, shaders and fences that there are. */
 typedef struct gl_refuse {
     int refuse, asked, alive;
+    bool maps_nothing; /* no buffer is mapped */
 } gl_refuse;
 
 /* A table that does what gl does, but for what is refused. *refuse stays in place while it is used. */

@@ -134,6 +134,7 @@ static void packed_tell(const tc_field *field, tc_field_stats *stats)
     stats->unreadable += tc_faults_count(&p->store->faults, p->owner);
     stats->damaged += p->damaged, stats->decoded += p->decoded, stats->waits += p->waits;
     stats->ranges += p->ranges, stats->range_reads += p->range_reads;
+    stats->cancelled += p->cancelled;
 }
 
 static const tc_container *packed_container(const tc_field *field)
@@ -168,6 +169,7 @@ const tc_field_class tc_packed_class = {.sample = TC_FIELD_HEIGHTS,
                                         .read = packed_read,
                                         .read_ready = packed_read_ready,
                                         .ready = tc_packed_ready,
+                                        .overtaken = tc_packed_overtaken,
                                         .range = tc_packed_range,
                                         .know_errors = tc_packed_know_errors,
                                         .tell = packed_tell,

@@ -82,7 +82,7 @@ typedef struct packed_field {
     scratch *idle;
     tc_void_policy voids;
     float void_height; /* metres above z_base */
-    _Atomic int64_t damaged, decoded, waits, ranges, range_reads;
+    _Atomic int64_t damaged, decoded, waits, ranges, range_reads, cancelled;
 } packed_field;
 
 /* Scratch memory for one reading; NULL where there is no memory. */
@@ -129,6 +129,7 @@ extern const tc_field_class tc_packed_class;
 
 /* Its functions. */
 tc_ready tc_packed_ready(const tc_field *field, int l, tc_rect rect, tc_urgency urgency);
+void tc_packed_overtaken(const tc_field *field, int l, tc_rect rect);
 tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect);
 void tc_packed_know_errors(const tc_field *field);
 

@@ -2,7 +2,10 @@
 #include "common/base/rect.h"
 #include "packed_internal.h"
 
-enum { GUESS_TILES = 16 }; /* of a level whose coder is not there yet */
+enum {
+    GUESS_TILES = 16, /* of a level whose coder is not there yet */
+    LATER_SHARE = 8   /* of a cache, at most, for one thing that is decoded without being wanted yet */
+};
 
 /* What reading a rectangle takes. */
 typedef struct survey {
@@ -94,8 +97,16 @@ tc_ready tc_packed_ready(const tc_field *field, int l, tc_rect rect, tc_urgency 
     }
     if (v.failed)
         return TC_FAILED;
+    if (urgency == TC_LATER && v.all > p->store->blocks.promised / LATER_SHARE)
+        return TC_COMING; /* it would push out what is wanted now */
     tc_wish wish = {.field = p, .level = l, .rect = rect, .urgency = urgency, .bytes = v.own};
     return urgency == TC_ONLY_ASK || tc_prefetch_ask(&p->store->prefetch, &wish) ? TC_COMING : TC_FAILED;
+}
+
+void tc_packed_overtaken(const tc_field *field, int l, tc_rect rect)
+{
+    packed_field *p = (packed_field *)field;
+    p->cancelled += tc_prefetch_cancel(&p->store->prefetch, p, l, rect);
 }
 
 /* Once around at most, since no more is needed, and on the level. */

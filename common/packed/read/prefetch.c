@@ -1,8 +1,9 @@
-/* prefetch.c - one thread and a table of wishes. */
+/* prefetch.c - some threads and a table of wishes. */
 #include "prefetch.h"
 
 #include <errno.h>
 #include <time.h>
+#include <unistd.h>
 
 #include "common/base/rect.h"
 
@@ -11,14 +12,16 @@ enum {
     LATER_ASKS = 4 * TC_WISHES /* for other things, after which nobody comes for it any more */
 };
 
-void tc_prefetch_init(tc_prefetch *p, tc_read_piece read, size_t room)
+void tc_prefetch_init(tc_prefetch *p, tc_read_piece read, size_t room, int threads)
 {
-    *p = (tc_prefetch){.read = read, .room = room};
+    const int64_t most = threads > 0 ? threads : sysconf(_SC_NPROCESSORS_ONLN) - 1;
+    *p = (tc_prefetch){.read = read, .room = room, .most = (int)tc_clamp64(most, 1, TC_PREFETCH_THREADS)};
     pthread_mutex_init(&p->mutex, NULL);
     pthread_condattr_t attributes;
     pthread_condattr_init(&attributes);
     pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
     pthread_cond_init(&p->wake, &attributes);
+    pthread_cond_init(&p->pause, &attributes);
     pthread_condattr_destroy(&attributes);
     pthread_cond_init(&p->done, NULL);
 }
@@ -38,15 +41,15 @@ static bool before(const tc_wish *a, const tc_wish *b)
     return a->level != b->level ? a->level < b->level : a->asked > b->asked;
 }
 
-/* The wish that is next; NULL: none, or none as long as so much waits for being collected. */
+/* The wish that is next; NULL: none, or none as long as so much waits for being collected or is being fetched. */
 static tc_wish *next_wish(tc_prefetch *p, bool *full)
 {
     tc_wish *next = NULL;
     size_t waiting = 0;
     for (tc_wish *w = p->wish; w < p->wish + TC_WISHES; w++) {
-        if (w->field && w->fetched && p->count - w->asked > LATER_ASKS)
+        if (w->field && !w->index && !w->busy && p->count - w->asked > LATER_ASKS)
             drop(p, w);
-        if (w->field && w->fetched)
+        if (w->field && (w->fetched || w->busy))
             waiting += w->bytes;
         else if (w->field && (!next || before(w, next)))
             next = w;
@@ -76,9 +79,9 @@ static struct timespec a_while(void)
 }
 
 /* False when the time is over. */
-static bool wait_until(tc_prefetch *p, struct timespec until)
+static bool wait_until(tc_prefetch *p, pthread_cond_t *event, struct timespec until)
 {
-    return pthread_cond_timedwait(&p->wake, &p->mutex, &until) != ETIMEDOUT;
+    return pthread_cond_timedwait(event, &p->mutex, &until) != ETIMEDOUT;
 }
 
 /* The wish as it is now; NULL where it is there no more. */
@@ -90,39 +93,51 @@ static tc_wish *find_number(tc_prefetch *p, uint64_t number)
     return NULL;
 }
 
-static void serve(tc_prefetch *p, tc_wish wish)
+/* A thread reads a piece. */
+static void serve(tc_prefetch *p, tc_prefetch_thread *own, tc_wish *next)
 {
-    p->busy = wish.field;
+    next->busy = true;
+    tc_wish wish = *next;
+    own->serves = wish.field;
     pthread_mutex_unlock(&p->mutex);
     tc_piece piece = p->read(&wish);
     pthread_mutex_lock(&p->mutex);
-    p->busy = NULL;
+    own->serves = NULL;
     pthread_cond_broadcast(&p->done);
     tc_wish *w = find_number(p, wish.number);
+    if (w)
+        w->busy = false;
     if (w && piece == TC_PIECE_MORE)
         w->rest = wish.rest;
-    else if (w && piece == TC_PIECE_LAST && !w->index)
+    else if (w && piece == TC_PIECE_LAST && !w->index && w->urgency != TC_LATER)
         w->fetched = true;
     else if (w)
         drop(p, w);
-    const struct timespec until = a_while(); /* however often the thread is woken by who asks again */
-    while (piece == TC_PIECE_NO_MEMORY && !p->stop && wait_until(p, until))
+    if (p->idle > 0) /* there may be room again for what others have to fetch */
+        pthread_cond_signal(&p->wake);
+    const struct timespec until = a_while(); /* however often the thread is woken */
+    while (piece == TC_PIECE_NO_MEMORY && !p->stop && wait_until(p, &p->pause, until))
         continue;
 }
 
 static void *run(void *context)
 {
-    tc_prefetch *p = context;
+    tc_prefetch_thread *own = context;
+    tc_prefetch *p = own->of;
     pthread_mutex_lock(&p->mutex);
     while (!p->stop) {
         bool full;
-        const tc_wish *w = next_wish(p, &full);
-        if (w)
-            serve(p, *w);
-        else if (!full)
+        tc_wish *w = next_wish(p, &full);
+        if (w) {
+            serve(p, own, w);
+            continue;
+        }
+        p->idle++;
+        if (!full)
             pthread_cond_wait(&p->wake, &p->mutex);
-        else if (!wait_until(p, a_while()))
+        else if (!wait_until(p, &p->wake, a_while()))
             drop_oldest(p);
+        p->idle--;
     }
     pthread_mutex_unlock(&p->mutex);
     return NULL;
@@ -130,10 +145,13 @@ static void *run(void *context)
 
 static void start(tc_prefetch *p)
 {
-    p->started = pthread_create(&p->thread, NULL, run, p) == 0;
+    tc_prefetch_thread *t = &p->thread[p->threads];
+    t->of = p;
+    if (pthread_create(&t->thread, NULL, run, t) != 0)
+        return;
+    p->threads++;
 #ifdef __linux__
-    if (p->started)
-        pthread_setname_np(p->thread, TC_PREFETCH_NAME);
+    pthread_setname_np(t->thread, TC_PREFETCH_NAME);
 #endif
 }
 
@@ -145,13 +163,13 @@ static tc_wish *find(tc_prefetch *p, const void *field, int level, bool index, t
     return NULL;
 }
 
-/* Whether there are as many wishes for the index as may stand among others. */
-static bool enough_index(const tc_prefetch *p)
+/* Whether there are as many wishes for the index, or for later, as may stand among others. */
+static bool enough(const tc_prefetch *p, const tc_wish *wish)
 {
     int count = 0;
     for (const tc_wish *w = p->wish; w < p->wish + TC_WISHES; w++)
-        count += w->field && w->index;
-    return count >= TC_WISHES / 4;
+        count += w->field && (wish->index ? w->index : w->urgency == TC_LATER);
+    return (wish->index || wish->urgency == TC_LATER) && count >= TC_WISHES / 4;
 }
 
 /* A place for a new wish: a free one, or that of the one which was not asked for the longest. */
@@ -170,24 +188,25 @@ static tc_wish *place(tc_prefetch *p)
 bool tc_prefetch_ask(tc_prefetch *p, const tc_wish *wish)
 {
     pthread_mutex_lock(&p->mutex);
-    if (!p->started)
-        start(p);
-    bool started = p->started;
-    tc_wish *w = started ? find(p, wish->field, wish->level, wish->index, wish->rect) : NULL;
+    tc_wish *w = find(p, wish->field, wish->level, wish->index, wish->rect);
     if (w && w->fetched) { /* it was pushed out */
         drop(p, w);
         w = NULL;
     }
+    if (!w && p->idle == 0 && p->threads < p->most)
+        start(p);
+    bool started = p->threads > 0;
     if (w) {
-        w->asked = ++p->count, w->urgency = wish->urgency;
-    } else if (started && !(wish->index && enough_index(p))) {
+        w->asked = ++p->count;
+        w->urgency = wish->urgency == TC_LATER ? w->urgency : wish->urgency;
+    } else if (started && !enough(p, wish)) {
         w = place(p);
         *w = *wish;
         p->wishes++;
-        w->rest = w->rect, w->fetched = false;
+        w->rest = w->rect, w->fetched = w->busy = false;
         w->number = w->asked = ++p->count;
     }
-    if (started)
+    if (p->idle > 0)
         pthread_cond_signal(&p->wake);
     pthread_mutex_unlock(&p->mutex);
     return started;
@@ -199,11 +218,35 @@ void tc_prefetch_collect(tc_prefetch *p, const void *field, int level, tc_rect r
         return;
     pthread_mutex_lock(&p->mutex);
     tc_wish *w = find(p, field, level, false, rect);
-    if (w) { /* also where the thread has not come to the end of it */
+    if (w) { /* also where no thread has come to the end of it */
         drop(p, w);
         pthread_cond_signal(&p->wake);
     }
     pthread_mutex_unlock(&p->mutex);
+}
+
+bool tc_prefetch_cancel(tc_prefetch *p, const void *field, int level, tc_rect rect)
+{
+    if (p->wishes == 0)
+        return false;
+    pthread_mutex_lock(&p->mutex);
+    tc_wish *w = find(p, field, level, false, rect);
+    const bool unread = w && !w->fetched;
+    if (w) {
+        drop(p, w);
+        pthread_cond_signal(&p->wake);
+    }
+    pthread_mutex_unlock(&p->mutex);
+    return unread;
+}
+
+/* Whether a thread reads the field. */
+static bool served(const tc_prefetch *p, const void *field)
+{
+    for (int k = 0; k < p->threads; k++)
+        if (p->thread[k].serves == field)
+            return true;
+    return false;
 }
 
 void tc_prefetch_forget(tc_prefetch *p, const void *field)
@@ -212,7 +255,7 @@ void tc_prefetch_forget(tc_prefetch *p, const void *field)
     for (tc_wish *w = p->wish; w < p->wish + TC_WISHES; w++)
         if (w->field == field)
             drop(p, w);
-    while (p->busy == field)
+    while (served(p, field))
         pthread_cond_wait(&p->done, &p->mutex);
     pthread_mutex_unlock(&p->mutex);
 }
@@ -221,11 +264,13 @@ void tc_prefetch_free(tc_prefetch *p)
 {
     pthread_mutex_lock(&p->mutex);
     p->stop = true;
-    pthread_cond_signal(&p->wake);
+    pthread_cond_broadcast(&p->wake);
+    pthread_cond_broadcast(&p->pause);
     pthread_mutex_unlock(&p->mutex);
-    if (p->started)
-        pthread_join(p->thread, NULL);
+    for (int k = 0; k < p->threads; k++)
+        pthread_join(p->thread[k].thread, NULL);
     pthread_mutex_destroy(&p->mutex);
     pthread_cond_destroy(&p->wake);
     pthread_cond_destroy(&p->done);
+    pthread_cond_destroy(&p->pause);
 }

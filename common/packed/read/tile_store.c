@@ -21,7 +21,7 @@ tc_tile_store *tc_tile_store_create(size_t bytes)
         return NULL;
     }
     tc_faults_init(&s->faults);
-    tc_prefetch_init(&s->prefetch, tc_packed_read_piece, bytes / 2);
+    tc_prefetch_init(&s->prefetch, tc_packed_read_piece, bytes / 2, 0);
     return s;
 }
 
