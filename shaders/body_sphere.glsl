@@ -11,7 +11,8 @@
 //                                   equator's radius
 //     vec3  body_slope(vec3 p, vec3 t)  a slope or a way along the ground at normal p as it would be on a sphere of the
 //                                   equator's radius: by radians that normals turn. z of p and t is along the axis
-//     vec3  body_met(vec3 view)     normal at height 0 where the ray from the eye meets the body, or is nearest to it
+//     vec3  body_met(vec3 view)     normal at height 0 where the ray from the eye meets the body, or is nearest to it;
+//                                   of any length
 //     float body_lowest(vec3 view, out vec3 up)  height of the ray's lowest point, from the eye on; the normal there
 //     float body_radius()           metres, at the equator
 //
@@ -45,10 +46,10 @@ float body_radius()
 
 vec3 body_met(vec3 view)
 {
-    float eye_radius = body[1].x + body[1].y, radius = body_radius();
-    float middle = -view.z * eye_radius, aside = eye_radius * sqrt(max(1.0 - view.z * view.z, 0.0));
-    float inside = sqrt(max((radius - aside) * (radius + aside), 0.0));
-    return normalize(vec3(0.0, 0.0, eye_radius) + max(middle - inside, 0.0) * view);
+    float eye_radius = body[1].x + body[1].y, radius = body_radius(), long2 = dot(view, view);
+    float middle = -view.z * eye_radius;
+    float inside = sqrt(max(radius * radius * long2 - eye_radius * eye_radius * dot(view.xy, view.xy), 0.0));
+    return normalize(vec3(0.0, 0.0, eye_radius) + max(middle - inside, 0.0) / long2 * view);
 }
 
 float body_lowest(vec3 view, out vec3 up)

@@ -12,7 +12,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 haze;             // rgb; w: near plane / distance of half haze
     vec4 zenith;           // rgb of the sky overhead
     vec4 lens;             // x, y: tangents a pixel; z, w: from the target's first to straight ahead
-    vec4 pixel[3];         // view axes: right and up by lens.zw, forward
+    vec4 pixel[3];         // view axes: right, up, forward
     vec4 beyond;           // x: depth where nothing is, in clip space
     vec4 contours;         // x: 1 / metres between lines, y: number of the one at the eye, modulo 5, z: those metres
     vec4 body[BODY_VECTORS]; // of a globe: body_*.glsl

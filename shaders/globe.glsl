@@ -7,11 +7,11 @@ const float UPRIGHT = 0.01;
 #endif
 #endif
 
-// Unit, in the eye's axes: east, north, up.
+// From the eye, in its axes: east, north, up. 1 along the view's axis.
 vec3 view_ray()
 {
-    return normalize(pixel[2].xyz + (gl_FragCoord.x * lens.x / lens.z - 1.0) * pixel[0].xyz +
-                     (gl_FragCoord.y * lens.y / lens.w - 1.0) * pixel[1].xyz);
+    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+    return pixel[2].xyz + across.x * pixel[0].xyz + across.y * pixel[1].xyz;
 }
 
 #ifdef HAZE
@@ -19,12 +19,12 @@ vec3 view_ray()
 // up: the ground's; height: metres above z_base.
 float air_before(float nearness, vec3 up, float height)
 {
-    float radius = body_radius(), thickness = AIR_THICKNESS * radius;
-    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+    float radius = body_radius(), per_radius = 1.0 / radius;
     vec3 view = view_ray();
-    float away = haze.w / nearness * sqrt(1.0 + dot(across, across));
-    float steep = max(-dot(view, up), 0.0), path = min(away, thickness / (steep + 0.035));
-    float depth = path / (0.018 * radius) * exp(-max(height - heights.x, 0.0) / thickness);
+    float long2 = dot(view, view), per_long = inversesqrt(long2);
+    float away = haze.w / nearness * (long2 * per_long);
+    float steep = max(-dot(view, up) * per_long, 0.0), path = min(away, AIR_THICKNESS * radius / (steep + 0.035));
+    float depth = path * per_radius / 0.018 * exp(-max(height - heights.x, 0.0) * per_radius / AIR_THICKNESS);
     return depth * depth;
 }
 #endif

@@ -44,10 +44,12 @@ vec4 image_layer(int l, vec2 at, vec2 longer, vec2 shorter)
     // Along the longer side as often as it is longer.
     float count = clamp(ceil(length(longer) / max(length(shorter), 1e-6) - 0.5), 1.0, float(IMAGE_TAPS));
     vec4 sum = vec4(0.0);
-    for (float i = 0.5; i < count; i += 1.0) {
+    float i = 0.5;
+    do { // as in stack.glsl
         vec2 there = clamp(at + longer * (i / count - 0.5), held.xy, held.zw);
         sum += textureLod(image_map, vec3((first.xy + there + 0.5) / side, slice), 0.0);
-    }
+        i += 1.0;
+    } while (i < count);
     return sum / count;
 #else
     // The filter goes no further than what is held.

@@ -24,10 +24,9 @@ float mesh_height()
 vec3 direction_seen()
 {
     vec3 s = v_direction;
-    if (length(fwidth(s)) < EDGE_ON)
-        return s;
-    vec3 up = body_met(view_ray());
-    return vec3(-up.y, up.x, 1.0 - up.z);
+    vec3 change = fwidth(s);
+    vec3 up = body_met(view_ray()); // not only where it is called for: a renderer that does not branch computes it anyway
+    return dot(change, change) < EDGE_ON * EDGE_ON ? s : vec3(-up.y, up.x, 1.0 - up.z);
 }
 
 float fragment_shift()
@@ -121,13 +120,12 @@ Charted look(int chart, vec3 s, float across)
         even = spot;
     c.rise = spot_rise(chart, even, place);
 #endif
-    ivec2 corner = ivec2(cell_of(spot, t));
-    vec2 south = mix(texelFetch(heights_map, texel_of(spot.layer, corner), 0).rg,
-                     texelFetch(heights_map, texel_of(spot.layer, corner + ivec2(1, 0)), 0).rg, t.x);
-    vec2 north = mix(texelFetch(heights_map, texel_of(spot.layer, corner + ivec2(0, 1)), 0).rg,
-                     texelFetch(heights_map, texel_of(spot.layer, corner + ivec2(1, 1)), 0).rg, t.x);
-    vec2 z = mix(south, north, t.y);
-    c.height = mix(z.x, z.y, spot.alpha);
+    // The cell's corners: north-west, north-east, south-east, south-west.
+    vec2 middle = layer[3 * spot.layer + 1].xy + cell_of(spot, t) + 1.0;
+    vec3 corners = vec3(middle / float(WINDOW_MASK + 1), float(spot.layer));
+    vec4 z = mix(textureGather(heights_map, corners, 0), textureGather(heights_map, corners, 1), spot.alpha);
+    vec2 of_row = mix(z.wx, z.zy, t.x);
+    c.height = mix(of_row.x, of_row.y, t.y);
 #ifdef HOLES
     c.hole = texelFetch(voids_map, texel_of(spot.layer, ivec2(floor(spot.at + 0.5))), 0).r > 0.0;
 #endif
@@ -137,7 +135,7 @@ Charted look(int chart, vec3 s, float across)
     vec4 n = textureLod(normals_map, vec3((2.0 * from + 0.5) * (0.5 / float(WINDOW_MASK + 1)), float(spot.layer)), 0.0);
     vec2 xy = mix(n.xy, n.zw, spot.alpha);
     // Slopes were kept steeper where samples are further apart than that (tc_ground_options.relief).
-    vec2 samples = layer[3 * spot.layer].zw;
+    vec2 samples = spot.place.zw;
     float spacing = (surface[1].x - surface[1].z) * inversesqrt(samples.x * samples.y);
     c.slope = -xy * inversesqrt(max(1.0 - dot(xy, xy), UPRIGHT)) * min(1.0, sqrt(RELIEF / spacing));
 #endif
@@ -149,9 +147,9 @@ Charted look(int chart, vec3 s, float across)
 vec3 slope_at(vec3 p, int chart, vec2 g)
 {
     if (chart == 0) {
-        float rho = sqrt(p.x * p.x + p.y * p.y);
-        vec2 meridian = p.xy / max(rho, 1e-4);
-        return g.x / max(rho, 0.01) * vec3(-meridian.y, meridian.x, 0.0) + g.y * vec3(-p.z * meridian, rho);
+        float rho2 = max(p.x * p.x + p.y * p.y, 1e-8), per_rho = inversesqrt(rho2);
+        vec2 meridian = p.xy * per_rho;
+        return g.x * min(per_rho, 100.0) * vec3(-meridian.y, meridian.x, 0.0) + g.y * vec3(-p.z * meridian, rho2 * per_rho);
     }
     float side = chart == 1 ? 1.0 : -1.0, up = 1.0 + side * p.z;
     g = vec2(surface[0].z * g.x + surface[0].w * g.y, surface[0].z * g.y - surface[0].w * g.x) * (2.0 / up);
@@ -178,13 +176,14 @@ vec3 eye_axes(vec3 p)
 }
 #endif
 
-// Charts are gone through in a loop, which is run as often as one of the fragments next to each other needs it; conditions
-// one after the other are all run by a renderer that does not branch.
+// Charts are gone through in a loop, which is run as often as one of the fragments next to each other needs it
+// (stack.glsl); conditions one after the other are all run by a renderer that does not branch.
 Ground surface_ground()
 {
     vec3 s = direction_seen();
     float ct = surface[0].x, st = surface[0].y, c = 1.0 - s.z;
-    vec3 p = normalize(vec3(ct * s.x + st * c, s.y, ct * c - st * s.x)), slope = vec3(0.0);
+    vec3 p = vec3(ct * s.x + st * c, s.y, ct * c - st * s.x), slope = vec3(0.0);
+    p *= max(1.5 - 0.5 * dot(p, p), 0.5); // a step of Newton's: what is interpolated is hardly shorter than 1
     vec2 caps = cap_weights(s);
     float rest = 1.0 - caps.x - caps.y;
     int cap = caps.x > 0.0 ? 1 : 2;
@@ -199,7 +198,8 @@ Ground surface_ground()
     vec2 change = cap_changes(s);
     g.rise = dot(vec3(-change.x - change.y, change), vec3(surface[4].z, surface[5].z, surface[6].z)); // rings.vert
 #endif
-    for (int chart = rest > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && rest < 1.0 ? cap : 3) {
+    int chart = rest > 0.0 ? 0 : cap;
+    do {
         Charted there = look(chart, s, across);
         float share = chart == 0 ? rest : 1.0 - rest;
         g.height += share * there.height;
@@ -217,7 +217,8 @@ Ground surface_ground()
 #ifdef NORMALS
         slope += share * slope_at(p, chart, there.slope);
 #endif
-    }
+        chart = chart == 0 && rest < 1.0 ? cap : 3;
+    } while (chart < 3);
     g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the body
 #ifdef NORMALS
     g.up = eye_axes(p);
@@ -240,9 +241,12 @@ Ground surface_ground()
 #endif
     vec3 longer = turned_by(p, f.longer), shorter = turned_by(p, f.shorter);
     vec4 image = vec4(0.0);
-    for (int chart = rest > 0.0 ? 0 : cap; chart < 3 && known; chart = chart == 0 && rest < 1.0 ? cap : 3)
+    chart = rest > 0.0 ? 0 : cap;
+    do {
         image += (chart == 0 ? rest : 1.0 - rest) * image_at(chart, places[chart], chart_step(chart, p, longer),
                                                              chart_step(chart, p, shorter));
+        chart = chart == 0 && rest < 1.0 ? cap : 3;
+    } while (chart < 3);
     if (known)
         g.colour = image_colour(image);
 #endif

@@ -71,7 +71,7 @@ vec2 map_lonlat(vec3 s, float w)
 // Place on a cap relative to the viewer's, or to the pole.
 vec2 map_cap(int chart, vec3 s, float w)
 {
-    vec4 k = surface[10 + chart];
+    vec4 k = chart == 1 ? surface[11] : surface[12]; // no index: it would be looked up for each one alone
     float d = rise(s), up = chart == 1 ? surface[0].x + d : -surface[0].x - d;
     vec2 p = vec2(k.x * s.x + k.y * s.z + k.z, s.y) * (2.0 / (1.0 + up));
     return vec2(surface[0].z * p.x - surface[0].w * p.y, surface[0].w * p.x + surface[0].z * p.y);
@@ -130,7 +130,7 @@ float shift_of(float w, float coarser)
 // the height itself has not.
 float spot_rise(int chart, Spot spot, vec2 place)
 {
-    vec4 l = layer[3 * spot.layer], reference = surface[4 + chart], slope = surface[7 + chart];
+    vec4 l = spot.place, reference = surface[4 + chart], slope = surface[7 + chart];
     vec2 t, cell = cell_of(spot, t);
     bool near = spot.layer == whole[1][chart];
     vec4 z;

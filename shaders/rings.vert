@@ -32,13 +32,15 @@ float height_by(vec3 s, float w, float shift)
     vec2 change = cap_changes(s);
     vec3 more = vec3(-change.x - change.y, change);
     int cap = caps.x > 0.0 ? 1 : 2;
-    // A loop, as in rings.frag.
-    for (int chart = weight.x > 0.0 ? 0 : cap; chart < 3; chart = chart == 0 && weight[cap] > 0.0 ? cap : 3) {
+    float polar = caps.x + caps.y;
+    int chart = weight.x > 0.0 ? 0 : cap;
+    do { // as in rings.frag
         float z = 0.0;
         if (!chart_height(chart, s, w, shift, z))
             z = surface[2].w - surface[4 + chart].z;
         height += weight[chart] * z;
-    }
+        chart = chart == 0 && polar > 0.0 ? cap : 3;
+    } while (chart < 3);
     height += dot(more, vec3(surface[4].z, surface[5].z, surface[6].z));
     return height;
 }
@@ -96,8 +98,9 @@ vec3 surface_vertex()
     float inwards = rows * ldexp(3.14159265, -int(ring)) / float(last) * (disc ? 1.0 : 0.5);
     vec3 direction = vec3(0.0), position = vec3(0.0);
     vec2 terrain = vec2(0.0);
-    // A loop, as in rings.frag: it ends early where all of it, or nothing, is left of the vertex itself.
-    for (int k = share < 1.0 ? 0 : 1; k < (share > 0.0 ? moves ? 3 : 2 : 1); k++) {
+    // As in rings.frag: it ends early where all of it, or nothing, is left of the vertex itself.
+    int k = share < 1.0 ? 0 : 1, end = share > 0.0 ? moves ? 3 : 2 : 1;
+    do {
         float way = k == 2 ? -1.0 : 1.0, part = k == 0 ? 1.0 - share : moves ? 0.5 * share : share, its_w = w;
         vec3 s = in_vertex.xyz;
         if (k > 0 && moves) {
@@ -108,7 +111,7 @@ vec3 surface_vertex()
         direction += part * s;
         terrain += part * vec2(height - surface[1].y, its_w);
         position += part * position_of(s, height);
-    }
+    } while (++k < end);
     v_direction = direction;
     v_terrain = terrain;
     return position;

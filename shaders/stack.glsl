@@ -14,6 +14,7 @@ struct Stack {
 struct Spot {
     int layer;
     float alpha; // 0: what the layer has, 1: what the coarser one has there
+    vec4 place, held; // the layer's first and third vector
     vec2 at;     // samples from the viewer's nearest
 };
 
@@ -21,29 +22,32 @@ struct Spot {
 const float ROUNDING = 1.0 / 1024.0;
 
 // The wanted level where it is held, else the next coarser one that is. False where there is none.
+//
+// Loops are tested at their ends, here and wherever they are run once as a rule: a renderer that does not branch runs one
+// that is tested at its beginning once more, for nobody.
 bool find_spot(Stack stack, vec2 place, float shift, out Spot spot)
 {
-    int k = clamp(int(shift), stack.finest, stack.coarsest);
-    spot.alpha = clamp(shift - float(k), 0.0, 1.0);
-    for (; k <= stack.coarsest; k++, spot.alpha = 0.0) {
+    int wanted = clamp(int(shift), stack.finest, stack.coarsest), k = wanted - 1;
+    float edge;
+    do {
+        k++;
         spot.layer = stack.base - k;
-        vec4 l = layer[3 * spot.layer], held = layer[3 * spot.layer + 2];
-        spot.at = l.xy + place * l.zw;
-        vec2 inside = min(spot.at - held.xy, held.zw - spot.at);
-        float edge = min(inside.x, inside.y);
-        if (edge < -ROUNDING)
-            continue;
-        spot.at = clamp(spot.at, held.xy, held.zw);
-        spot.alpha = k < stack.coarsest ? max(spot.alpha, min(1.0 - edge * stack.passage, 1.0)) : 0.0;
-        return true;
-    }
-    return false;
+        spot.place = layer[3 * spot.layer];
+        spot.held = layer[3 * spot.layer + 2];
+        spot.at = spot.place.xy + place * spot.place.zw;
+        vec2 inside = min(spot.at - spot.held.xy, spot.held.zw - spot.at);
+        edge = min(inside.x, inside.y);
+    } while (edge < -ROUNDING && k < stack.coarsest);
+    spot.at = clamp(spot.at, spot.held.xy, spot.held.zw);
+    spot.alpha = k == wanted ? clamp(shift - float(k), 0.0, 1.0) : 0.0;
+    spot.alpha = k < stack.coarsest ? max(spot.alpha, min(1.0 - edge * stack.passage, 1.0)) : 0.0;
+    return edge >= -ROUNDING;
 }
 
 // Cell that a spot is in, by its first sample, and where in it.
 vec2 cell_of(Spot spot, out vec2 t)
 {
-    vec2 last = layer[3 * spot.layer + 1].zw, cell = max(min(floor(spot.at), last - 1.0), layer[3 * spot.layer + 2].xy);
+    vec2 last = layer[3 * spot.layer + 1].zw, cell = max(min(floor(spot.at), last - 1.0), spot.held.xy);
     t = min(spot.at - cell, min(vec2(1.0), last - cell));
     return cell;
 }

@@ -24,10 +24,6 @@ static void set_rays(tc_frame_uniforms *u, const tc_sight *s, const tc_target_pl
     double wide = 0.5 * (s->right - s->left), high = 0.5 * (s->top - s->bottom);
     double across_x = 2 * wide / place->width, across_y = 2 * high / place->height;
     double first_x = place->x * across_x - s->left, first_y = place->y * across_y - s->bottom;
-    if (first_x == 0) /* shaders divide by it */
-        first_x = 1e-7 * wide;
-    if (first_y == 0)
-        first_y = 1e-7 * high;
     float lens[4] = {(float)across_x, (float)across_y, (float)first_x, (float)first_y};
     memcpy(u->lens, lens, sizeof lens);
     for (int i = 0; i < 3; i++) {
@@ -35,8 +31,8 @@ static void set_rays(tc_frame_uniforms *u, const tc_sight *s, const tc_target_pl
         u->ray[0][i] = (float)(right * wide);
         u->ray[1][i] = (float)(up * high);
         u->ray[2][i] = (float)(forward + 0.5 * (s->left + s->right) * right + 0.5 * (s->bottom + s->top) * up);
-        u->pixel[0][i] = (float)(right * first_x);
-        u->pixel[1][i] = (float)(up * first_y);
+        u->pixel[0][i] = (float)right;
+        u->pixel[1][i] = (float)up;
         u->pixel[2][i] = (float)forward;
     }
 }
