@@ -40,7 +40,7 @@ static void square_destroy(tc_surface *surface)
     free(s);
 }
 
-tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, bool by_error,
+tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, int shaded_n,
                            tc_surface **surface_ret, tc_error *error)
 {
     static const tc_surface_words words = {.levels = "levels",
@@ -62,9 +62,10 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
         return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
     s->wide = edge >= (int64_t)1 << 30;
     s->windows = *options;
+    s->shaded_n = shaded_n;
     if (!s->windows.n)
         s->windows.n = 255;
-    const square_way *way = by_error ? &tc_square_tree : &tc_square_nests;
+    const square_way *way = shaded_n ? &tc_square_tree : &tc_square_nests;
     s->head =
         (tc_surface){.name = "square",
                      .words = &words,
@@ -77,6 +78,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                      .extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y),
                      .field = field,
                      .n = s->windows.n,
+                     .shaded_n = shaded_n,
                      .defines = way->vertex_defines,
                      .view_bytes = way->view_bytes,
                      .make_windows = square_windows,

@@ -139,23 +139,13 @@ static void set_uniforms(square_draws *a)
     const tc_clip_level *l = tc_clipmap_level(a->clipmap, 1);
     int64_t edge_x = l->edge_x - a->viewer.snap_x, edge_y = l->edge_y - a->viewer.snap_y;
     wide_place x = split(edge_x), y = split(edge_y);
-    const float surface[2][4] = {
-        {(float)a->spacing[0], (float)a->spacing[1], (float)a->viewer.rest_x, (float)a->viewer.rest_y},
-        {1 / (float)a->s->index.block}};
-    const int32_t integers[2][4] = {
-        {a->s->wide ? x.high : (int32_t)edge_x, a->s->wide ? y.high : (int32_t)edge_y, x.low, y.low}, {l->shift}};
-    memcpy(f->surface, surface, sizeof surface);
-    memcpy(f->integers, integers, sizeof integers);
-    for (int level = 1; level <= tc_clipmap_levels(a->clipmap); level++) {
-        square_morph m = tc_square_morph(a->clipmap, level, &a->viewer, &a->view->options);
-        float(*u)[4] = f->layer[level - 1];
-        for (int i = 0; i < 4; i++) {
-            u[0][i] = (float)m.start[i];
-            u[1][i] = (float)m.rate[i];
-        }
-        u[2][0] = (float)m.least;
-        u[2][1] = (float)ldexp(1, -tc_clipmap_level(a->clipmap, level)->shift);
-    }
+    const int32_t edge[4] = {a->s->wide ? x.high : (int32_t)edge_x, a->s->wide ? y.high : (int32_t)edge_y, x.low,
+                             y.low};
+    tc_set4(f->surface[0], a->spacing[0], a->spacing[1], a->viewer.rest_x, a->viewer.rest_y);
+    memcpy(f->integers[0], edge, sizeof edge);
+    f->integers[1][0] = l->shift;
+    for (int level = 1; level <= tc_clipmap_levels(a->clipmap); level++)
+        f->layer[level - 1][2][1] = (float)ldexp(1, -tc_clipmap_level(a->clipmap, level)->shift);
 }
 
 /* Whether the eye is over the terrain and above the surface as drawn: then the first hit of any ray is from above, and

@@ -12,7 +12,8 @@ typedef struct square_surface {
     tc_block_geometry index;
     bool wide;                /* places relative to the viewer do not fit 32 bits (square_wide.glsl) */
     int strips, lists;        /* the most draws of either kind */
-    tc_block_lattice lattice; /* of blocks that are chosen by their error */
+    tc_block_lattice lattice; /* of blocks that are chosen by their error; */
+    int shaded_n;             /* and of the windows that the distance alone calls for, whose normals are seen */
     tc_ground_options windows;
 } square_surface;
 
@@ -43,6 +44,8 @@ typedef struct square_view {
 square_viewer tc_square_viewer(const tc_clipmap *clipmap, const tc_camera *camera, bool wait);
 square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
                              const tc_frame_options *options);
+/* The least alpha of a level of windows of n samples, by the height above the ground: at 1 it is dropped. */
+double tc_square_least(const tc_clipmap *clipmap, int level, double n, double height);
 /* What is drawn of a level's active region, or is a finer level's hole in it: all, or less in a throttled frame. */
 tc_rect tc_square_region(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
                          const tc_frame_options *options);
@@ -50,7 +53,8 @@ tc_rect tc_square_region(const tc_clipmap *clipmap, int level, const square_view
 double tc_square_most_throttle(int n);
 double tc_square_alpha(const square_morph *morph, double x, double y);
 
-void tc_square_wanted(const tc_clipmap *clipmap, const square_viewer *viewer, tc_rect *wanted);
+/* Windows of n samples. */
+void tc_square_wanted(const tc_clipmap *clipmap, int n, const square_viewer *viewer, tc_rect *wanted);
 /* Cell of a level that a place, in samples of the finest level, is in, and where in it. */
 void tc_square_cell(const tc_clip_level *level, double px, double py, int64_t cell_ret[2], double t_ret[2]);
 /* The pair of heights that windows hold of a sample. */

@@ -131,13 +131,12 @@ static int64_t window_end(double v, double n)
     return 2 * (int64_t)floor((v + (n - 1) / 2 + 1) / 2);
 }
 
-void tc_square_wanted(const tc_clipmap *clipmap, const square_viewer *viewer, tc_rect *wanted)
+void tc_square_wanted(const tc_clipmap *clipmap, int n, const square_viewer *viewer, tc_rect *wanted)
 {
-    int n = tc_clipmap_n(clipmap);
     wanted[0] = tc_clipmap_level(clipmap, 1)->extent;
     for (int l = 2; l <= tc_clipmap_levels(clipmap); l++) {
         const tc_clip_level *level = tc_clipmap_level(clipmap, l);
-        if (relative_height(clipmap, l, viewer->height) > DROP_HEIGHT) {
+        if (height_in(clipmap, l, n, viewer->height) > DROP_HEIGHT) {
             wanted[l - 1] = (tc_rect){0, 0, 0, 0};
             continue;
         }
@@ -208,6 +207,12 @@ static void ramps(const axis *a, double n, const tc_frame_options *options, doub
     rate[0] = 1 / w_lo, rate[1] = 1 / w_hi;
 }
 
+double tc_square_least(const tc_clipmap *clipmap, int level, double n, double height)
+{
+    const double h = height_in(clipmap, level, n, height);
+    return fmin(fmax((h - FADE_HEIGHT) / (DROP_HEIGHT - FADE_HEIGHT), 0), 1);
+}
+
 square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_viewer *viewer,
                              const tc_frame_options *options)
 {
@@ -230,10 +235,8 @@ square_morph tc_square_morph(const tc_clipmap *clipmap, int level, const square_
     y.snap = (double)viewer->snap_y / cell, y.rest = viewer->rest_y / finest.spacing_y / cell;
     ramps(&x, n, options, &m.start[0], &m.rate[0]);
     ramps(&y, n, options, &m.start[2], &m.rate[2]);
-    if (!options->no_morph) {
-        double h = height_in(clipmap, level, n, viewer->height);
-        m.least = fmin(fmax((h - FADE_HEIGHT) / (DROP_HEIGHT - FADE_HEIGHT), 0), 1);
-    }
+    if (!options->no_morph)
+        m.least = tc_square_least(clipmap, level, n, viewer->height);
     return m;
 }
 

@@ -77,13 +77,23 @@ static void nests_look(const tc_surface *surface, const tc_windows *windows, con
 
 static void nests_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
 {
-    tc_square_wanted(view->windows->clipmap[0], &((const square_view *)view)->viewer, wanted[0]);
+    tc_square_wanted(view->windows->clipmap[0], view->surface->n, &((const square_view *)view)->viewer, wanted[0]);
 }
 
 static bool nests_height(const tc_view *view, double x, double y, double *z_ret)
 {
     const square_view *v = (const square_view *)view;
     return tc_square_height(view->windows->clipmap[0], &v->viewer, &view->options, x, y, z_ret);
+}
+
+/* What vertices read of a level. */
+static void set_morph(const square_draws *a, int level)
+{
+    const square_morph m = tc_square_morph(a->clipmap, level, &a->viewer, &a->view->options);
+    float(*u)[4] = a->frame->layer[level - 1];
+    for (int i = 0; i < 4; i++)
+        u[0][i] = (float)m.start[i], u[1][i] = (float)m.rate[i];
+    u[2][0] = (float)m.least;
 }
 
 static void nests_draws(const tc_view *view, const tc_layers *layers, tc_frame *frame)
@@ -105,6 +115,8 @@ static void nests_draws(const tc_view *view, const tc_layers *layers, tc_frame *
         frame->levels_active++;
         add_level(&a, &g, !options->no_closers && !options->no_stitch);
     }
+    for (int level = 1; level <= tc_clipmap_levels(clipmap); level++)
+        set_morph(&a, level);
     frame->levels_fine = tc_clipmap_levels(clipmap) - frame->levels_active;
     tc_square_end_draws(&a, v, !skipped);
 }

@@ -18,14 +18,14 @@ int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera
         const double g = fmin(size.spacing_x, size.spacing_y), far = r.error / tolerance / g;
         cells = fmax(cells, fmin(far, (double)tc_max64(size.width, size.height)));
     }
-    int n = 127;
+    int n = TC_SQUARE_LEAST_N;
     while (n < most && tc_square_tree_reach(n) < cells)
         n = 2 * n + 1;
     return n;
 }
 
-/* Samples a side of the windows. */
-static int size(const tc_surface_request *request)
+/* Samples a side of the windows that the frame alone calls for, and of those that there are. */
+static int shaded_size(const tc_surface_request *request)
 {
     enum { LEAST = 63, MOST_IN_SOFTWARE = 255 };
     if (request->n)
@@ -38,6 +38,17 @@ static int size(const tc_surface_request *request)
     return n;
 }
 
+static int size(const tc_surface_request *request)
+{
+    int n = shaded_size(request);
+    if (request->n || !(request->error > 0))
+        return n;
+    int called_for = tc_square_n_for(tc_map_field(request->map, 0), request->error, request->camera);
+    for (int i = 0; i < request->halvings && called_for > TC_SQUARE_LEAST_N; i++)
+        called_for /= 2;
+    return called_for > n ? called_for : n > TC_SQUARE_LEAST_N ? n : TC_SQUARE_LEAST_N;
+}
+
 static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
                         tc_surface **surface_ret, tc_error *error)
 {
@@ -47,7 +58,8 @@ static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_sur
                                        .normals = request->needs->normals,
                                        .fine_normals = request->needs->fine_normals,
                                        .holes = request->needs->holes};
-    return tc_square_create(tc_map_field(map, 0), &options, request->error > 0, surface_ret, error);
+    return tc_square_create(tc_map_field(map, 0), &options, request->error > 0 ? shaded_size(request) : 0, surface_ret,
+                            error);
 }
 
 const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL, NULL}, {0}};

@@ -20,6 +20,7 @@ typedef struct tree_view {
     tc_block_tree tree;    /* of blocks that the view calls for */
     tc_block_tree held;    /* of what windows held of them when the view was made, */
     bool all;              /* unless that was all */
+    tc_block_tree behind;  /* room for what a frame draws of them where something is missing */
     tc_block_errors error; /* of the view's blocks */
 } tree_view;
 
@@ -28,18 +29,18 @@ static const double PASSAGE = 0.2;
 /* Of the eye's height above the ground that counts as distance: a level is dropped at 0.8 n of its cells, as nests do.
  */
 static const double HEIGHT_SHARE = 0.6;
-enum { LEAST_N = 127, LEAST_SIDE = 8, ACROSS = 64 };
+enum { LEAST_SIDE = 8, MOST_SIDE = 16 };
 
 static int tree_block(int n)
 {
-    return tc_max64((n + 1) / ACROSS, LEAST_SIDE);
+    return (int)tc_clamp64((n + 1) / 64, LEAST_SIDE, MOST_SIDE);
 }
 
 /* Cells of a level that all of its blocks' corners within them can be wanted of: a window reaches (n - 1) / 2 to all
  * sides, a block lies partly beyond the corner that asks for it, and windows begin on even samples. */
 static double reach_of(int n)
 {
-    return (n - 1) / 2 - tree_block(n) - 2;
+    return (n - 1) / 2 - (double)tree_block(n) - 2;
 }
 
 double tc_square_tree_reach(int n)
@@ -213,8 +214,10 @@ static void tree_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
     const tree_view *v = (const tree_view *)view;
     memset(wanted[0], 0, sizeof wanted[0]);
     wanted[0][0] = tc_clipmap_level(clipmap_of(v), 1)->extent;
+    if (surface_of(v)->windows.normals)
+        tc_square_wanted(clipmap_of(v), surface_of(v)->shaded_n, &v->square.viewer, wanted[0]);
     for (int level = 2; level <= surface_of(v)->lattice.levels; level++)
-        wanted[0][level - 1] = samples_called_for(v, level);
+        wanted[0][level - 1] = tc_rect_around(wanted[0][level - 1], samples_called_for(v, level));
 }
 
 /* ---- Heights ---------------------------------------------------------------------------------------------------- */
@@ -292,20 +295,44 @@ static void add_leaf(void *context, const tc_leaf *leaf)
         tc_square_add_closers(&d->draws, level, cells.x1, cells.y0, cells.y1 - cells.y0, false);
 }
 
+/* What fragments read for normals: those of the level that LH04's windows of shaded_n samples would show. */
+static void set_shading(const drawing *d, const tc_layers *layers)
+{
+    const tree_view *v = d->view;
+    const square_viewer *viewer = &v->square.viewer;
+    const double n = surface_of(v)->shaded_n;
+    tc_frame *f = d->draws.frame;
+    tc_set4(f->surface[1], 1.0 / surface_of(v)->index.block, viewer->rest_x / d->draws.spacing[0],
+            viewer->rest_y / d->draws.spacing[1], 0);
+    tc_set4(f->surface[2], (n - 1) / 2 - 1.5, 10 / n, 0, 0);
+    int coarser = 0;
+    for (int level = surface_of(v)->lattice.levels; level >= 1; level--) {
+        const tc_clip_level *l = tc_clipmap_level(clipmap_of(v), level);
+        float(*u)[4] = f->layer[level - 1];
+        const double cell = ldexp(1, l->shift), least = tc_square_least(clipmap_of(v), level, n, viewer->height);
+        tc_set4(u[0], (double)viewer->snap_x / cell - (double)l->clip.x0,
+                (double)viewer->snap_y / cell - (double)l->clip.y0, least, 0);
+        coarser += level > 1 && least >= 1 && coarser == l->shift;
+    }
+    f->integers[1][1] = layers->ready[0] - 1;
+    f->integers[1][2] = coarser;
+}
+
 static void tree_draws(const tc_view *view, const tc_layers *layers, tc_frame *frame)
 {
     const tree_view *v = (const tree_view *)view;
     const int levels = surface_of(v)->lattice.levels;
     drawing d = {.view = v, .draws = tc_square_begin_draws(&v->square, frame)};
-    tc_block_tree behind; /* of what is called for, where something is missing */
+    tc_block_tree *behind = &((tree_view *)v)->behind;
     const bool all = layers->ready[0] == layers->held[0] && all_held(v);
     if (!all)
-        make_tree(v, layers->ready[0], &behind);
-    tc_block_leaves(all ? &v->tree : &behind, add_leaf, &d);
+        make_tree(v, layers->ready[0], behind);
+    tc_block_leaves(all ? &v->tree : behind, add_leaf, &d);
     frame->levels_active = 0;
     for (int level = 1; level <= levels; level++)
         frame->levels_active += d.levels[level - 1] > 0;
     frame->levels_fine = levels - frame->levels_active;
+    set_shading(&d, layers);
     tc_square_end_draws(&d.draws, &v->square, all);
 }
 
@@ -317,8 +344,8 @@ static tc_status tree_prepare(square_surface *s, tc_error *error)
     const int finest = tc_field_info(field)->levels, n = s->windows.n;
     int64_t cells[TC_MAX_LEVELS][2];
     int levels = 0;
-    if (n < LEAST_N)
-        return tc_fail(error, TC_ERR_USAGE, "--n: expected at least %d with --error, found %d", LEAST_N, n);
+    if (n < TC_SQUARE_LEAST_N)
+        return tc_fail(error, TC_ERR_USAGE, "--n: expected at least %d with --error, found %d", TC_SQUARE_LEAST_N, n);
     tc_field_know_errors(field);
     /* The clipmap's, coarse to fine. */
     for (int level = tc_clipmap_coarsest(field, n); level <= finest && levels < TC_MAX_LEVELS; level++, levels++) {

@@ -14,20 +14,34 @@ flat in vec3 v_more;
 bool beside()
 {
     vec2 way = abs(v_terrain.yz - v_corner.yz);
+#ifdef BLOCKS
+    way *= layer[3 * int(v_corner.w) + 2].y;
+#endif
     return !(max(way.x, way.y) < 1.25);
 }
 
-// Samples from the viewer's.
+#endif
+
+#ifdef PLACED
+// Samples from the viewer's: of the layer, where blocks are chosen by their error of the finest level.
 vec2 place_seen()
 {
+#ifdef MULTISAMPLED
     return beside() ? v_corner.yz : v_terrain.yz;
+#else
+    return v_terrain.yz;
+#endif
 }
 #endif
 #ifdef IMAGERY
 #ifdef MULTISAMPLED
 vec2 plane_seen() // metres east and north of the eye, as in square.glsl
 {
+#ifdef BLOCKS
+    return place_seen() * surface[0].xy - surface[0].zw;
+#else
     return place_seen() / layer[3 * int(v_corner.w) + 2].y * surface[0].xy - surface[0].zw;
+#endif
 }
 #else
 INTERPOLATED in vec2 v_plane;
@@ -48,8 +62,10 @@ in float v_void;
 // The layer that the vertices read.
 float level()
 {
-#ifdef MULTISAMPLED
+#if defined(MULTISAMPLED)
     return v_corner.w;
+#elif defined(BLOCKS)
+    return floor(v_terrain.w + 0.5);
 #else
     return floor(0.5 * v_terrain.w);
 #endif
@@ -57,6 +73,28 @@ float level()
 #endif
 
 #ifdef NORMALS
+#ifdef BLOCKS
+// The normal of the level that the distance alone calls for, whichever the block is drawn by: a mesh that is off by less
+// than a pixel still loses slopes that are seen. Of levels that are not there yet the finest one that is.
+vec3 normal(float level)
+{
+    vec2 place = place_seen(), away = abs(place - surface[1].yz);
+    float far = max(away.x, away.y), reach = surface[2].x;
+    int coarser = max(int(ceil(log2(max(far, 1.0) / reach))), whole[1].z), l = max(whole[1].x - coarser, 0);
+    float alpha = max((far * layer[3 * l + 2].y - reach) * surface[2].y + 1.0, layer[3 * l].z);
+    vec4 w = window[l];
+    vec2 at = layer[3 * l].xy + place * layer[3 * l + 2].y;
+    for (; l > 0 && (l > whole[1].y || any(lessThan(at, vec2(0.0))) || any(greaterThan(at, w.zw))); alpha = 0.0) {
+        l--;
+        w = window[l];
+        at = layer[3 * l].xy + place * layer[3 * l + 2].y;
+    }
+    at = clamp(at, vec2(0.0), w.zw);
+    vec4 n = textureLod(normals_map, vec3((2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1)), float(l)), 0.0);
+    vec2 xy = mix(n.xy, n.zw, l > 0 ? clamp(alpha, 0.0, 1.0) : 0.0);
+    return vec3(xy, sqrt(1.0 - min(dot(xy, xy), 1.0)));
+}
+#else
 // The layer's normal and the coarser one's, by the same alpha as the heights.
 vec3 normal(float level)
 {
@@ -74,6 +112,7 @@ vec3 normal(float level)
     vec2 xy = mix(n.xy, n.zw, alpha);
     return vec3(xy, sqrt(1.0 - min(dot(xy, xy), 1.0)));
 }
+#endif
 #endif
 
 #ifdef CONTOURS

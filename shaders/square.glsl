@@ -74,6 +74,7 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out vec2 c, out 
     vec2 t = vec2(in_vertex) * surface[1].x;
     vec2 ends = in_corners.xz * (1.0 - t.x) + in_corners.yw * t.x;
     alpha = ends.x * (1.0 - t.y) + ends.y * t.y;
+    c /= rest.y; // a power of two
 #else
     vec4 ramp = vec4(start.x - c.x, c.x - start.y, start.z - c.y, c.y - start.w) * rate;
     alpha = clamp(max(max(max(ramp.x, ramp.y), max(ramp.z, ramp.w)), rest.x), 0.0, 1.0);
@@ -97,12 +98,17 @@ vec3 surface_vertex()
 #ifdef PLACED
     const float size = float(WINDOW_MASK + 1);
     float level = float(block_layer());
+#ifdef BLOCKS
+    v_terrain = vec4(told, c, level);
+#endif
 #ifdef MULTISAMPLED
     vec4 corner = view_projection * vec4(plane, above, 1.0);
+#ifndef BLOCKS
     v_terrain = vec4(told, c, alpha);
+#endif
     v_corner = vec4(told, c, level);
     v_more = vec3(mod(cell - window[block_layer()].xy, 2.0 * size) - c, corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0);
-#else
+#elif !defined(BLOCKS)
     v_terrain = vec4(told, (2.0 * cell + 0.5) * (0.5 / size), 2.0 * level + 0.5 + alpha);
 #endif
 #else

@@ -68,7 +68,7 @@ static bool exists(const tc_block_lattice *l, tc_block b)
 static uint8_t *state_of(tc_block_tree *t, tc_block b)
 {
     int32_t x = b.x - t->level[b.chart][b.level - 1].x0, y = b.y - t->level[b.chart][b.level - 1].y0;
-    if (x < 0 || y < 0 || x >= TC_BLOCKS_ACROSS || y >= TC_BLOCKS_ACROSS)
+    if (!t->level[b.chart][b.level - 1].room || x < 0 || y < 0 || x >= TC_BLOCKS_ACROSS || y >= TC_BLOCKS_ACROSS)
         return NULL;
     return &t->level[b.chart][b.level - 1].state[y][x];
 }
@@ -203,6 +203,13 @@ static bool has_child(const tc_block_lattice *l, tc_block b, int k, int across_i
         for (b.x = (t)->level[c][l - 1].lo[0]; b.x < (t)->level[c][l - 1].hi[0]; b.x++)                                \
             if (state(t, b) & THERE)
 
+static void make_room(tc_block_tree *t, int chart, int level, int32_t x0, int32_t y0)
+{
+    t->level[chart][level - 1].room = true;
+    t->level[chart][level - 1].x0 = x0, t->level[chart][level - 1].y0 = y0;
+    memset(t->level[chart][level - 1].state, 0, sizeof t->level[chart][level - 1].state);
+}
+
 /* Which children are wanted; room for all of them, as far as there may be. */
 static void ask(tc_block_tree *t, int chart, int level, const tc_block_rule *rule)
 {
@@ -227,7 +234,7 @@ static void ask(tc_block_tree *t, int chart, int level, const tc_block_rule *rul
         int32_t many = (hi[a] - lo[a] + 1) * n;
         first[a] = lo[a] * n + (many > TC_BLOCKS_ACROSS ? (many - TC_BLOCKS_ACROSS) / 2 / n * n : 0);
     }
-    t->level[chart][level].x0 = first[0], t->level[chart][level].y0 = first[1];
+    make_room(t, chart, level + 1, first[0], first[1]);
 }
 
 /* Whether the blocks that touch it allow a split: they are there, and drawn by their own level or could be. */
@@ -276,10 +283,12 @@ void tc_block_tree_make(tc_block_tree *t, const tc_block_lattice *l, const tc_bl
     t->lattice = l;
     for (int c = 0; c < l->charts; c++)
         for (int k = 0; k < l->levels; k++) {
-            memset(&t->level[c][k], 0, sizeof t->level[c][k]);
+            t->level[c][k].room = false;
             t->level[c][k].lo[0] = t->level[c][k].lo[1] = INT32_MAX;
             t->level[c][k].hi[0] = t->level[c][k].hi[1] = INT32_MIN;
         }
+    for (int c = 0; c < l->charts; c++)
+        make_room(t, c, 1, 0, 0);
     for (int c = 0; c < l->charts; c++)
         for (int32_t y = 0; y < l->blocks[0][1]; y++)
             for (int32_t x = 0; x < l->blocks[0][0]; x++)

@@ -22,9 +22,9 @@
 #include "common/chart/chart.h"
 
 enum {
-    TC_BLOCK_CHARTS = 6,  /* at most */
-    TC_BLOCK_LEVELS = 32, /* likewise */
-    TC_BLOCKS_ACROSS = 64 /* of a level and chart that can be in a tree, along a side */
+    TC_BLOCK_CHARTS = 6,   /* at most */
+    TC_BLOCK_LEVELS = 32,  /* likewise */
+    TC_BLOCKS_ACROSS = 128 /* of a level and chart that can be in a tree, along a side */
 };
 
 /* How charts are cut: square ones, all of the same size, or a single one. Level 1 is the coarsest. */
@@ -83,6 +83,7 @@ typedef struct tc_block_rule {
 typedef struct tc_block_tree {
     const tc_block_lattice *lattice;
     struct {
+        bool room;                                         /* else there are none, and what follows means nothing */
         int32_t x0, y0;                                    /* of the first block that has room */
         int32_t lo[2], hi[2];                              /* blocks that are there, half-open; lo > hi: none */
         uint8_t state[TC_BLOCKS_ACROSS][TC_BLOCKS_ACROSS]; /* [y - y0][x - x0] */

@@ -29,7 +29,7 @@ blocks           base chart
 measure          base field chart map view window content
 gl               base
 render           base field chart map imagery view window content gl
-planar           base field chart map view window content render
+planar           base field chart map view window content blocks render
 spherical        base field chart map view window content blocks render
 app              base input field chart packed/file packed/read map imagery view window content measure gl render
 data             base input field chart packed/file packed/read packed/write map app

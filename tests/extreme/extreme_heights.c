@@ -288,7 +288,7 @@ static void look_at_windows(const terrain *t, const tc_field *p)
     for (int v = 0; v < 3; v++) {
         tc_camera c = view(&r, p);
         square_viewer viewer = tc_square_viewer(clipmap, &c, true);
-        tc_square_wanted(clipmap, &viewer, wanted);
+        tc_square_wanted(clipmap, tc_clipmap_n(clipmap), &viewer, wanted);
         tc_clipmap_update(clipmap, wanted, -1, true, 0);
         for (int l = 1; l <= tc_clipmap_levels(clipmap); l++, looked++) {
             const char *what = content_broken(clipmap, l, v, 5);

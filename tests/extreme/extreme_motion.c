@@ -84,7 +84,7 @@ static const char *window_astray(const journey *j, const tc_camera *camera)
 static void move_to(journey *j, const tc_camera *camera, bool look_at_heights)
 {
     square_viewer viewer = tc_square_viewer(j->clipmap, camera, true);
-    tc_square_wanted(j->clipmap, &viewer, j->wanted);
+    tc_square_wanted(j->clipmap, tc_clipmap_n(j->clipmap), &viewer, j->wanted);
     int64_t samples = tc_clipmap_update(j->clipmap, j->wanted, j->budget, true, 0);
     j->updates++, j->samples += samples, j->most = tc_max64(j->most, samples);
     broken(j, window_astray(j, camera), &j->astray);

@@ -308,7 +308,7 @@ static void lattices_are_refused(void **state)
     tc_block_lattice l;
     lattice_of(&kinds[0], chart, &l);
     assert_false(tc_block_lattice_set(&l, chart, 4, 17 * 64, 17 * 64, 7, 16)); /* 17 cells at the coarsest level */
-    assert_false(tc_block_lattice_set(&l, chart, 4, 400, 400, 2, 2));          /* 100 blocks */
+    assert_false(tc_block_lattice_set(&l, chart, 4, 800, 800, 2, 2));          /* 200 blocks */
     assert_false(tc_block_lattice_set(&l, chart, 4, 96, 96, 7, 8));            /* not so often */
     assert_true(tc_block_lattice_set(&l, chart, 4, 176, 176, 2, 16));
     assert_int_equal(l.side[0], 8); /* 88 = 11 x 8 */

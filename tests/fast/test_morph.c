@@ -66,7 +66,7 @@ static void settle(walk *w)
 {
     tc_rect wanted[TC_MAX_LEVELS];
     square_viewer viewer = tc_square_viewer(w->clipmap, &w->camera, true);
-    tc_square_wanted(w->clipmap, &viewer, wanted);
+    tc_square_wanted(w->clipmap, N, &viewer, wanted);
     tc_clipmap_update(w->clipmap, wanted, -1, true, 0);
     assert_true(tc_clipmap_resident(w->clipmap));
 }

@@ -88,7 +88,7 @@ static int64_t run(const tour *t, uint64_t seed)
     for (int move = 0; move < sweep_of(t->moves); move++) {
         wanderer_move(&w, p);
         square_viewer viewer = tc_square_viewer(c, &w.camera, true);
-        tc_square_wanted(c, &viewer, wanted);
+        tc_square_wanted(c, tc_clipmap_n(c), &viewer, wanted);
         m->on = true;
         int64_t filled = tc_clipmap_update(c, wanted, t->budget, wait, now += 1. / 60);
         m->on = false;

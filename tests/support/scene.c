@@ -63,7 +63,8 @@ scene scene_create(const tc_context *context, const tc_field *field, int n, cons
     const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(field));
     tc_ground_options clip = {
         .n = n, .normals = needs.normals, .fine_normals = needs.fine_normals, .holes = needs.holes};
-    must(tc_square_create(field, &clip, options->frame.error > 0, &s.surface, &error), &error);
+    must(tc_square_create(field, &clip, options->frame.error > 0 ? (n && n < 255 ? n : 255) : 0, &s.surface, &error),
+         &error);
     must(tc_renderer_create(tc_context_gl(context), s.surface, options, &s.renderer, &error), &error);
     s.clipmap = tc_renderer_used(s.renderer).windows->clipmap[0];
     return s;
