@@ -365,7 +365,7 @@ static tc_status tree_prepare(square_surface *s, tc_error *error)
     return TC_OK;
 }
 
-static const char *const defines[] = {"BLOCKS", NULL};
+static const char *const defines[] = {"TOLERANCE", NULL};
 const square_way tc_square_tree = {.view_bytes = sizeof(tree_view),
                                    .prepare = tree_prepare,
                                    .look = tree_look,

@@ -45,9 +45,28 @@ float told_height()
 // alpha as the heights. No further than the window, beyond which the map holds what was there before.
 vec2 change_seen(int l, vec2 samples)
 {
+#ifdef TOLERANCE
+    // Of the level that the distance alone calls for, whichever the block is drawn by: a mesh that is off by less than a
+    // pixel still loses slopes that are seen. Of levels that are not there yet the finest one that is.
+    float far = viewer_distance(direction_seen()) * surface[3].x, own = layer[3 * l].y;
+    int shift = whole[0].y + max(int(ceil(log2(max(far, 0.5)))), 0), coarsest = l - (whole[0].z - int(own));
+    float alpha = (far * exp2(float(whole[0].y - shift)) - surface[3].y) * surface[3].z;
+    int last = int(layer[3 * l].w);
+    l = max(l + int(own) - shift, coarsest);
+    vec4 w = window[l];
+    vec2 at = layer[3 * l + 1].xy + samples * exp2(own - layer[3 * l].y);
+    for (; l > coarsest && (l > last || any(lessThan(at, vec2(0.0))) || any(greaterThan(at, w.zw))); alpha = 0.0) {
+        l--;
+        w = window[l];
+        at = layer[3 * l + 1].xy + samples * exp2(own - layer[3 * l].y);
+    }
+    alpha = l > coarsest ? clamp(alpha, 0.0, 1.0) : 0.0;
+    at = clamp(at, vec2(0.0), w.zw);
+#else
     float alpha = beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
     vec4 w = window[l];
     vec2 at = clamp(v_window.xy + samples, vec2(0.0), w.zw);
+#endif
     vec2 texel = (2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
     vec4 n = textureLod(normals_map, vec3(texel, float(l)), 0.0);
     vec2 xy = mix(n.xy, n.zw, alpha);

@@ -7,6 +7,9 @@
 // coarser one, bit for bit at shared vertices.
 layout(location = 0) in ivec2 in_vertex;   // of the static geometry
 layout(location = 1) in ivec4 in_instance; // its block: instance() in faces.c
+#ifdef TOLERANCE
+layout(location = 2) in vec4 in_corners; // alpha at its corners by the tolerance: south-west, south-east, north-west, north-east
+#endif
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 #ifdef HOLES
 layout(binding = 3) uniform sampler2DArray voids_map;
@@ -113,11 +116,19 @@ vec3 surface_vertex()
     vec3 d = direction_at(chart, at);
     float missing, edge = edge_alpha(missing);
     float to_range = level.z;
+#ifdef TOLERANCE
+    // Exact along edges: a block has a power of two cells a side, and alphas are multiples of 2^-16.
+    vec2 t = vec2(in_vertex) * exp2(-float(in_instance.z >> 26 & 15));
+    vec2 ends = in_corners.xz * (1.0 - t.x) + in_corners.yw * t.x;
+    float by_error = ends.x * (1.0 - t.y) + ends.y * t.y;
+    float alpha = max(finer > 0 ? 0.0 : clamp((viewer_distance(d) * to_range - surface[2].x) * surface[2].y, 0.0, 1.0), by_error);
+#else
     if (finer > 0) {
         float cell = surface[3].y * exp2(float(1 - finer));
         to_range = max(surface[3].x * exp2(-float(shift)), surface[3].z / (cell * cell * (1.0 + surface[3].w / max(surface[2].w, cell))));
     }
     float alpha = clamp((viewer_distance(d) * to_range - surface[2].x) * surface[2].y, 0.0, 1.0);
+#endif
     alpha = edge < 0.0 ? max(alpha, missing) : edge;
     alpha = to_range > 0.0 ? alpha * surface[2].z : 0.0;
     ivec2 odd = at >> shift & 1;

@@ -14,7 +14,7 @@ flat in vec3 v_more;
 bool beside()
 {
     vec2 way = abs(v_terrain.yz - v_corner.yz);
-#ifdef BLOCKS
+#ifdef TOLERANCE
     way *= layer[3 * int(v_corner.w) + 2].y;
 #endif
     return !(max(way.x, way.y) < 1.25);
@@ -37,7 +37,7 @@ vec2 place_seen()
 #ifdef MULTISAMPLED
 vec2 plane_seen() // metres east and north of the eye, as in square.glsl
 {
-#ifdef BLOCKS
+#ifdef TOLERANCE
     return place_seen() * surface[0].xy - surface[0].zw;
 #else
     return place_seen() / layer[3 * int(v_corner.w) + 2].y * surface[0].xy - surface[0].zw;
@@ -62,18 +62,20 @@ in float v_void;
 // The layer that the vertices read.
 float level()
 {
-#if defined(MULTISAMPLED)
+#ifdef MULTISAMPLED
     return v_corner.w;
-#elif defined(BLOCKS)
+#else
+#ifdef TOLERANCE
     return floor(v_terrain.w + 0.5);
 #else
     return floor(0.5 * v_terrain.w);
+#endif
 #endif
 }
 #endif
 
 #ifdef NORMALS
-#ifdef BLOCKS
+#ifdef TOLERANCE
 // The normal of the level that the distance alone calls for, whichever the block is drawn by: a mesh that is off by less
 // than a pixel still loses slopes that are seen. Of levels that are not there yet the finest one that is.
 vec3 normal(float level)

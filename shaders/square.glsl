@@ -7,7 +7,7 @@
 // What is interpolated goes into one vector: on a software renderer each one more costs 4 % of a frame.
 layout(location = 0) in ivec2 in_vertex; // of the static geometry
 layout(location = 1) in ivec4 in_instance; // its block: instance() in square.c
-#ifdef BLOCKS
+#ifdef TOLERANCE
 layout(location = 2) in vec4 in_corners; // alpha at its corners: south-west, south-east, north-west, north-east
 #endif
 layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
@@ -20,7 +20,8 @@ out float v_void;
 #if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED)
 #define PLACED
 INTERPOLATED out vec4 v_terrain; // x: metres above the eye; y, z: place in the normal map; w: 2 level + 0.5 + alpha
-                                // (multisampled: y, z: samples from the viewer's; w: alpha)
+                                // (multisampled: y, z: samples from the viewer's; w: alpha; where blocks are chosen
+                                // by their error: y, z: finest samples from the viewer's; w: level)
 #else
 INTERPOLATED out float v_height; // above the eye
 #endif
@@ -69,7 +70,7 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out vec2 c, out 
     c = vec2(place) * rest.y;
 #endif
     texel = origin + in_vertex;
-#ifdef BLOCKS
+#ifdef TOLERANCE
     // Exact along edges: a block has a power of two cells a side, and alphas are multiples of 2^-16.
     vec2 t = vec2(in_vertex) * surface[1].x;
     vec2 ends = in_corners.xz * (1.0 - t.x) + in_corners.yw * t.x;
@@ -98,18 +99,16 @@ vec3 surface_vertex()
 #ifdef PLACED
     const float size = float(WINDOW_MASK + 1);
     float level = float(block_layer());
-#ifdef BLOCKS
-    v_terrain = vec4(told, c, level);
-#endif
 #ifdef MULTISAMPLED
     vec4 corner = view_projection * vec4(plane, above, 1.0);
-#ifndef BLOCKS
     v_terrain = vec4(told, c, alpha);
-#endif
     v_corner = vec4(told, c, level);
     v_more = vec3(mod(cell - window[block_layer()].xy, 2.0 * size) - c, corner.w > 0.0 ? NEARNESS_AT(corner) : 1.0);
-#elif !defined(BLOCKS)
+#else
     v_terrain = vec4(told, (2.0 * cell + 0.5) * (0.5 / size), 2.0 * level + 0.5 + alpha);
+#endif
+#ifdef TOLERANCE
+    v_terrain = vec4(told, c, level);
 #endif
 #else
     v_height = told;

@@ -96,7 +96,10 @@ static tc_instance instance(const assembly *a, const tc_leaf *leaf, int level, i
         how += 1u << 26;
     const uint32_t edges = (uint32_t)leaf->sides << 7 | (uint32_t)leaf->corners << 11 | (uint32_t)leaf->forced << 15 |
                            (uint32_t)leaf->finer_corners << 19 | (uint32_t)leaf->finer_halves << 23;
-    return (tc_instance){.v = {(int32_t)(x << shift), (int32_t)(y << shift), (int32_t)how, (int32_t)(layer | edges)}};
+    tc_instance to = {.v = {(int32_t)(x << shift), (int32_t)(y << shift), (int32_t)how, (int32_t)(layer | edges)}};
+    for (int k = 0; k < 4 && !a->v->head.options.no_morph; k++)
+        to.corner[k] = tc_faces_corner(a->v, leaf, k);
+    return to;
 }
 
 /* Closers along a leaf's sides: rows and columns of vertices, all of which are the coarser level's. */
@@ -158,8 +161,11 @@ static void set_uniforms(assembly *a)
     const double start = FACES_PASSED * (1 - FACES_PASSAGE), width = FACES_PASSED * FACES_PASSAGE;
     const bool passes = s->kind->morphs && !options->no_morph && !options->no_stitch;
     tc_set4(u[2], passes ? start : 1, passes ? 1 / width : 0, !options->no_stitch, v->from_pole);
-    tc_set4(u[3], 1 / v->range, v->edge, 8 * v->sag, s->kind->bends);
-    const int32_t common[4] = {(int32_t)s->cells};
+    if (s->head.by_error)
+        tc_set4(u[3], 1 / ldexp(s->shaded * exp2(-fmax(options->throttle, 0)), s->head.refined), start, 1 / width, 0);
+    else
+        tc_set4(u[3], 1 / v->range, v->edge, 8 * v->sag, s->kind->bends);
+    const int32_t common[4] = {(int32_t)s->cells, s->head.refined, s->lattice.levels - 1};
     memcpy(whole[0], common, sizeof common);
     for (int chart = 0; chart < s->map->charts; chart++) {
         float(*vectors)[4] = u + FACES_FIRST_VECTOR + chart * FACES_VECTORS;
@@ -183,9 +189,14 @@ static void set_uniforms(assembly *a)
             seams[3] = side < 2 ? (int32_t)here.at[side] : 0;
         }
         const int first = tc_first_layer(a->layers, chart);
-        for (int level = 1; level <= a->layers->held[chart]; level++)
-            tc_set4(f->layer[first + level - 1][0], chart, s->lattice.levels - level,
-                    level == 1 ? 0 : 1 / tc_faces_range(v, level), 0);
+        for (int level = 1; level <= a->layers->held[chart]; level++) {
+            const int shift = s->lattice.levels - level;
+            const tc_rect clip = tc_clipmap_level(v->head.windows->clipmap[chart], level)->clip;
+            tc_set4(f->layer[first + level - 1][0], chart, shift, level == 1 ? 0 : 1 / tc_faces_range(v, level),
+                    first + a->layers->ready[chart] - 1);
+            tc_set4(f->layer[first + level - 1][1], ldexp(at[0], -shift) - (double)clip.x0,
+                    ldexp(at[1], -shift) - (double)clip.y0, 0, 0);
+        }
     }
 }
 
@@ -196,6 +207,17 @@ static bool all_ready(const faces_view *v, const tc_layers *layers)
     for (int chart = 0; chart < v->head.windows->charts; chart++)
         all &= layers->ready[chart] == layers->held[chart] && tc_faces_all_held(v, chart);
     return all;
+}
+
+/* Whether cells on the mesh of the data's finest level may be drawn. */
+static bool drawn_curved(const faces_view *v)
+{
+    const faces_surface *s = tc_faces_of(v);
+    tc_rect blocks;
+    bool any = !tc_faces_by_error(v) && v->finest > s->own;
+    for (int chart = 0; chart < s->map->charts && tc_faces_by_error(v) && !any; chart++)
+        any = s->own < s->lattice.levels && tc_block_bounds(&v->tree, chart, s->own + 1, &blocks);
+    return any;
 }
 
 static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *frame)
@@ -211,11 +233,11 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
     s->map->body.class->curvatures(&s->map->body, &least, &a.most);
     a.most += z_base;
     a.horizon = tc_faces_horizon(v, head->culled.z - z_base);
-    tc_block_tree held; /* of what is called for, where something is missing */
+    tc_block_tree *behind = &((faces_view *)head)->behind; /* of what is called for, where something is missing */
     const bool all = all_ready(v, layers);
     if (!all)
-        tc_faces_tree(v, layers->ready, &held);
-    tc_block_leaves(all ? &v->tree : &held, add_leaf, &a);
+        tc_faces_tree(v, layers->ready, behind);
+    tc_block_leaves(all ? &v->tree : behind, add_leaf, &a);
     for (int i = 0, end = s->head.draw_capacity - 1; i < a.lists; i++) {
         frame->draws[a.strips + i] = frame->draws[end - i];
         frame->instances[a.strips + i] = frame->instances[end - i];
@@ -231,9 +253,8 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
     frame->draws_unculled = a.blocks;
     /* Cells that are drawn curved have a ridge of their own before the eye, where triangles are edge-on: a driver may
      * take one for a back, by its rounding, that alone covers a pixel. */
-    frame->one_sided = !head->options.two_sided && v->finest == s->own &&
-                       !tc_ground_voids(head->windows->clipmap[0], 1) &&
-                       tc_faces_height_in(v, all ? &v->tree : &held, head->camera.x, head->camera.y, &z) &&
+    frame->one_sided = !head->options.two_sided && !drawn_curved(v) && !tc_ground_voids(head->windows->clipmap[0], 1) &&
+                       tc_faces_height_in(v, all ? &v->tree : behind, head->camera.x, head->camera.y, &z) &&
                        head->camera.z > z + 1e-6 * fabs(z);
     frame->levels_active = 0;
     for (int level = s->lattice.levels; level >= 1; level--)
@@ -276,6 +297,34 @@ static int levels_until_flat(double cell)
     return levels;
 }
 
+/* Cells of a block along a side, at most: smaller ones where each has an error of its own. */
+static int block_side(const faces_surface *s)
+{
+    const int n = s->windows.n;
+    return s->head.by_error ? (int)tc_clamp64((n + 1) / 64, 8, 16) : (n + 1) / 16;
+}
+
+/* The longest way between two corners of a cell, in mean cells: of 64 x 64 on a chart, all of which are alike. */
+static double longest_diagonal(const faces_surface *s)
+{
+    enum { CELLS = 64 };
+    const double cell = (double)s->cells / CELLS;
+    double most = 0, p[4][3];
+    for (int k = 0; k < CELLS * CELLS; k++) {
+        for (int c = 0; c < 4; c++)
+            tc_faces_normal(s, 0, (k % CELLS + (c & 1)) * cell, ((int)(k / CELLS) + (c >> 1)) * cell, p[c]);
+        most = fmax(most, fmax(apart(p[0], p[3]), apart(p[1], p[2])));
+    }
+    return 1.05 * most / (s->cell * cell);
+}
+
+/* Distance up to which the finest level of windows of n samples is drawn: a window reaches (n - 1) / 2 cells to all
+ * sides of the viewer; a block lies partly beyond what asks for it, and windows begin on even samples. */
+static double range_in(const faces_surface *s, int n)
+{
+    return s->cell * ((n - 1) / 2 - s->lattice.side[s->lattice.levels - 1] - 2) / s->kind->reach;
+}
+
 /* Levels of the windows, from one that is coarse enough to be seen from afar; those on the mesh of the data's finest
  * one; and blocks of them. */
 static tc_status set_lattice(faces_surface *s, tc_error *error)
@@ -314,7 +363,7 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     s->cells <<= s->head.refined;
     s->cell = M_PI / 2 / (double)s->cells;
     if (!tc_block_lattice_set(&s->lattice, map->chart, map->charts, tc_field_level(field, finest).width - 1, s->cells,
-                              levels + s->head.refined, (s->windows.n + 1) / 16))
+                              levels + s->head.refined, block_side(s)))
         return tc_fail(error, TC_ERR_UNSUPPORTED,
                        "%s: expected charts of 16 to 31 cells halved again, found %lld cells", s->kind->name,
                        (long long)s->cells);
@@ -339,7 +388,9 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                                            .beyond = "beyond the horizon or outside the view",
                                            .outside = "beyond the horizon or outside the view",
                                            .charts = true};
-    static const char *const defines[] = {"CLIMATE", TC_GLOBE_RELIEF_DEFINE, NULL};
+    static const char *const defines[] = {"CLIMATE", TC_GLOBE_RELIEF_DEFINE, "TOLERANCE", NULL},
+                             *const plain[] = {"CLIMATE", TC_GLOBE_RELIEF_DEFINE, NULL};
+    const bool by_error = options->shaded_n > 0;
     const faces_kind *kind = options->kind;
     const int n = options->n ? options->n : 255;
     if (tc_clipmap_check_n(n, error) != TC_OK)
@@ -365,14 +416,21 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                                      .relief = TC_GLOBE_RELIEF};
     const char *const body = map->body.class->glsl, *const chart = kind->chart->glsl;
     const char *const vertex[] = {body, kind->metric, "faces.glsl", chart, "faces.vert", NULL};
-    const char *const fragment[] = {body, "faces.glsl", chart, "air.glsl", "globe.glsl", "faces.frag", NULL};
+    const char *const fragment[] = {body,
+                                    "faces.glsl",
+                                    chart,
+                                    "air.glsl",
+                                    "globe.glsl",
+                                    by_error ? kind->metric : "faces.frag",
+                                    by_error ? "faces.frag" : NULL,
+                                    NULL};
     const char *const sky[] = {"air.glsl", body, "globe_sky.frag", NULL};
     memcpy(s->vertex_parts, vertex, sizeof vertex);
     memcpy(s->fragment_parts, fragment, sizeof fragment);
     memcpy(s->sky_parts, sky, sizeof sky);
     s->head = (tc_surface){.name = kind->name,
                            .words = &words,
-                           .defines = defines,
+                           .defines = by_error ? defines : plain,
                            .vertex_parts = s->vertex_parts,
                            .fragment_parts = s->fragment_parts,
                            .sky_parts = s->sky_parts,
@@ -384,7 +442,9 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .field = map->chart[0].field,
                            .n = n,
                            .most_throttle = 3,
-                           .view_bytes = sizeof(faces_view),
+                           .shaded_n = options->shaded_n,
+                           .by_error = by_error,
+                           .view_bytes = by_error ? sizeof(faces_error_view) : sizeof(faces_view),
                            .make_windows = faces_windows,
                            .look = tc_faces_look,
                            .wanted = tc_faces_wanted,
@@ -392,18 +452,20 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .draws = faces_draws,
                            .height = tc_faces_drawn_height,
                            .destroy = faces_destroy};
+    for (int k = 0; k < map->charts && by_error; k++)
+        tc_field_know_errors(map->chart[k].field);
     s->shear.turn = kind->chart->turn;
     s->windows.shear = kind->chart->turn ? &s->shear : NULL;
     tc_status status = set_lattice(s, error);
     if (status == TC_OK) {
-        /* A window reaches (n - 1) / 2 cells to all sides of the viewer; a block lies partly beyond what asks for it,
-         * and windows begin on even samples. */
-        s->range = s->cell * ((n - 1) / 2 - s->lattice.side[s->lattice.levels - 1] - 2) / kind->reach;
+        s->range = range_in(s, n);
+        s->shaded = options->shaded_n ? range_in(s, options->shaded_n) : 0;
+        s->diagonal = longest_diagonal(s);
         s->windows.spacing_x = s->windows.spacing_y = ldexp(s->cell * map->body.radius, s->head.refined);
         const tc_range heights = tc_map_range(map);
         s->z_lo = heights.lo, s->z_hi = heights.hi;
         set_capacity(s);
-        status = tc_block_geometry_make((n + 1) / 16, &s->head.geometry, &s->index, error);
+        status = tc_block_geometry_make(block_side(s), &s->head.geometry, &s->index, error);
     }
     if (status != TC_OK) {
         faces_destroy(&s->head);

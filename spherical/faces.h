@@ -19,8 +19,10 @@ enum { TC_FACES_LEAST_N = 127 };
 
 typedef struct tc_faces_options {
     const faces_kind *kind;
-    int n;                             /* samples a side of the windows, 2^k - 1, at least 127; 0: 255 */
-    int max_levels;                    /* of each chart; 0: all */
+    int n;          /* samples a side of the windows, 2^k - 1, at least 127; 0: 255 */
+    int max_levels; /* of each chart; 0: all */
+    int shaded_n;   /* 0: levels by distance alone; else blocks by a frame's tolerance (tc_frame_options.error), and
+                     * normals   those that windows of so many samples, at most n, would show by distance alone */
     bool normals, fine_normals, holes; /* as in tc_ground_options */
 } tc_faces_options;
 

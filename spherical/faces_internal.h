@@ -6,8 +6,9 @@
 #ifndef TC_FACES_INTERNAL_H
 #define TC_FACES_INTERNAL_H
 
-#include "common/blocks/blocks.h"
+#include "common/blocks/block_errors.h"
 #include "common/render/block_geometry.h"
+#include "common/view/camera.h"
 #include "faces.h"
 
 enum {
@@ -51,12 +52,14 @@ typedef struct faces_surface {
     int own;           /* levels that have windows: the lattice's further ones lie on the mesh of the last of them */
     int64_t cells;     /* of a chart along a side, finest level */
     double cell;       /* mean length of one on the unit sphere: that of a quarter of the equator */
-    double range;      /* distance up to which the finest level is drawn */
+    double diagonal;   /* longest way between two corners of a cell, in mean cells */
+    double range;      /* distance up to which the finest level is drawn; */
+    double shaded;     /* and up to which its normals are seen; 0: as the blocks are drawn */
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
     int strips, lists; /* the most draws of either kind */
     tc_ground_options windows;
     tc_shear shear;
-    const char *vertex_parts[6], *fragment_parts[7], *sky_parts[4];
+    const char *vertex_parts[6], *fragment_parts[8], *sky_parts[4];
 } faces_surface;
 
 struct faces_view {
@@ -78,7 +81,18 @@ struct faces_view {
     tc_block_tree tree;             /* of blocks that the view calls for */
     tc_block_tree held;             /* of what windows held of them when the view was made, */
     bool all;                       /* unless that was all */
+    tc_block_tree behind;           /* room for what a frame draws of them where something is missing */
+    /* Where blocks are chosen by error; NULL else. */
+    tc_block_errors *error;
+    tc_block_tree *shading; /* of blocks whose normals distance calls for */
 };
+
+/* What such a view ends with. */
+typedef struct faces_error_view {
+    faces_view view;
+    tc_block_tree shading;
+    tc_block_errors error;
+} faces_error_view;
 
 /* Share of a level's range in which it passes over into the coarser one, up to FACES_PASSED of it. */
 #define FACES_PASSAGE 0.2
@@ -133,6 +147,20 @@ faces_spot tc_faces_spot(double u, double v);
 tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block block);
 /* The level of the windows that a level reads, and its samples around those of a rectangle. */
 int tc_faces_window(const faces_surface *s, int level, tc_rect *samples);
+
+/* d of fewer digits, 1e-16 of the unit: enough to choose by. */
+void tc_faces_roughly(const faces_view *view, int chart, double u, double v, double d_ret[3]);
+/* By how much the flat triangles of cells of an edge are off those that follow the chart, on the unit sphere. */
+double tc_faces_sag(const faces_view *view, double edge, double from_pole);
+
+/* ---- Tolerance (faces_error.c) ------------------------------------------------------------------------------------
+ */
+
+void tc_faces_begin_errors(faces_view *view);
+/* Whether blocks are chosen by it. */
+bool tc_faces_by_error(const faces_view *view);
+/* alpha of a leaf's corner by it, a multiple of 2^-16. */
+float tc_faces_corner(const faces_view *view, const tc_leaf *leaf, int corner);
 
 /* ---- Heights drawn (faces_map.c) ------------------------------------------------------------------------------------
  */

@@ -17,15 +17,19 @@ double tc_faces_alpha(const faces_view *v, const tc_leaf *leaf, int level, int64
     if (met >= 0)
         return met;
     double alpha = 0;
-    if (s->kind->morphs && !options->no_morph) {
+    const bool by_error = tc_faces_by_error(v);
+    const double x = (double)i / (double)cells, y = (double)j / (double)cells;
+    if (s->kind->morphs && !options->no_morph && !(by_error && level > s->own)) {
         double share = s->kind->distance(d, v->height) / tc_faces_range(v, level);
         alpha = (share / FACES_PASSED - (1 - FACES_PASSAGE)) / FACES_PASSAGE;
     }
-    const double x = (double)i / (double)cells, y = (double)j / (double)cells;
-    double missing = 0;
-    for (int k = 0; k < 4; k++)
-        if (leaf->forced & 1 << k)
-            missing += (k & 1 ? x : 1 - x) * (k & 2 ? y : 1 - y);
+    double missing = 0, error = 0;
+    for (int k = 0; k < 4; k++) {
+        const double share = (k & 1 ? x : 1 - x) * (k & 2 ? y : 1 - y);
+        missing += leaf->forced & 1 << k ? share : 0;
+        error += by_error && !options->no_morph ? share * (double)tc_faces_corner(v, leaf, k) : 0;
+    }
+    alpha = fmax(alpha, error);
     return fmin(fmax(fmax(alpha, missing), 0), 1);
 }
 

@@ -105,8 +105,9 @@ const faces_kind tc_faces_cube_pt = {.name = "cube-pt",
 
 /* ---- Schemes ---------------------------------------------------------------------------------------------------- */
 
-/* Samples a side of the windows: a range is some half of what squares have of a window of that size. */
-static int size(const tc_surface_request *request)
+/* Samples a side of the windows that the frame alone calls for: a range is some half of what squares have of a window
+ * of that size; and of those that there are. With a tolerance they may have to reach further. */
+static int shaded_size(const tc_surface_request *request)
 {
     enum { IN_SOFTWARE = 255 };
     if (request->n)
@@ -117,11 +118,18 @@ static int size(const tc_surface_request *request)
     return n < TC_FACES_LEAST_N ? TC_FACES_LEAST_N : n > TC_CLIPMAP_MAX_N ? TC_CLIPMAP_MAX_N : n;
 }
 
+static int size(const tc_surface_request *request)
+{
+    const int n = shaded_size(request);
+    return request->n || !(request->error > 0) || n == TC_CLIPMAP_MAX_N || request->halvings ? n : 2 * n + 1;
+}
+
 static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
                         tc_surface **surface_ret, tc_error *error)
 {
     const tc_faces_options options = {.kind = scheme->kind,
                                       .n = size(request),
+                                      .shaded_n = request->error > 0 ? shaded_size(request) : 0,
                                       .max_levels = request->levels,
                                       .normals = request->needs->normals,
                                       .fine_normals = request->needs->fine_normals,

@@ -30,8 +30,7 @@ void tc_faces_normal(const faces_surface *s, int chart, double u, double w, doub
     c->class->normal(c, u / (double)s->cells, w / (double)s->cells, n);
 }
 
-/* The same of fewer digits, 1e-16 of the unit: enough to choose by. */
-static void roughly(const faces_view *v, int chart, double u, double w, double d[3])
+void tc_faces_roughly(const faces_view *v, int chart, double u, double w, double d[3])
 {
     double n[3];
     tc_faces_normal(tc_faces_of(v), chart, u, w, n);
@@ -46,9 +45,9 @@ faces_spot tc_faces_spot(double u, double v)
     return (faces_spot){{(int64_t)at[0], (int64_t)at[1]}, {u - at[0], v - at[1]}};
 }
 
-/* By how much the flat triangles of cells of that edge are off those that follow the chart: an arc's height above its
- * chord. Beside a pole of a sheared chart parallels are arcs as well, which matters as far as the ground is steep. */
-static double sag_of(const faces_view *v, double edge, double from_pole)
+/* An arc's height above its chord. Beside a pole of a sheared chart parallels are arcs as well, which matters as far as
+ * the ground is steep. */
+double tc_faces_sag(const faces_view *v, double edge, double from_pole)
 {
     return edge * edge / 8 * (1 + tc_faces_of(v)->kind->bends / fmax(from_pole, edge));
 }
@@ -60,7 +59,7 @@ double tc_faces_range(const faces_view *v, int level)
     if (level <= s->own)
         return range;
     /* On the data's mesh: for as long as the next coarser level is seen to be off. */
-    return fmin(range, sag_of(v, ldexp(v->edge, s->own + 1 - level), v->from_pole) / v->sag);
+    return fmin(range, tc_faces_sag(v, ldexp(v->edge, s->own + 1 - level), v->from_pole) / v->sag);
 }
 
 tc_rect tc_faces_samples(const tc_block_lattice *lattice, tc_block b)
@@ -157,6 +156,7 @@ double tc_faces_horizon(const faces_view *v, double z_eye)
 typedef struct growing {
     const faces_view *view;
     const int *ready; /* NULL: as many levels as there are, each as far as a window can reach */
+    bool shading;     /* for normals alone, which have no levels beyond the data's */
 } growing;
 
 static bool wanted_before(void *context, tc_block b)
@@ -169,7 +169,7 @@ static bool wanted_before(void *context, tc_block b)
 static void place_on(const faces_view *v, tc_block b, int k, double d[3])
 {
     const double block = (double)tc_faces_of(v)->cells / tc_faces_of(v)->lattice.blocks[b.level - 1][0];
-    roughly(v, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, d);
+    tc_faces_roughly(v, b.chart, (b.x + 0.5 * (k % 3)) * block, (b.y + 0.5 * (int)(k / 3)) * block, d);
 }
 
 static double distance_at(const faces_view *v, tc_block b, int k)
@@ -203,9 +203,12 @@ static bool wanted(void *context, tc_block b)
 {
     const growing *g = context;
     const faces_surface *s = tc_faces_of(g->view);
-    const double range = tc_faces_range(g->view, b.level), middle = distance_at(g->view, b, MIDDLE);
+    const bool shading = g->shading, by_error = tc_faces_by_error(g->view);
+    if (b.level > s->own && (shading || by_error))
+        return by_error && !shading && tc_block_errors_want(g->view->error, b);
+    const double range = tc_faces_range(g->view, b.level) * (shading ? s->shaded / s->range : 1), middle = distance_at(g->view, b, MIDDLE);
     if (middle < range)
-        return true;
+        return shading || !by_error || tc_block_errors_want(g->view->error, b);
     if (b.level > s->own)
         return b.level <= g->view->finest &&
                middle < range + 1.05 * (5 - ldexp(4, b.level - g->view->finest)) * half_diagonal(g->view, b);
@@ -213,7 +216,7 @@ static bool wanted(void *context, tc_block b)
         return false;
     for (int k = 0; k < PLACES; k++)
         if (distance_at(g->view, b, k) < range)
-            return true;
+            return shading || !by_error || tc_block_errors_want(g->view->error, b);
     return false;
 }
 
@@ -233,17 +236,25 @@ static bool held(void *context, tc_block b)
 
 void tc_faces_tree(const faces_view *v, const int ready[TC_MAX_CHARTS], tc_block_tree *tree)
 {
-    growing g = {v, ready};
+    growing g = {v, ready, false};
     const tc_block_rule rule = {ready ? wanted_before : wanted, held, &g};
     tc_block_tree_make(tree, &tc_faces_of(v)->lattice, &rule);
 }
 
-/* Samples of all that the tree has of a chart's level; empty: nothing. */
-static tc_rect samples_called_for(const faces_view *v, int chart, int level)
+/* Blocks whose normals are called for by distance alone. */
+static void make_shading(const faces_view *v)
+{
+    growing g = {v, NULL, true};
+    const tc_block_rule rule = {wanted, held, &g};
+    tc_block_tree_make(v->shading, &tc_faces_of(v)->lattice, &rule);
+}
+
+/* Samples of all that a tree has of a chart's level; empty: nothing. */
+static tc_rect samples_called_for(const faces_view *v, const tc_block_tree *tree, int chart, int level)
 {
     tc_rect blocks;
     const int64_t side = tc_faces_of(v)->lattice.side[level - 1];
-    if (!tc_block_bounds(&v->tree, chart, level, &blocks))
+    if (!tc_block_bounds(tree, chart, level, &blocks))
         return (tc_rect){0, 0, 0, 0};
     return (tc_rect){blocks.x0 * side, blocks.y0 * side, blocks.x1 * side + 1, blocks.y1 * side + 1};
 }
@@ -251,7 +262,7 @@ static tc_rect samples_called_for(const faces_view *v, int chart, int level)
 bool tc_faces_all_held(const faces_view *v, int chart)
 {
     for (int level = 2; level <= tc_faces_of(v)->own && v->sight[chart]; level++)
-        if (!tc_rect_within(samples_called_for(v, chart, level),
+        if (!tc_rect_within(samples_called_for(v, &v->tree, chart, level),
                             tc_clipmap_level(v->head.windows->clipmap[chart], level)->active))
             return false;
     return true;
@@ -265,7 +276,7 @@ static bool in_sight(const faces_view *v, int chart)
     for (int32_t y = 0; y <= s->lattice.blocks[0][0]; y++)
         for (int32_t x = 0; x <= s->lattice.blocks[0][0]; x++) {
             double d[3];
-            roughly(v, chart, x * block, y * block, d);
+            tc_faces_roughly(v, chart, x * block, y * block, d);
             /* As far as to a block's middle, wherever that is. */
             if (2 * asin(fmin(0.5 * sqrt(-2 * d[2]), 1)) < v->horizon + FACES_LONGEST * block * s->cell)
                 return true;
@@ -292,7 +303,7 @@ void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const t
     v->sag = FACES_SAG / tc_camera_pixel_scale(camera) / coarser;
     v->from_pole = rho; /* of what lies within the range that follows from that */
     for (int k = 0; k < 4; k++)
-        v->from_pole = fmax(rho - sag_of(v, v->edge, v->from_pole) / v->sag, 0);
+        v->from_pole = fmax(rho - tc_faces_sag(v, v->edge, v->from_pole) / v->sag, 0);
     for (int k = 0; k < s->map->charts; k++) {
         const tc_chart *c = &s->map->chart[k];
         c->class->from_place(c, camera->x, camera->y, &v->chart[k][0], &v->chart[k][1]);
@@ -309,7 +320,13 @@ void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const t
     v->horizon = tc_faces_horizon(v, v->z_eye);
     for (int k = 0; k < s->map->charts; k++)
         v->sight[k] = options->no_cull || in_sight(v, k);
+    v->error = s->head.by_error ? &((faces_error_view *)v)->error : NULL;
+    v->shading = s->head.by_error && s->windows.normals ? &((faces_error_view *)v)->shading : NULL;
+    if (v->error)
+        tc_faces_begin_errors(v);
     tc_faces_tree(v, NULL, &v->tree);
+    if (v->shading)
+        make_shading(v);
     int levels[TC_MAX_CHARTS] = {0};
     v->all = true;
     for (int chart = 0; chart < s->map->charts; chart++) {
@@ -342,7 +359,10 @@ void tc_faces_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
         const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
         wanted[chart][0] = tc_clipmap_level(clipmap, 1)->extent;
         for (int level = 2; level <= s->own; level++)
-            wanted[chart][level - 1] = window(samples_called_for(v, chart, level), tc_clipmap_n(clipmap));
+            wanted[chart][level - 1] = window(
+                tc_rect_around(samples_called_for(v, &v->tree, chart, level),
+                               v->shading ? samples_called_for(v, v->shading, chart, level) : (tc_rect){0, 0, 0, 0}),
+                tc_clipmap_n(clipmap));
     }
 }
 

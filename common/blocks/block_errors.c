@@ -58,7 +58,7 @@ double tc_block_errors_of(tc_block_errors *e, tc_block b)
 
 /* What blocks around have at most, and at least. */
 typedef struct around {
-    double error[3], lo, hi;
+    float error[3], lo, hi;
 } around;
 
 static void add_block(tc_block_errors *e, tc_block b, around *a)
@@ -67,8 +67,9 @@ static void add_block(tc_block_errors *e, tc_block b, around *a)
     const tc_level_errors *l = &e->level[b.chart][b.level - 1];
     const int32_t x = b.x & MASK, y = b.y & MASK;
     for (int k = 0; k < 3; k++)
-        a->error[k] = fmax(a->error[k], (double)l->block[y][x].error[k]);
-    a->lo = fmin(a->lo, (double)l->block[y][x].lo), a->hi = fmax(a->hi, (double)l->block[y][x].hi);
+        a->error[k] = l->block[y][x].error[k] > a->error[k] ? l->block[y][x].error[k] : a->error[k];
+    a->lo = l->block[y][x].lo < a->lo ? l->block[y][x].lo : a->lo;
+    a->hi = l->block[y][x].hi > a->hi ? l->block[y][x].hi : a->hi;
 }
 
 /* Blocks that touch a corner; and those that touch them. */
@@ -123,13 +124,13 @@ static double corner_alpha(tc_block_errors *e, int chart, int level, int32_t x, 
         return 1;
     const around near = touching(e, chart, level, x, y);
     const double diagonal = g->diagonal[level - 1], m = e->tolerance * diagonal;
-    double start = 0, end = near.error[COARSER];
+    double start = 0, end = (double)near.error[COARSER];
     if (level < g->data && wide.error[OWN] > 0) {
         /* e_(l+1) of all corners around. */
-        double finer = fmax(wide.error[OWN], 0.5 * WIDTH * m);
+        double finer = fmax((double)wide.error[OWN], 0.5 * WIDTH * m);
         if (level + 1 < g->data && wide.error[FINER] > 0)
-            finer = fmax(finer, 1.25 * wide.error[FINER] + (1 + 0.5 * WIDTH) * m +
-                                    fmax(0.5 * WIDTH * m, SHARE * wide.error[OWN]));
+            finer = fmax(finer, 1.25 * (double)wide.error[FINER] + (1 + 0.5 * WIDTH) * m +
+                                    fmax(0.5 * WIDTH * m, SHARE * (double)wide.error[OWN]));
         start = finer + m;
         end = fmax(end, start + fmax(WIDTH * m, SHARE * end));
     }
@@ -139,13 +140,14 @@ static double corner_alpha(tc_block_errors *e, int chart, int level, int32_t x, 
     const int64_t *cells = g->lattice->cells[level - 1];
     double across, apart;
     g->distance(g->context, chart, level, fmin((double)x * side, (double)cells[0]),
-                fmin((double)y * side, (double)cells[1]), near.lo, near.hi, &across, &apart);
+                fmin((double)y * side, (double)cells[1]), (double)near.lo, (double)near.hi, &across, &apart);
     const double allowed = e->tolerance * least_distance(across, apart, diagonal);
     return allowed >= end ? 1 : fmax((allowed - start) / (end - start), 0);
 }
 
 double tc_block_errors_alpha(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
 {
+    tc_block_settle(e->ground.lattice, level, &chart, &x, &y); /* the same number, however it is rounded */
     tc_level_errors *l = &e->level[chart][level - 1];
     const int32_t i = x & MASK, j = y & MASK;
     if (l->corner[j][i].view != e->view || l->corner[j][i].x != x + 1 || l->corner[j][i].y != y + 1) {

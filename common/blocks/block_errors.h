@@ -36,7 +36,7 @@ typedef struct tc_block_ground {
     void *context;
 } tc_block_ground;
 
-enum { TC_ERROR_ROOM = 128 }; /* places of a level and chart along a side, a power of two */
+enum { TC_ERROR_ROOM = 64 }; /* places of a level and chart along a side, a power of two */
 
 /* What is known of a level, at [y mod TC_ERROR_ROOM][x mod TC_ERROR_ROOM]: of the last one that was looked up there,
  * whose x + 1 and y + 1 are told. */

@@ -146,6 +146,17 @@ int tc_block_touching(const tc_block_lattice *l, int chart, int level, int32_t x
     return touching(l, level, (corner){chart, x, y}, all);
 }
 
+void tc_block_settle(const tc_block_lattice *l, int level, int *chart, int32_t *x, int32_t *y)
+{
+    corner all[MOST_ALIASES];
+    const int32_t *last = l->blocks[level - 1];
+    if (*x > 0 && *y > 0 && *x < last[0] && *y < last[1])
+        return;
+    for (int k = aliases(l, level, (corner){*chart, *x, *y}, all) - 1; k >= 0; k--)
+        if (all[k].chart < *chart)
+            *chart = all[k].chart, *x = all[k].x, *y = all[k].y;
+}
+
 /* The block beyond a side; false: the map ends there. */
 static bool across(const tc_block_lattice *l, tc_block b, int side, tc_block *other)
 {

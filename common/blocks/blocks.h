@@ -73,6 +73,9 @@ enum { TC_BLOCKS_TOUCHING = 8 };
 int tc_block_touching(const tc_block_lattice *lattice, int chart, int level, int32_t x, int32_t y,
                       tc_block touching_ret[TC_BLOCKS_TOUCHING]);
 
+/* A corner as the chart of the lowest number has it that has it. */
+void tc_block_settle(const tc_block_lattice *lattice, int level, int *chart, int32_t *x, int32_t *y);
+
 /* A caller's rule. Both are asked coarse to fine; a block of level 1 is wanted and held. */
 typedef struct tc_block_rule {
     bool (*wanted)(void *context, tc_block block); /* to be drawn by its own level, at least */

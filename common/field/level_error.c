@@ -23,11 +23,16 @@ static float cell_error(const float *z, int64_t count, float west, float diagona
 {
     const float to = kink > 0 ? (diagonal - west) / (float)kink : 0,
                 on = kink < cell ? (east - diagonal) / (float)(cell - kink) : 0;
+    const int64_t first = tc_min64(kink, count);
     float most = 0;
-    for (int64_t i = 0; i < tc_min64(kink, count); i++)
-        most = fmaxf(most, fabsf(z[i] - (west + (float)i * to)));
-    for (int64_t i = kink; i < count; i++)
-        most = fmaxf(most, fabsf(z[i] - (diagonal + (float)(i - kink) * on)));
+    for (int64_t i = 0; i < first; i++) {
+        const float off = fabsf(z[i] - (west + (float)i * to));
+        most = off > most ? off : most;
+    }
+    for (int64_t i = kink; i < count; i++) {
+        const float off = fabsf(z[i] - (diagonal + (float)(i - kink) * on));
+        most = off > most ? off : most;
+    }
     return most;
 }
 
@@ -47,7 +52,7 @@ void tc_level_errors(const tc_level_pair *p, int tile, int64_t j0, int64_t j1, f
                 cell_error(p->z + j * width + x, tc_min64(cell, width - x), south[c] + t * (north[c] - south[c]),
                            south[c + 1] + t * (north[c] - south[c + 1]),
                            south[c + 1] + t * (north[c + 1] - south[c + 1]), cell - up, cell);
-            errors[x >> tile] = fmaxf(errors[x >> tile], error);
+            errors[x >> tile] = error > errors[x >> tile] ? error : errors[x >> tile];
         }
     }
 }

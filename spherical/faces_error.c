@@ -1,0 +1,69 @@
+/* faces_error.c - surfaces over faces: what a tolerance on the screen makes of blocks (common/blocks/block_errors.h).
+ *
+ * Beside what samples say, a level is off by what its flat triangles cut off a globe. */
+#include <math.h>
+
+#include "common/base/rect.h"
+#include "common/field/field.h"
+#include "faces_internal.h"
+
+/* Bounds of a level's samples; what lies on the mesh of the data's finest level has no error but for being flat. */
+static tc_range range_of(void *context, int chart, int level, tc_rect samples)
+{
+    const faces_view *v = context;
+    const faces_surface *s = tc_faces_of(v);
+    const tc_clipmap *clipmap = v->head.windows->clipmap[chart];
+    const double cell = ldexp(1, s->lattice.levels - level);
+    double n[3];
+    tc_rect held = samples;
+    const int own = tc_faces_window(s, level, &held);
+    tc_range r = tc_field_range(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, own), held);
+    tc_faces_normal(s, chart, 0.5 * (double)(samples.x0 + samples.x1) * cell,
+                    0.5 * (double)(samples.y0 + samples.y1) * cell, n);
+    const double across = s->diagonal * s->cell * cell * (double)(samples.x1 - samples.x0);
+    const double from_pole = hypot(n[0], n[1]) - 0.5 * across, edge = ldexp(v->edge, s->own + 1 - level);
+    r.error = (level > s->own ? 0 : r.error) + (float)(v->radius * tc_faces_sag(v, edge, fmax(from_pole, 0)));
+    return r;
+}
+
+static void distance_of(void *context, int chart, int level, double x, double y, double lo, double hi, double *across,
+                        double *apart)
+{
+    const faces_view *v = context;
+    const double cell = ldexp(1, tc_faces_of(v)->lattice.levels - level), z = fmin(fmax(v->z_eye, lo), hi);
+    double d[3];
+    tc_faces_roughly(v, chart, x * cell, y * cell, d);
+    *across = sqrt(-2 * d[2] * (v->radius + v->z_eye) * (v->radius + z));
+    *apart = fabs(v->z_eye - z);
+}
+
+void tc_faces_begin_errors(faces_view *v)
+{
+    const faces_surface *s = tc_faces_of(v);
+    tc_block_ground ground = {
+        .lattice = &s->lattice, .data = s->lattice.levels, .range = range_of, .distance = distance_of, .context = v};
+    for (int level = 1; level <= s->lattice.levels; level++)
+        ground.diagonal[level - 1] = s->diagonal * s->cell *
+                                     ldexp(s->lattice.side[level - 1], s->lattice.levels - level) *
+                                     (v->radius + fmax(s->z_hi, 0));
+    tc_block_errors_begin(v->error, &ground,
+                          v->head.options.error * exp2(fmax(v->head.options.throttle, 0)) /
+                              tc_camera_pixel_scale(&v->head.camera));
+}
+
+bool tc_faces_by_error(const faces_view *v)
+{
+    return v->error && v->error->tolerance > 0;
+}
+
+float tc_faces_corner(const faces_view *v, const tc_leaf *leaf, int k)
+{
+    const tc_block b = leaf->block;
+    if (leaf->coarse || b.level == 1 || !tc_faces_by_error(v) || leaf->finer_corners >> k & 1)
+        return 0;
+    if (leaf->corners >> k & 1)
+        return 1;
+    /* In 2^-16: what a shader interpolates of it along an edge is exact. */
+    return (float)(floor(tc_block_errors_alpha(v->error, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1)) * 65536) /
+                   65536);
+}
