@@ -110,6 +110,7 @@ void tc_square_add_block(square_draws *a, int level, tc_rect cells, const float 
     if (!visible(a, level, cells))
         return;
     a->triangles += 2 * w * h;
+    a->frame->blocks[level - 1]++;
     assert(a->strips < a->s->strips);
     a->frame->instances[a->strips] = instance(a, level, cells.x0, cells.y0, corners);
     a->frame->draws[a->strips++] =

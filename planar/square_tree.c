@@ -270,6 +270,7 @@ typedef struct drawing {
     const tree_view *view;
     square_draws draws;
     int levels[TC_BLOCK_LEVELS]; /* leaves of each */
+    double off;                  /* metres a metre of distance that any is off at most */
 } drawing;
 
 static void add_leaf(void *context, const tc_leaf *leaf)
@@ -282,7 +283,10 @@ static void add_leaf(void *context, const tc_leaf *leaf)
     for (int k = 0; k < 4; k++)
         corner[k] = leaf_alpha(d->view, leaf, k);
     d->levels[level - 1]++;
+    const int before = d->draws.strips;
     tc_square_add_block(&d->draws, level, cells, corner);
+    if (d->draws.strips > before)
+        d->off = fmax(d->off, tc_block_errors_bound((tc_block_errors *)&d->view->error, leaf, corner));
     if (options->no_closers || options->no_stitch)
         return;
     if (leaf->sides & 1 << TC_SOUTH)
@@ -332,6 +336,8 @@ static void tree_draws(const tc_view *view, const tc_layers *layers, tc_frame *f
     for (int level = 1; level <= levels; level++)
         frame->levels_active += d.levels[level - 1] > 0;
     frame->levels_fine = levels - frame->levels_active;
+    if (v->error.tolerance > 0)
+        frame->error_bound = d.off * tc_camera_pixel_scale(&view->camera);
     set_shading(&d, layers);
     tc_square_end_draws(&d.draws, &v->square, all);
 }

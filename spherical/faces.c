@@ -32,6 +32,7 @@ typedef struct assembly {
     int levels[TC_BLOCK_LEVELS]; /* leaves drawn of each */
     int finest;                  /* of all leaves' */
     int64_t triangles, triangles_unculled;
+    double off; /* metres a metre of distance that any leaf is off at most, with a tolerance */
 } assembly;
 
 /* A leaf's heights: those of the level that it is drawn by, and of the coarser one into which that passes over. */
@@ -138,6 +139,13 @@ static void add_leaf(void *context, const tc_leaf *leaf)
     const tc_rect r = tc_faces_samples(&a->s->lattice, b);
     a->triangles += 2 * cells * cells;
     a->levels[level - 1]++;
+    a->frame->blocks[level - 1]++;
+    if (tc_faces_by_error(a->v)) {
+        float corner[4];
+        for (int k = 0; k < 4; k++)
+            corner[k] = tc_faces_corner(a->v, leaf, k);
+        a->off = fmax(a->off, tc_block_errors_bound(a->v->error, leaf, corner));
+    }
     a->frame->instances[a->strips] = instance(a, leaf, level, r.x0 >> leaf->coarse, r.y0 >> leaf->coarse, cells);
     a->frame->draws[a->strips++] = (tc_draw){.count = tc_block_strip_count(cells, cells),
                                              .instance_count = 1,
@@ -256,6 +264,8 @@ static void faces_draws(const tc_view *head, const tc_layers *layers, tc_frame *
     frame->one_sided = !head->options.two_sided && !drawn_curved(v) && !tc_ground_voids(head->windows->clipmap[0], 1) &&
                        tc_faces_height_in(v, all ? &v->tree : behind, head->camera.x, head->camera.y, &z) &&
                        head->camera.z > z + 1e-6 * fabs(z);
+    if (tc_faces_by_error(v))
+        frame->error_bound = a.off * tc_camera_pixel_scale(&head->camera);
     frame->levels_active = 0;
     for (int level = s->lattice.levels; level >= 1; level--)
         frame->levels_active += a.levels[level - 1] > 0;

@@ -206,7 +206,8 @@ static bool wanted(void *context, tc_block b)
     const bool shading = g->shading, by_error = tc_faces_by_error(g->view);
     if (b.level > s->own && (shading || by_error))
         return by_error && !shading && tc_block_errors_want(g->view->error, b);
-    const double range = tc_faces_range(g->view, b.level) * (shading ? s->shaded / s->range : 1), middle = distance_at(g->view, b, MIDDLE);
+    const double range = tc_faces_range(g->view, b.level) * (shading ? s->shaded / s->range : 1),
+                 middle = distance_at(g->view, b, MIDDLE);
     if (middle < range)
         return shading || !by_error || tc_block_errors_want(g->view->error, b);
     if (b.level > s->own)

@@ -164,6 +164,7 @@ static void add_level(assembly *a, int i, bool disc)
                       .first_index = list->first + (uint32_t)k * list->count,
                       .base_vertex = disc ? tc_rings_fill_base(g, i) : tc_rings_level_base(g, i)};
         a->count++;
+        a->frame->blocks[disc ? i : i - 1]++;
     }
 }
 

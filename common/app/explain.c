@@ -3,6 +3,7 @@
 
 #include <dirent.h>
 #include <inttypes.h>
+#include <math.h>
 #include <stdarg.h>
 #include <string.h>
 
@@ -127,6 +128,10 @@ static void print_frame(const tc_renderer_use *use, FILE *file)
     fprintf(file, "uses: %s: %d of %d drawn\n", words->blocks, f->blocks, f->blocks_unculled);
     if (f->draws > f->blocks)
         fprintf(file, "uses: crack closers: %d draws\n", f->draws - f->blocks);
+    if (f->tolerance > 0 && isfinite(f->error_bound))
+        fprintf(file, "uses: error: at most %.3g pixels, of %.3g asked for\n", f->error_bound, f->tolerance);
+    else if (f->tolerance > 0)
+        fprintf(file, "uses: error: not known of this terrain; levels by distance alone\n");
     fprintf(file, "uses: triangles: %" PRId64 " of %" PRId64 " drawn\n", f->triangles, f->triangles_unculled);
 }
 

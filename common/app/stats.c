@@ -17,7 +17,8 @@ enum { FRAME_MS, UPDATE_MS, DRAW_MS, TRIANGLES, DRAWS, LEVELS, THROTTLE, SERIES 
 struct tc_stats {
     int capacity;
     int64_t frames, samples_updated, bytes_uploaded;
-    double max_ms, max_throttle;
+    double max_ms, max_throttle, max_bound;
+    tc_frame_stats last;
     double *series[SERIES]; /* rings of capacity values; frame f lies at f mod capacity */
     double *sorted;         /* room for one of them */
     double values[];        /* all of the above */
@@ -59,6 +60,8 @@ void tc_stats_frame(tc_stats *stats, double frame_ms, const tc_frame_stats *fram
     stats->frames++;
     stats->max_ms = fmax(stats->max_ms, frame_ms);
     stats->max_throttle = fmax(stats->max_throttle, frame->throttle);
+    stats->max_bound = fmax(stats->max_bound, frame->tolerance > 0 ? frame->error_bound : 0);
+    stats->last = *frame;
     tc_stats_load(stats, frame);
 }
 
@@ -96,7 +99,11 @@ void tc_stats_summarise(tc_stats *stats, tc_stats_summary *summary_ret)
         .bytes_uploaded = stats->bytes_uploaded,
         .throttle_median = quantile(stats, THROTTLE, 0.5),
         .throttle_max = stats->max_throttle,
+        .tolerance = stats->last.tolerance,
+        .error_bound = stats->max_bound,
+        .levels = stats->last.levels_active + stats->last.levels_fine + stats->last.levels_beyond,
     };
+    memcpy(summary_ret->blocks, stats->last.blocks_of, sizeof summary_ret->blocks);
 }
 
 void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, FILE *file)
@@ -126,7 +133,13 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
         tc_json_string(context->left_out[i], file);
     }
     fprintf(file, context->left_out && context->left_out[0] ? "\n  ],\n" : "],\n");
-    fprintf(file, "  \"throttle\": {\"median\": %.3f, \"max\": %.3f}\n}\n", s->throttle_median, s->throttle_max);
+    fprintf(file, "  \"throttle\": {\"median\": %.3f, \"max\": %.3f},\n", s->throttle_median, s->throttle_max);
+    fprintf(file, "  \"tolerance_px\": %.3f,\n  \"error_bound_px\": ", s->tolerance);
+    fprintf(file, s->tolerance > 0 && isfinite(s->error_bound) ? "%.3f" : "null", s->error_bound);
+    fprintf(file, ",\n  \"blocks_by_level\": [");
+    for (int level = 0; level < s->levels && level < TC_MAX_LEVELS; level++)
+        fprintf(file, level ? ", %d" : "%d", s->blocks[level]);
+    fprintf(file, "]\n}\n");
 }
 
 static tc_status print_to(const char *name, const char *path, const tc_stats_summary *summary,

@@ -50,12 +50,6 @@ static void look_up(tc_block_errors *e, tc_block b)
     }
 }
 
-double tc_block_errors_of(tc_block_errors *e, tc_block b)
-{
-    look_up(e, b);
-    return (double)e->level[b.chart][b.level - 1].block[b.y & MASK][b.x & MASK].error[1];
-}
-
 /* What blocks around have at most, and at least. */
 typedef struct around {
     float error[3], lo, hi;
@@ -115,6 +109,19 @@ static double least_distance(double across, double apart, double diagonal)
     return sqrt(flat * flat + apart * apart);
 }
 
+/* The same of a place, counted in blocks, where heights are within lo .. hi. */
+static double distance_at(const tc_block_errors *e, int chart, int level, double x, double y, float lo, float hi,
+                          double diagonal)
+{
+    const tc_block_ground *g = &e->ground;
+    const int side = g->lattice->side[level - 1];
+    const int64_t *cells = g->lattice->cells[level - 1];
+    double across, apart;
+    g->distance(g->context, chart, level, fmin(x * side, (double)cells[0]), fmin(y * side, (double)cells[1]),
+                (double)lo, (double)hi, &across, &apart);
+    return least_distance(across, apart, diagonal);
+}
+
 static double corner_alpha(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
 {
     enum { COARSER, OWN, FINER };
@@ -136,12 +143,7 @@ static double corner_alpha(tc_block_errors *e, int chart, int level, int32_t x, 
     }
     if (!isfinite(end))
         return 0;
-    const int side = g->lattice->side[level - 1];
-    const int64_t *cells = g->lattice->cells[level - 1];
-    double across, apart;
-    g->distance(g->context, chart, level, fmin((double)x * side, (double)cells[0]),
-                fmin((double)y * side, (double)cells[1]), (double)near.lo, (double)near.hi, &across, &apart);
-    const double allowed = e->tolerance * least_distance(across, apart, diagonal);
+    const double allowed = e->tolerance * distance_at(e, chart, level, x, y, near.lo, near.hi, diagonal);
     return allowed >= end ? 1 : fmax((allowed - start) / (end - start), 0);
 }
 
@@ -163,4 +165,24 @@ bool tc_block_errors_want(tc_block_errors *e, tc_block b)
         if (tc_block_errors_alpha(e, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1)) < 1)
             return true;
     return false;
+}
+
+double tc_block_errors_bound(tc_block_errors *e, const tc_leaf *leaf, const float alpha[4])
+{
+    const tc_block b = leaf->block;
+    around a = {{0, 0, 0}, INFINITY, -INFINITY};
+    add_block(e, b, &a);
+    const double own = (double)a.error[leaf->coarse ? 0 : 1], coarser = (double)a.error[0];
+    double most = 0;
+    /* At its corners and between them, as its parts would be asked. */
+    for (int k = 0; k < 9; k++) {
+        const double x = 0.5 * (k % 3), y = 0.5 * (int)(k / 3),
+                     share = (1 - y) * ((1 - x) * (double)alpha[0] + x * (double)alpha[1]) +
+                             y * ((1 - x) * (double)alpha[2] + x * (double)alpha[3]),
+                     off = own + (share > 0 ? share * (coarser - own) : 0);
+        if (off > 0)
+            most = fmax(most, off / distance_at(e, b.chart, b.level, b.x + x, b.y + y, a.lo, a.hi,
+                                                0.5 * e->ground.diagonal[b.level - 1]));
+    }
+    return most;
 }

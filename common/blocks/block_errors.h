@@ -70,7 +70,7 @@ double tc_block_errors_alpha(tc_block_errors *errors, int chart, int level, int3
 /* Whether any corner of a block, of level 2 or finer, has an alpha below 1. */
 bool tc_block_errors_want(tc_block_errors *errors, tc_block block);
 
-/* E of a level over the ground of a block of its own, metres. */
-double tc_block_errors_of(tc_block_errors *errors, tc_block block);
+/* Metres of error a metre of distance that a leaf's mesh is off by at most, with these alphas at its corners. */
+double tc_block_errors_bound(tc_block_errors *errors, const tc_leaf *leaf, const float alpha[4]);
 
 #endif

@@ -370,6 +370,8 @@ static void count(const tc_frame *frame, tc_frame_stats *stats)
     stats->draws = frame->strip_draws + frame->list_draws;
     stats->blocks = frame->strip_draws;
     stats->blocks_unculled = frame->draws_unculled;
+    memcpy(stats->blocks_of, frame->blocks, sizeof stats->blocks_of);
+    stats->error_bound = frame->error_bound;
     stats->levels_active = frame->levels_active;
     stats->levels_fine = frame->levels_fine;
     stats->levels_beyond = frame->levels_beyond;
@@ -394,6 +396,8 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
         return status;
     double updated = tc_clock_ms();
     const tc_frame_slot *slot;
+    memset(r->frame.blocks, 0, sizeof r->frame.blocks);
+    r->frame.error_bound = INFINITY;
     r->surface->draws(r->view, &r->textures.layers, &r->frame);
     tc_frame_uniforms_set(&r->values, r->view, &r->objects->palette, sight, &target->place, &r->frame,
                           &r->textures.layers, r->options.contours);
@@ -411,6 +415,7 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
         gl->Finish();
     stats->draw_ms = tc_clock_ms() - updated;
     count(&r->frame, stats);
+    stats->tolerance = r->surface->by_error ? r->view->options.error : 0;
     stats->throttle = fmin(fmax(r->view->options.throttle, 0), r->surface->most_throttle);
     return status;
 }

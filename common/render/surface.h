@@ -103,9 +103,12 @@ typedef struct tc_frame {
     int64_t triangles;          /* that cover area: without joints and without crack closers */
     int64_t triangles_unculled; /* the same if nothing had been outside the view */
     int draws_unculled;         /* strips, likewise */
-    int levels_active;          /* drawn; and not: */
-    int levels_fine;   /* too fine for the height above ground, or not where the viewer is; finer than a pixel */
-    int levels_beyond; /* beyond the horizon */
+    int blocks[TC_MAX_LEVELS];  /* strips drawn of each level, coarse to fine */
+    double error_bound; /* pixels that it is off at most, where it is drawn by a tolerance; else, and where nothing
+                         * is known, INFINITY */
+    int levels_active;  /* drawn; and not: */
+    int levels_fine;    /* too fine for the height above ground, or not where the viewer is; finer than a pixel */
+    int levels_beyond;  /* beyond the horizon */
     float layer[TC_MAX_LAYERS][TC_LAYER_VECTORS][4];
     float surface[TC_SURFACE_VECTORS][4];
     float body[TC_BODY_VECTORS]

@@ -47,8 +47,15 @@ static void quantiles_of_all_frames(void **state)
 }
 
 static const char *const left_out[] = {"normal map: \"unlit\"", "back\\slash\tand tab", NULL};
-static const tc_stats_summary summary = {
-    .frames = 2, .frame_median = 1.5, .triangles = 1234567890123, .throttle_median = 0.25, .throttle_max = 1.5};
+static const tc_stats_summary summary = {.frames = 2,
+                                         .frame_median = 1.5,
+                                         .triangles = 1234567890123,
+                                         .throttle_median = 0.25,
+                                         .throttle_max = 1.5,
+                                         .tolerance = 2,
+                                         .error_bound = 1.75,
+                                         .blocks = {1, 0, 12},
+                                         .levels = 3};
 static const tc_stats_context context = {
     .renderer = "llvmpipe",
     .backend = "osmesa",
@@ -80,7 +87,9 @@ static void json_has_the_keys(void **state)
                                         "\"backend\": \"osmesa\"",
                                         "\"left_out\": [\n    \"normal map: \\\"unlit\\\"\",\n    "
                                         "\"back\\\\slash\\u0009and tab\"\n  ],\n",
-                                        "  \"throttle\": {\"median\": 0.250, \"max\": 1.500}\n}\n"};
+                                        "  \"throttle\": {\"median\": 0.250, \"max\": 1.500},\n",
+                                        "  \"tolerance_px\": 2.000,\n  \"error_bound_px\": 1.750,\n",
+                                        "  \"blocks_by_level\": [1, 0, 12]\n}\n"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (!strstr(text, parts[i]))
             fail_msg("no %s in %s", parts[i], text);
