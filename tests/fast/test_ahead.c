@@ -159,6 +159,7 @@ static flown fly(slow_source *s, double ahead)
     tc_clipmap *c;
     tc_rect wanted[TC_MAX_LEVELS];
     flown f = {0};
+    ((packed_field *)field)->store->prefetch.most = 4; /* whatever processors there are */
     assert_int_equal(tc_ground_create(field, &small, &c, NULL), TC_OK);
     const int64_t waits = tc_field_tell(field).waits; /* for the coarsest level, before any frame */
     s->own_reads = 0;

@@ -9,7 +9,7 @@
 typedef struct slow_source {
     uint8_t *bytes;
     size_t size;
-    int delay_ms;
+    _Atomic int delay_ms;
     _Atomic int64_t broken, broken_end; /* what touches bytes broken .. broken_end - 1 cannot be read; none where 0 */
     _Atomic int reads;
     pthread_t own; /* the thread that opened it: it must not read */
