@@ -166,7 +166,7 @@ tc_status tc_imagery_create(const tc_map *map, tc_image *const *images, int coun
     im->map = map, im->layers = count, im->charts = map->charts, im->threads = threads, im->layer = layer;
     pthread_mutex_init(&im->mutex, NULL);
     tc_faults_init(&im->faults);
-    tc_prefetch_init(&im->prefetch, tc_colour_read_piece, CACHE_BYTES / 2, 0);
+    tc_prefetch_init(&im->prefetch, tc_colour_read_piece, CACHE_BYTES / 2, threads);
     for (int n = 0; n < count; n++) {
         layer[n].image = images[n];
         pthread_mutex_init(&layer[n].mutex, NULL);
