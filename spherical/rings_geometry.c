@@ -1,7 +1,7 @@
 /* rings_geometry.c - static support geometry of concentric rings (CH06 section 3.4).
  *
- * Rows of vertices lie n_phi + 64 apart: then the two rows that a strip uses, and the next one, do not fall on each
- * other in a direct-mapped vertex cache of 256 entries. Column n_phi repeats column 0 bit for bit.
+ * Rows of vertices lie n_phi + 64 apart: then the two rows that cells use, and the next one, do not fall on each other
+ * in a direct-mapped vertex cache of 256 entries. Column n_phi repeats column 0 bit for bit.
  *
  * Throttled frames draw of some rings only every second or every fourth vertex along rows and columns: lists of their
  * own over the same vertices. What is left out lies in the middle of an edge between two vertices that are not, where
@@ -14,7 +14,7 @@
 #include "common/base/status.h"
 #include "rings_internal.h"
 
-enum { PAD = 64 };
+enum { PAD = 64, TOGETHER = 7 };
 
 static int level_vertices(const rings_geometry *g)
 {
@@ -66,7 +66,8 @@ static void vertices(const rings_geometry *g, float (*v)[4])
     }
 }
 
-/* ---- Strips ------------------------------------------------------------------------------------------------------ */
+/* ---- Triangles ----------------------------------------------------------------------------------------------------
+ */
 
 int tc_rings_stage_of(int at, int last)
 {
@@ -96,67 +97,55 @@ typedef struct strips {
     int triangles;
 } strips;
 
-static void put(strips *s, int row, int column)
+static void add_triangle(strips *s, const int row[3], const int column[3])
 {
-    int index = row * s->g->stride + (s->disc && row == s->rows ? 0 : s->column + column);
-    if (s->out)
-        tc_set_index(s->out, s->first + s->count, (uint32_t)index);
-    s->count++;
+    for (int k = 0; k < 3; k++) {
+        int index = row[k] * s->g->stride + (s->disc && row[k] == s->rows ? 0 : s->column + column[k]);
+        if (s->out)
+            tc_set_index(s->out, s->first + s->count, (uint32_t)index);
+        s->count++;
+    }
+    s->triangles++;
 }
 
-static void begin_strip(strips *s)
+/* A cell between two rows and two columns of a stage, clockwise from above. middle: a column of the stage before
+ * between them, which the outer row has: three triangles; west: none. */
+static void add_cell(strips *s, int outer, int inner, int west, int middle, int east)
 {
-    if (s->count == 0)
+    const bool tip = s->disc && inner == s->rows; /* both inner corners are one */
+    if (middle > west) {
+        if (!tip)
+            add_triangle(s, (int[]){inner, outer, inner}, (int[]){east, east, west});
+        add_triangle(s, (int[]){inner, outer, outer}, (int[]){west, east, middle});
+        add_triangle(s, (int[]){inner, outer, outer}, (int[]){west, middle, west});
         return;
-    if (s->out)
-        tc_set_index(s->out, s->first + s->count, tc_restart(s->out));
-    s->count++;
-}
-
-/* Between two rows of a stage: one strip, clockwise from above. */
-static void add_row(strips *s, int outer, int inner, int stage)
-{
-    const int columns = s->g->n_phi / s->g->sectors;
-    begin_strip(s);
-    for (int k = 0;; k = next_drawn(k, columns, stage)) {
-        put(s, outer, k);
-        put(s, inner, k);
-        if (k == columns)
-            break;
-        s->triangles += s->disc && inner == s->rows ? 1 : 2;
     }
+    add_triangle(s, (int[]){outer, inner, outer}, (int[]){west, west, east});
+    if (!tip)
+        add_triangle(s, (int[]){outer, inner, inner}, (int[]){east, west, east});
 }
 
-/* The same where the outer one is of the stage before, so that a cell has three triangles: a strip for each. */
-static void add_finer_row(strips *s, int outer, int inner, int stage)
-{
-    const int columns = s->g->n_phi / s->g->sectors;
-    for (int k = 0; k < columns; k = next_drawn(k, columns, stage)) {
-        int end = next_drawn(k, columns, stage), middle = next_drawn(k, columns, stage - 1);
-        s->triangles += (s->disc && inner == s->rows ? 1 : 2) + (middle < end);
-        begin_strip(s);
-        if (middle < end) {
-            put(s, inner, end);
-            put(s, outer, end);
-            put(s, inner, k);
-            put(s, outer, middle);
-            put(s, outer, k);
-        } else {
-            put(s, outer, k);
-            put(s, inner, k);
-            put(s, outer, end);
-            put(s, inner, end);
-        }
-    }
-}
-
-/* From the outside inwards. */
+/* Some columns at a time, from the outside inwards: then the vertices of a row are still in a cache of 16 when the next
+ * row reads them. */
 static void add_sector(strips *s, int stage, bool finer_edge)
 {
-    for (int row = 0; row < s->rows;) {
-        int inner = next_drawn(row, s->rows, stage);
-        (row == 0 && finer_edge ? add_finer_row : add_row)(s, row, inner, stage);
-        row = inner;
+    const int columns = s->g->n_phi / s->g->sectors;
+    int drawn = 0, east;
+    for (int k = 0; k < columns; k = next_drawn(k, columns, stage))
+        drawn++;
+    const int parts = (drawn + TOGETHER - 1) / TOGETHER;
+    for (int part = 0, from = 0, done = 0, to; part < parts; part++, from = to) {
+        to = from;
+        for (const int end = drawn * (part + 1) / parts; done < end; done++)
+            to = next_drawn(to, columns, stage);
+        for (int row = 0, inner; row < s->rows; row = inner) {
+            inner = next_drawn(row, s->rows, stage);
+            for (int west = from; west < to; west = east) {
+                east = next_drawn(west, columns, stage);
+                const int before = row == 0 && finer_edge ? next_drawn(west, columns, stage - 1) : east;
+                add_cell(s, row, inner, west, before < east ? before : west, east);
+            }
+        }
     }
 }
 

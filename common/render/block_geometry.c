@@ -1,33 +1,33 @@
-/* block_geometry.c - static support geometry: blocks as triangle strips, and crack closers.
+/* block_geometry.c - static support geometry: blocks of cells, and crack closers.
  *
- * A level's frame is drawn in blocks, so that what lies outside the view can be left out. Each row of a block is a
- * strip; strips follow each other after a restart index (joined by degenerate triangles they cost the same, and show
- * as lines in wireframe). Vertices are numbered row by row with a stride of block + 1, so that the two rows in use stay
- * in a vertex cache. The strip goes south-west, north-west, south-east, ... in each row: the diagonal runs from
- * south-east to north-west (mesh.h), and triangles are clockwise from above. */
+ * A level's frame is drawn in blocks, so that what lies outside the view can be left out. A block's cells follow each
+ * other row by row, every other row from east to west: of wide rows at least the end is still in a small cache then.
+ * They are triangles, not strips: a software driver forgets the vertices that it has run where a strip ends
+ * (tests/bench/bench_acmr.c), and strips joined by triangles without area show as lines in wireframe. Vertices are
+ * numbered row by row with a stride of block + 1, so that the two rows in use stay in a vertex cache. A cell is
+ * south-west, north-west, south-east; south-east, north-west, north-east: the diagonal runs from south-east to
+ * north-west (mesh.h), and triangles are clockwise from above. */
 #include <stdlib.h>
 
 #include "common/base/status.h"
 #include "block_geometry.h"
 
-static uint32_t strip(tc_geometry *g, uint32_t at, int w, int h, int stride)
+static uint32_t cells(tc_geometry *g, uint32_t at, int w, int h, int stride)
 {
-    for (int j = 0; j < h; j++) {
-        int south = j * stride, north = south + stride;
-        if (j > 0)
-            tc_set_index(g, at++, tc_restart(g));
-        for (int i = 0; i <= w; i++) {
-            tc_set_index(g, at++, (uint32_t)(south + i));
-            tc_set_index(g, at++, (uint32_t)(north + i));
+    for (int j = 0; j < h; j++)
+        for (int i = 0; i < w; i++) {
+            const int sw = j * stride + (j & 1 ? w - 1 - i : i), nw = sw + stride,
+                      of[6] = {sw, nw, sw + 1, sw + 1, nw, nw + 1};
+            for (int k = 0; k < 6; k++)
+                tc_set_index(g, at++, (uint32_t)of[k]);
         }
-    }
     return at;
 }
 
 /* A coarse edge is two fine ones; the triangle of their three vertices fills whatever lies between. */
-static uint32_t closers(tc_geometry *g, uint32_t at, int cells, int step)
+static uint32_t closers(tc_geometry *g, uint32_t at, int edges, int step)
 {
-    for (int i = 0; i + 2 <= cells; i += 2)
+    for (int i = 0; i + 2 <= edges; i += 2)
         for (int k = 0; k < 3; k++)
             tc_set_index(g, at++, (uint32_t)((i + k) * step));
     return at;
@@ -58,7 +58,7 @@ tc_status tc_block_geometry_make(int block, tc_geometry *geometry, tc_block_geom
     index->block = block;
     for (int w = 1; w <= block; w++) {
         index->strip_first[w - 1] = at;
-        at = strip(geometry, at, w, block, stride);
+        at = cells(geometry, at, w, block, stride);
     }
     index->row_first = at;
     at = closers(geometry, at, block, 1);

@@ -11,7 +11,7 @@ static const struct state_switch {
     bool on, indexed;
 } switches[] = {
     {GL_DEPTH_TEST, true, false},
-    {GL_PRIMITIVE_RESTART_FIXED_INDEX, true, false}, /* tc_restart() */
+    {GL_PRIMITIVE_RESTART_FIXED_INDEX, false, false},
     {GL_MULTISAMPLE, true, false},
     {GL_DITHER, true, false},
     {GL_FRAMEBUFFER_SRGB, false, false},

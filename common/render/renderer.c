@@ -1,7 +1,7 @@
 /* renderer.c - frames of a surface over a clipmap (AH05: heights as vertex textures; the design's section 6).
  *
  * A frame: move the windows within the budget, upload what changed, assemble the surface's draws, one multi-draw of
- * strips and one of crack closers, then the sky where nothing was drawn. Positions are relative to the eye. What views
+ * blocks and one of crack closers, then the sky where nothing was drawn. Positions are relative to the eye. What views
  * share is in scene_objects.c, the frame's numbers in frame_uniforms.c, where it is drawn in target.c. */
 #include "renderer.h"
 
@@ -208,7 +208,7 @@ static void draw_terrain(const tc_renderer *r, const GLuint programs[2], const t
     if (frame->one_sided && !r->options.wireframe)
         gl->Enable(GL_CULL_FACE);
     if (frame->strip_draws)
-        gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, index, NULL, frame->strip_draws, 0);
+        gl->MultiDrawElementsIndirect(GL_TRIANGLES, index, NULL, frame->strip_draws, 0);
     gl->Disable(GL_CULL_FACE);
     if (frame->list_draws && !r->options.wireframe) {
         gl->UseProgram(programs[1]);

@@ -18,8 +18,7 @@ typedef enum tc_vertex_format {
     TC_VERTEX_FLOAT_4   /* GLSL: vec4 */
 } tc_vertex_format;
 
-/* Static support geometry: vertices, and indices of triangle strips or triangles. The largest index that the type has
- * ends a strip and begins the next. */
+/* Static support geometry: vertices, and indices of triangles. */
 typedef struct tc_geometry {
     tc_vertex_format format;
     void *vertices;
@@ -33,10 +32,6 @@ typedef struct tc_geometry {
 static inline int tc_index_bytes(int64_t vertices)
 {
     return vertices <= UINT16_MAX ? 2 : 4;
-}
-static inline uint32_t tc_restart(const tc_geometry *g)
-{
-    return g->index_bytes == 2 ? UINT16_MAX : UINT32_MAX;
 }
 static inline uint32_t tc_index(const tc_geometry *g, size_t at)
 {
@@ -96,14 +91,14 @@ typedef struct tc_layers {
 
 /* What one frame draws. Belongs to who draws, and is used again from frame to frame. */
 typedef struct tc_frame {
-    tc_draw *draws;         /* strips first, then triangle lists; the surface's draw_capacity of them */
+    tc_draw *draws;         /* blocks first, then crack closers; the surface's draw_capacity of them */
     tc_instance *instances; /* one a draw, where the surface has them */
     int strip_draws, list_draws;
-    bool one_sided;             /* no back of a strip's triangle (counter-clockwise from the eye) can be seen */
+    bool one_sided;             /* no back of a block's triangle (counter-clockwise from the eye) can be seen */
     int64_t triangles;          /* that cover area: without joints and without crack closers */
     int64_t triangles_unculled; /* the same if nothing had been outside the view */
-    int draws_unculled;         /* strips, likewise */
-    int blocks[TC_MAX_LEVELS];  /* strips drawn of each level, coarse to fine */
+    int draws_unculled;         /* blocks, likewise */
+    int blocks[TC_MAX_LEVELS];  /* drawn of each level, coarse to fine */
     double error_bound; /* pixels that it is off at most, where it is drawn by a tolerance; else, and where nothing
                          * is known, INFINITY */
     int levels_active;  /* drawn; and not: */

@@ -52,7 +52,7 @@ static void plain_from_scene(const tc_gl *gl, scene *s, const tc_camera *camera,
         uint32_t last = 0;
         for (uint32_t k = 0; k < draws[d].count; k++) {
             uint32_t index = tc_index(g, draws[d].first_index + k);
-            last = index > last && index != tc_restart(g) ? index : last;
+            last = index > last ? index : last;
         }
         for (uint32_t k = 0; k <= last; k++) {
             const uint16_t *vertex = (const uint16_t *)g->vertices + 2 * k;

@@ -78,7 +78,7 @@ static void draw_into(const tc_gl *gl, scene *s, const tc_camera *camera, double
         set_projection(gl, camera, distance, how == CONVENTIONAL);
     gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
     gl->DepthFunc(how == CONVENTIONAL ? GL_LESS : GL_GREATER);
-    gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, strips, 0);
+    gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, NULL, strips, 0);
     gl->DepthFunc(GL_GREATER);
 }
 

@@ -81,8 +81,9 @@ static void break_surface(rings_surface *s, fault f)
         s->head.draws = all_draws_but_one;
     }
     for (int k = 0; f == TRIANGLE_MISSING && k < g->sectors; k++)
-        tc_set_index(&s->head.geometry, g->ring_strips[0][0].first + (uint32_t)k * g->ring_strips[0][0].count + 4,
-                     tc_restart(&s->head.geometry));
+        tc_set_index(
+            &s->head.geometry, g->ring_strips[0][0].first + (uint32_t)k * g->ring_strips[0][0].count + 4,
+            tc_index(&s->head.geometry, g->ring_strips[0][0].first + (uint32_t)k * g->ring_strips[0][0].count + 3));
     for (int r = 0; f == MERIDIAN_OPEN && r <= g->levels * g->m; r++)
         v[r * g->stride + g->n_phi][1] -= 0.02f * v[r * g->stride + g->n_phi][0];
     for (int i = 0; f == DISC_SMALL && i < g->levels; i++)

@@ -40,17 +40,9 @@ static int list_edges(const rings_geometry *g, const tc_geometry *geometry, cons
 {
     int triangles = 0, count = 0;
     for (int sector = 0; sector < g->sectors; sector++) {
-        uint32_t first = list->first + (uint32_t)sector * list->count, strip = first;
-        for (uint32_t at = first; at < first + list->count; at++) {
-            if (tc_index(geometry, at) == tc_restart(geometry)) {
-                strip = at + 1;
-                continue;
-            }
-            if (at < strip + 2)
-                continue;
-            int odd = (int)(at - strip) & 1;
-            int v[3] = {vertex(g, geometry, at - 2 + (uint32_t)odd), vertex(g, geometry, at - 1 - (uint32_t)odd),
-                        vertex(g, geometry, at)};
+        uint32_t first = list->first + (uint32_t)sector * list->count;
+        for (uint32_t at = first; at < first + list->count; at += 3) {
+            int v[3] = {vertex(g, geometry, at), vertex(g, geometry, at + 1), vertex(g, geometry, at + 2)};
             if (v[0] == v[1] || v[1] == v[2] || v[0] == v[2])
                 continue;
             triangles++;

@@ -134,7 +134,7 @@ static block block_of(const tc_clipmap *clipmap, const square_viewer *viewer, co
     uint32_t first = 0;
     while (first < draw->first_index)
         first += tc_block_strip_count(b.w++, side);
-    b.h = (int)(draw->count + 1) / (2 * b.w + 3);
+    b.h = (int)draw->count / (6 * b.w);
     return b;
 }
 

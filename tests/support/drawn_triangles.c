@@ -54,7 +54,7 @@ drawn_triangles triangle_catcher_draw(triangle_catcher *c, const tc_camera *came
     gl->UseProgram(c->program);
     gl->BeginQuery(GL_TRANSFORM_FEEDBACK_PRIMITIVES_WRITTEN, c->query);
     gl->BeginTransformFeedback(GL_TRIANGLES);
-    gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP,
+    gl->MultiDrawElementsIndirect(GL_TRIANGLES,
                                   c->scene->surface->geometry.index_bytes == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT,
                                   NULL, strips, 0);
     gl->EndTransformFeedback();

@@ -78,7 +78,7 @@ static bool make_geometry(tc_geometry *g)
     enum { SIDE = CELLS + 1 };
     uint16_t(*v)[2] = malloc(SIDE * SIDE * sizeof *v);
     *g = (tc_geometry){.format = TC_VERTEX_UINT16_2, .vertices = v, .vertex_count = SIDE * SIDE, .index_bytes = 4};
-    g->index_count = CELLS * (2 * SIDE + 1);
+    g->index_count = 6 * CELLS * CELLS;
     g->indices = malloc((size_t)g->index_count * sizeof(uint32_t));
     if (!v || !g->indices)
         return false;
@@ -86,12 +86,11 @@ static bool make_geometry(tc_geometry *g)
     for (int j = 0; j < SIDE; j++)
         for (int i = 0; i < SIDE; i++) {
             v[j * SIDE + i][0] = (uint16_t)i, v[j * SIDE + i][1] = (uint16_t)j;
-            if (j == CELLS)
+            if (j == CELLS || i == CELLS)
                 continue;
-            tc_set_index(g, at++, (uint32_t)(j * SIDE + i));
-            tc_set_index(g, at++, (uint32_t)((j + 1) * SIDE + i));
-            if (i == CELLS)
-                tc_set_index(g, at++, tc_restart(g));
+            const int sw = j * SIDE + i, nw = sw + SIDE, of[6] = {sw, nw, sw + 1, sw + 1, nw, nw + 1};
+            for (int k = 0; k < 6; k++)
+                tc_set_index(g, at++, (uint32_t)of[k]);
         }
     return true;
 }

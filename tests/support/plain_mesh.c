@@ -63,11 +63,11 @@ void plain_draw(const tc_gl *gl, const plain_mesh *m, const tc_camera *camera, d
     gl->UseProgram(m->program);
     gl->ProgramUniformMatrix4fv(m->program, m->matrix, 1, GL_FALSE, matrix);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, m->draws);
-    gl->Enable(GL_PRIMITIVE_RESTART_FIXED_INDEX); /* TC_RESTART */
+    gl->Disable(GL_PRIMITIVE_RESTART_FIXED_INDEX);
     gl->FrontFace(GL_CW);
     if (one_sided)
         gl->Enable(GL_CULL_FACE);
-    gl->MultiDrawElementsIndirect(GL_TRIANGLE_STRIP, GL_UNSIGNED_SHORT, NULL, m->strip_draws, 0);
+    gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT, NULL, m->strip_draws, 0);
     gl->Disable(GL_CULL_FACE);
     if (m->list_draws)
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_SHORT,
