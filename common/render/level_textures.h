@@ -24,7 +24,7 @@ typedef struct tc_level_texture {
     size_t bytes;
 } tc_level_texture;
 
-enum { TC_LEFT = 8 };
+enum { TC_LEFT = 4 };
 
 typedef struct tc_level_textures {
     tc_level_texture content[TC_MAX_CONTENTS]; /* of all clipmaps, which have the same n and the same contents */
