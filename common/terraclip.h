@@ -166,9 +166,10 @@ typedef struct tc_range {
     float error; /* the finest level's mesh; INFINITY where that is not known */
 } tc_range;
 
-/* Finds what tc_range.error needs, once: of a field in memory by a look at all samples for each level; of a packed one
- * from all of its index, unless that has more than 4,096 pages (some 8 billion samples), for which it stays unknown, as
- * it does where that cannot be read. Before, errors are not known. Thread-safe. */
+/* Finds what tc_range.error needs, once: of a field in memory, and of a packed one of up to 2^27 samples, by a look at
+ * all of them; of a larger one, wider, from all of its index, unless that has more than 4,096 pages (some 8 billion
+ * samples), for which errors stay unknown, as they do where something cannot be read. Before, they are not known.
+ * Thread-safe. */
 void tc_field_know_errors(const tc_field *field);
 
 /* What bounds the level's heights over rect (cut to the level where that does not wrap; all of the terrain where

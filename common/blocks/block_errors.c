@@ -167,6 +167,28 @@ bool tc_block_errors_want(tc_block_errors *e, tc_block b)
     return false;
 }
 
+/* Whether a leaf is drawn as its errors ask for, not coarser: for the sake of windows, or since something is missing.
+ */
+static bool as_asked(tc_block_errors *e, const tc_leaf *leaf, const float alpha[4])
+{
+    const tc_block b = leaf->block;
+    const tc_block_lattice *l = e->ground.lattice;
+    if (leaf->coarse)
+        return !tc_block_errors_want(e, b);
+    for (int k = 0; k < 4 && b.level > 1; k++)
+        if ((double)alpha[k] > tc_block_errors_alpha(e, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1)))
+            return false;
+    if (b.level == e->ground.data)
+        return true;
+    const int across = 2 * l->side[b.level - 1] / l->side[b.level];
+    for (int k = 0; k < across * across; k++) {
+        const tc_block part = {b.chart, b.level + 1, b.x * across + k % across, b.y * across + k / across};
+        if (part.x < l->blocks[b.level][0] && part.y < l->blocks[b.level][1] && tc_block_errors_want(e, part))
+            return false;
+    }
+    return true;
+}
+
 double tc_block_errors_bound(tc_block_errors *e, const tc_leaf *leaf, const float alpha[4])
 {
     const tc_block b = leaf->block;
@@ -184,5 +206,5 @@ double tc_block_errors_bound(tc_block_errors *e, const tc_leaf *leaf, const floa
             most = fmax(most, off / distance_at(e, b.chart, b.level, b.x + x, b.y + y, a.lo, a.hi,
                                                 0.5 * e->ground.diagonal[b.level - 1]));
     }
-    return most;
+    return most > e->tolerance && as_asked(e, leaf, alpha) ? e->tolerance : most;
 }

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "filter.h"
-#include "level_error.h"
+#include "measured_errors.h"
 #include "common/base/parallel.h"
 #include "memory_field.h"
 #include "range_pyramid.h"
@@ -14,22 +14,21 @@
 #include "common/base/status.h"
 
 enum {
-    TILE_SHIFT = 4,
-    TILE = 1 << TILE_SHIFT, /* samples of a bounds tile along a side */
-    BAND = 64               /* rows that one task filters */
+    TILE = 16, /* samples of a bounds tile along a side */
+    BAND = 64  /* rows that one task filters */
 };
 
 typedef struct memory_level {
     float *z;                /* [j * width + i] */
     uint8_t *voids;          /* the same; NULL where the terrain has no voids */
     tc_range_pyramid ranges; /* leaves: tiles */
-    tc_range_pyramid errors; /* likewise, once they are known; only error counts */
 } memory_level;
 
 typedef struct memory_field {
     tc_field head;
     memory_level level[TC_MAX_FIELD_LEVELS];
-    pthread_mutex_t mutex; /* of finding out about errors */
+    tc_range_pyramid error[TC_MAX_FIELD_LEVELS]; /* once errors_known (measured_errors.h) */
+    pthread_mutex_t mutex;                       /* of finding out about them */
     _Atomic bool errors_known;
     bool flat; /* voids are shown at a height of their own */
     float void_height;
@@ -65,7 +64,7 @@ static tc_range memory_range(const tc_field *field, int level, tc_rect rect)
         const int64_t most_x = pieces == 1 ? 2 : 1;
         all = tc_range_both(all, tc_range_ask(&p->level[level - 1].ranges, leaves, most_x, &reads));
         if (p->errors_known)
-            error = fmaxf(error, tc_range_ask(&p->level[level - 1].errors, leaves, most_x, &reads).error);
+            error = fmaxf(error, tc_measured_error(&p->error[level - 1], r, most_x, &reads));
     }
     all.error = error;
     p->asked++;
@@ -97,50 +96,11 @@ static void memory_destroy(tc_field *field)
         free(p->level[l].z);
         free(p->level[l].voids);
         free(p->level[l].ranges.node);
-        free(p->level[l].errors.node);
     }
+    tc_measured_errors_free(p->error, field->info.levels);
     pthread_mutex_destroy(&p->mutex);
     free(p->head.georef.crs_wkt);
     free(p);
-}
-
-/* Errors of a row of a level's tiles. */
-typedef struct finding {
-    const memory_field *p;
-    int level;
-    _Atomic bool failed;
-} finding;
-
-static void error_row(void *context, int64_t ty)
-{
-    finding *f = context;
-    const tc_field *head = &f->p->head;
-    const memory_level *l = &f->p->level[f->level - 1];
-    const int m = head->info.levels, finer = m - f->level;
-    const tc_range_pyramid *r = &l->errors, *parts = &l[1].errors;
-    tc_range *tile = r->node + ty * r->nx;
-    const tc_level_pair pair = {.fine = head->level[m - 1],
-                                .coarse = head->level[f->level - 2],
-                                .z = f->p->level[m - 1].z,
-                                .mesh = l[-1].z,
-                                .shift = finer + 1,
-                                .wraps = tc_field_wraps(head, f->level)};
-    float *errors = malloc((size_t)(r->nx + 2 * pair.coarse.width + 4) * sizeof *errors);
-    if (!errors) {
-        f->failed = true;
-        return;
-    }
-    tc_level_errors(&pair, TILE_SHIFT + finer, ty * TILE << finer, tc_min64((ty + 1) * TILE << finer, pair.fine.height),
-                    errors, errors + r->nx);
-    for (int64_t tx = 0; tx < r->nx; tx++) {
-        tile[tx] = TC_NO_RANGE;
-        tile[tx].error = errors[tx];
-        /* No less than the finer level's. */
-        for (int k = 0; k < 4 && finer > 0; k++)
-            if (2 * tx + (k & 1) < parts->nx && 2 * ty + (k >> 1) < parts->ny)
-                tile[tx] = tc_range_both(tile[tx], parts->node[(2 * ty + (k >> 1)) * parts->nx + 2 * tx + (k & 1)]);
-    }
-    free(errors);
 }
 
 static void memory_know_errors(const tc_field *field)
@@ -149,21 +109,10 @@ static void memory_know_errors(const tc_field *field)
     if (p->errors_known)
         return;
     pthread_mutex_lock(&p->mutex);
-    finding f = {.p = p};
-    for (int l = field->info.levels; l >= 1 && !p->errors_known && !f.failed; l--) {
-        tc_range_pyramid *r = &p->level[l - 1].errors;
-        const tc_range_pyramid *like = &p->level[l - 1].ranges;
-        const int64_t nodes = tc_range_nodes(like->nx, like->ny);
-        *r = (tc_range_pyramid){like->nx, like->ny, r->node ? r->node : malloc((size_t)nodes * sizeof *r->node)};
-        if (!r->node)
-            break;
-        for (int64_t n = 0; n < like->nx * like->ny; n++)
-            r->node[n] = (tc_range){INFINITY, -INFINITY, 0, INFINITY};
-        f.level = l;
-        if (l > 1)
-            tc_parallel_for(0, r->ny, error_row, &f);
-        tc_range_build(r);
-        p->errors_known = l == 1 && !f.failed;
+    if (!p->errors_known) {
+        p->errors_known = tc_measure_errors(field, p->error) == TC_OK;
+        if (!p->errors_known)
+            tc_measured_errors_free(p->error, field->info.levels);
     }
     pthread_mutex_unlock(&p->mutex);
 }

@@ -1,6 +1,6 @@
-/* packed_error.c - how far the finest level's mesh may be from the others', from the largest steps that the index
- * tells: as far as a tile's samples are from the coarser level's mesh, and the finest level from theirs, which its four
- * parts know. */
+/* packed_error.c - how far the finest level's mesh may be from the others': measured, where decoding all samples takes
+ * no time to speak of; else from the largest steps that the index tells: as far as a tile's samples are from the
+ * coarser level's mesh, and the finest level from theirs, which its four parts know. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@
 #include "common/base/rect.h"
 #include "packed_internal.h"
 
-enum { MOST_PAGES = 4096, TILE_SHIFT = 7 };
+enum { MOST_PAGES = 4096, MOST_MEASURED = 1 << 27 /* samples */, TILE_SHIFT = 7 };
 _Static_assert(1 << TILE_SHIFT == TC_TILE_SIDE, "a tile's samples");
 
 static int64_t pages_of(const packed_field *p)
@@ -84,16 +84,29 @@ static bool make_level(packed_field *p, int l)
     return true;
 }
 
+static bool errors_by_steps(packed_field *p)
+{
+    if (pages_of(p) > MOST_PAGES)
+        return false;
+    for (int l = p->file.container.levels; l >= 1; l--)
+        if (!make_level(p, l))
+            return false;
+    return true;
+}
+
 void tc_packed_know_errors(const tc_field *field)
 {
     packed_field *p = (packed_field *)field;
-    if (p->errors_known || pages_of(p) > MOST_PAGES)
+    const int levels = field->info.levels;
+    const tc_level *finest = &field->level[levels - 1];
+    if (p->errors_known)
         return;
-    pthread_mutex_lock(&p->mutex);
-    bool made = !p->errors_known;
-    for (int l = p->file.container.levels; l >= 1 && made; l--)
-        made = p->error[l - 1].node || make_level(p, l);
-    if (made)
-        p->errors_known = true;
-    pthread_mutex_unlock(&p->mutex);
+    pthread_mutex_lock(&p->errors_mutex);
+    if (!p->errors_known) {
+        p->errors_measured = finest->width * finest->height <= MOST_MEASURED;
+        p->errors_known = p->errors_measured ? tc_measure_errors(field, p->error) == TC_OK : errors_by_steps(p);
+        if (!p->errors_known)
+            tc_measured_errors_free(p->error, levels);
+    }
+    pthread_mutex_unlock(&p->errors_mutex);
 }

@@ -160,6 +160,7 @@ static void packed_destroy(tc_field *field)
         tc_scratch_free(s);
     }
     pthread_mutex_destroy(&p->mutex);
+    pthread_mutex_destroy(&p->errors_mutex);
     tc_packed_file_close(&p->file);
     tc_tile_store_release(p->store);
     free(p);

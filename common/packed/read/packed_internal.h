@@ -15,6 +15,7 @@
 
 #include "common/packed/file/level_coder.h"
 #include "common/packed/file/packed_file.h"
+#include "common/field/measured_errors.h"
 #include "tile_store.h"
 
 enum {
@@ -75,9 +76,12 @@ typedef struct packed_field {
     tc_tile_store *store;
     int owner; /* in the store */
     level_state level[TC_MAX_FIELD_LEVELS];
-    tc_range_pyramid base[TC_MAX_FIELD_LEVELS];  /* of levels that stand in the head; leaves: samples */
-    tc_range_pyramid error[TC_MAX_FIELD_LEVELS]; /* once errors_known; leaves: tiles, of base's samples */
+    tc_range_pyramid base[TC_MAX_FIELD_LEVELS]; /* of levels that stand in the head; leaves: samples */
+    tc_range_pyramid
+        error[TC_MAX_FIELD_LEVELS]; /* once errors_known; leaves: as measured, else tiles, of base's samples */
+    bool errors_measured;
     _Atomic bool errors_known;
+    pthread_mutex_t errors_mutex;
     pthread_mutex_t mutex;
     scratch *idle;
     tc_void_policy voids;

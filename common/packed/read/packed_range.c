@@ -37,7 +37,12 @@ tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect)
             all = tc_range_both(all, tc_packed_file_range(&p->file, l, tiles, most_x, &reads, &missing));
             ask_for(p, l, &missing);
         }
-        error = p->errors_known ? fmaxf(error, tc_range_ask(&p->error[l - 1], tiles, most_x, &reads).error) : INFINITY;
+        if (!p->errors_known)
+            error = INFINITY;
+        else if (p->errors_measured)
+            error = fmaxf(error, tc_measured_error(&p->error[l - 1], r, most_x, &reads));
+        else
+            error = fmaxf(error, tc_range_ask(&p->error[l - 1], tiles, most_x, &reads).error);
     }
     all.error = p->damaged > 0 ? INFINITY : error;
     if (l > c->base && p->damaged > 0) { /* what stands in for damaged tiles lies about within the terrain's range */
