@@ -62,4 +62,4 @@ static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_sur
                             error);
 }
 
-const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL, NULL}, {0}};
+const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL, NULL, true}, {0}};

@@ -29,7 +29,7 @@ static const double PASSAGE = 0.2;
 /* Of the eye's height above the ground that counts as distance: a level is dropped at 0.8 n of its cells, as nests do.
  */
 static const double HEIGHT_SHARE = 0.6;
-enum { LEAST_SIDE = 8, MOST_SIDE = 16 };
+enum { LEAST_SIDE = 8, MOST_SIDE = 16, COARSEST = 128 };
 
 static int tree_block(int n)
 {
@@ -353,8 +353,11 @@ static tc_status tree_prepare(square_surface *s, tc_error *error)
     if (n < TC_SQUARE_LEAST_N)
         return tc_fail(error, TC_ERR_USAGE, "--n: expected at least %d with --error, found %d", TC_SQUARE_LEAST_N, n);
     tc_field_know_errors(field);
-    /* The clipmap's, coarse to fine. */
-    for (int level = tc_clipmap_coarsest(field, n); level <= finest && levels < TC_MAX_LEVELS; level++, levels++) {
+    /* The clipmap's, coarse to fine; those that a window holds as a whole go on down to one that costs little where it
+     * is all that is needed. */
+    s->windows.coarsest = COARSEST;
+    for (int level = tc_clipmap_coarsest(field, n, COARSEST); level <= finest && levels < TC_MAX_LEVELS;
+         level++, levels++) {
         const tc_rect extent = tc_clipmap_extent(field, level);
         cells[levels][0] = extent.x1 - 1, cells[levels][1] = extent.y1 - 1;
     }

@@ -138,8 +138,8 @@ static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_sur
 }
 
 const tc_scheme tc_faces_schemes[] = {
-    {"hex", "hexagonal geometry clipmaps", &tc_sphere_body, size, create, &tc_atlas_hex, &tc_faces_hex},
+    {"hex", "hexagonal geometry clipmaps", &tc_sphere_body, size, create, &tc_atlas_hex, &tc_faces_hex, true},
     {"cube", "chunks of a cube's faces, passing over into each other", &tc_sphere_body, size, create, &tc_atlas_cube,
-     &tc_faces_cube},
-    {"cube-pt", "the same without a passage", &tc_sphere_body, size, create, &tc_atlas_cube, &tc_faces_cube_pt},
+     &tc_faces_cube, true},
+    {"cube-pt", "the same without a passage", &tc_sphere_body, size, create, &tc_atlas_cube, &tc_faces_cube_pt, false},
     {0}};

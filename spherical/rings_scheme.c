@@ -47,6 +47,6 @@ static int all_sizes(const tc_surface_request *request)
 static const tc_rings_scheme exact = TC_RINGS_EXACT, ch06 = TC_RINGS_CH06;
 
 const tc_scheme tc_rings_schemes[] = {
-    {"rings", NULL, &tc_sphere_body, all_sizes, create, &tc_atlas_lonlat, &exact},
-    {"rings-ch06", "the paper's own map transform", &tc_sphere_body, all_sizes, create, &tc_atlas_lonlat, &ch06},
+    {"rings", NULL, &tc_sphere_body, all_sizes, create, &tc_atlas_lonlat, &exact, false},
+    {"rings-ch06", "the paper's own map transform", &tc_sphere_body, all_sizes, create, &tc_atlas_lonlat, &ch06, false},
     {0}};

@@ -271,6 +271,10 @@ static tc_status check_together(const tc_options *o, tc_error *error)
         return tc_fail(
             error, TC_ERR_USAGE,
             "--target-ms: expected a window or --path FILE with it, found one picture, which takes its time");
+    if (o->scene.frame.error > 0 && o->scheme && !o->scheme->by_error)
+        return tc_fail(error, TC_ERR_USAGE,
+                       "--error: expected a scheme that chooses blocks by it, as %s does, found %s",
+                       tc_scheme_by_error(o->program->schemes)->name, o->scheme->name);
     if (o->path && o->has_view)
         return tc_fail(error, TC_ERR_USAGE, "--view: expected either it or --path, found both");
     return TC_OK;
@@ -288,6 +292,8 @@ tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **ar
         o = (tc_options){.action = action};
     else if (status == TC_OK)
         status = check_together(&o, error);
+    if (o.scene.frame.error > 0 && !o.scheme)
+        o.scheme = tc_scheme_by_error(program->schemes);
     o.scene.throttle = o.target_ms > 0;
     if (status == TC_OK)
         *options_ret = o;

@@ -23,6 +23,15 @@ const tc_scheme *tc_scheme_named(const tc_scheme *const *lists, const tc_body_cl
     return NULL;
 }
 
+const tc_scheme *tc_scheme_by_error(const tc_scheme *const *lists)
+{
+    const tc_scheme *s;
+    for (int k = 0; (s = tc_scheme_at(lists, NULL, k)); k++)
+        if (s->by_error)
+            return s;
+    return NULL;
+}
+
 const tc_scheme *tc_scheme_for(const tc_scheme *const *lists, const tc_map *map)
 {
     const tc_atlas *atlas = tc_atlas_of(map->chart[0].class);

@@ -29,6 +29,7 @@ struct tc_scheme {
                         tc_surface **surface_ret, tc_error *error);
     const tc_atlas *atlas; /* of the maps that it draws; NULL: none */
     const void *kind;      /* which of its surface's, as its list knows them */
+    bool by_error;         /* its surfaces can choose blocks by their error */
 };
 
 /* All that are built in: lists that end with a NULL name, of which the first one is taken unless another is named;
@@ -39,6 +40,7 @@ extern const tc_scheme *const tc_scheme_lists[];
  */
 const tc_scheme *tc_scheme_at(const tc_scheme *const *lists, const tc_body_class *body, int k);
 const tc_scheme *tc_scheme_for(const tc_scheme *const *lists, const tc_map *map); /* the first that draws its charts */
+const tc_scheme *tc_scheme_by_error(const tc_scheme *const *lists); /* the first that can choose blocks so */
 const tc_scheme *tc_scheme_named(const tc_scheme *const *lists, const tc_body_class *body, const char *name);
 
 #endif

@@ -142,12 +142,18 @@ static bool fits_window(const tc_field *field, int level, bool wraps, int n)
     return x <= n && vertices_to_edge(top.height - 1, shift) <= n;
 }
 
-int tc_clipmap_coarsest(const tc_field *field, int n)
+static int first_level(const tc_field *field, int n, int coarsest, bool wraps)
 {
     int first = tc_field_info(field)->levels;
-    while (first > 1 && !fits_window(field, first, false, n))
+    while (first > 1 &&
+           (!fits_window(field, first, wraps, n) || (coarsest > 0 && tc_field_level(field, first).width > coarsest)))
         first--;
     return first;
+}
+
+int tc_clipmap_coarsest(const tc_field *field, int n, int coarsest)
+{
+    return first_level(field, n, coarsest, false);
 }
 
 tc_rect tc_clipmap_extent(const tc_field *field, int field_level)
@@ -210,10 +216,7 @@ tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *opt
         return TC_ERR_USAGE;
     const tc_terrain_info *info = tc_field_info(field);
     tc_level top = tc_field_level(field, info->levels);
-    int first = info->levels;
-    while (first > 1 && (!fits_window(field, first, options->wraps, n) ||
-                         (options->coarsest > 0 && tc_field_level(field, first).width > options->coarsest)))
-        first--;
+    int first = first_level(field, n, options->coarsest, options->wraps);
     if (options->wraps && !(tc_field_wraps(field, first) && fits_window(field, first, true, n)))
         return tc_fail(error, TC_ERR_UNSUPPORTED,
                        "terrain: expected a width of 2^k times at most %d samples to go round, found %lld", n - 5,

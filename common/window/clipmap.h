@@ -92,8 +92,8 @@ tc_status tc_clipmap_create(const tc_field *field, const tc_clipmap_options *opt
 void tc_clipmap_destroy(tc_clipmap *clipmap);
 
 /* Of a clipmap of windows of n samples over a field, not wrapping and all levels of it: the field's level that is its
- * coarsest; and the whole map of a level. */
-int tc_clipmap_coarsest(const tc_field *field, int n);
+ * coarsest, of at most so many samples in x (0: as many as fit a window); and the whole map of a level. */
+int tc_clipmap_coarsest(const tc_field *field, int n, int coarsest);
 tc_rect tc_clipmap_extent(const tc_field *field, int field_level);
 
 /* Window size for a frame: at the distances where a level is drawn its cells cover about as many pixels as in LH04's

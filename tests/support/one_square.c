@@ -152,4 +152,4 @@ static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_sur
     return TC_OK;
 }
 
-const tc_scheme one_square_schemes[] = {{"one-square", NULL, &tc_plane_body, size, create, NULL, NULL}, {0}};
+const tc_scheme one_square_schemes[] = {{"one-square", NULL, &tc_plane_body, size, create, NULL, NULL, false}, {0}};
