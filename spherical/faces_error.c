@@ -56,14 +56,48 @@ bool tc_faces_by_error(const faces_view *v)
     return v->error && v->error->tolerance > 0;
 }
 
+/* What lies on the mesh of the windows' finest level has to have passed over, by distance, before that begins to
+ * (tc_faces_alpha()), or it would go on beyond it: so much of it has. Ranges go by quarters, as what cells bend by
+ * does, and end as much further in as a block of that level is wide. */
+static double passed(const faces_view *v, int chart, int level, int32_t x, int32_t y)
+{
+    const faces_surface *s = tc_faces_of(v);
+    const double block = ldexp(s->lattice.side[level - 1], s->lattice.levels - level),
+                 wide = s->diagonal * s->cell * ldexp(s->lattice.side[s->own - 1], s->lattice.levels - s->own),
+                 begins = FACES_PASSED * (1 - FACES_PASSAGE) * tc_faces_range(v, s->own),
+                 range = ldexp(begins - wide, 2 * (s->own + 1 - level));
+    double d[3];
+    if (range <= 0)
+        return 1;
+    tc_faces_roughly(v, chart, x * block, y * block, d);
+    return fmin(fmax((s->kind->distance(d, v->height) / range - (1 - FACES_PASSAGE)) / FACES_PASSAGE, 0), 1);
+}
+
+/* alpha of a corner where all blocks that touch it are drawn by their level. */
+static double corner_alpha(const faces_view *v, int chart, int level, int32_t x, int32_t y)
+{
+    const double alpha = tc_block_errors_alpha(v->error, chart, level, x, y);
+    if (level <= tc_faces_of(v)->own || alpha >= 1)
+        return alpha;
+    tc_block_settle(&tc_faces_of(v)->lattice, level, &chart, &x, &y); /* the same number, however it is rounded */
+    return fmax(alpha, passed(v, chart, level, x, y));
+}
+
+bool tc_faces_want_by_error(const faces_view *v, tc_block b)
+{
+    for (int k = 0; k < 4; k++)
+        if (corner_alpha(v, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1)) < 1)
+            return true;
+    return false;
+}
+
 float tc_faces_corner(const faces_view *v, const tc_leaf *leaf, int k)
 {
     const tc_block b = leaf->block;
     if (leaf->coarse || b.level == 1 || !tc_faces_by_error(v) || leaf->finer_corners >> k & 1)
         return 0;
-    if (leaf->corners >> k & 1)
-        return 1;
-    /* In 2^-16: what a shader interpolates of it along an edge is exact. */
-    return (float)(floor(tc_block_errors_alpha(v->error, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1)) * 65536) /
-                   65536);
+    /* Next to a coarser mesh it is 1 by itself where the error ends a level, and where a window does vertices have that
+     * by their distance: for the whole block it would be a leap. In 2^-16: what a shader interpolates of it along an
+     * edge is exact. */
+    return (float)(floor(corner_alpha(v, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1)) * 65536) / 65536);
 }

@@ -159,6 +159,8 @@ double tc_faces_sag(const faces_view *view, double edge, double from_pole);
 void tc_faces_begin_errors(faces_view *view);
 /* Whether blocks are chosen by it. */
 bool tc_faces_by_error(const faces_view *view);
+/* Whether any corner of a block has an alpha below 1 by it. */
+bool tc_faces_want_by_error(const faces_view *view, tc_block block);
 /* alpha of a leaf's corner by it, a multiple of 2^-16. */
 float tc_faces_corner(const faces_view *view, const tc_leaf *leaf, int corner);
 

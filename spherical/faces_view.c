@@ -205,11 +205,11 @@ static bool wanted(void *context, tc_block b)
     const faces_surface *s = tc_faces_of(g->view);
     const bool shading = g->shading, by_error = tc_faces_by_error(g->view);
     if (b.level > s->own && (shading || by_error))
-        return by_error && !shading && tc_block_errors_want(g->view->error, b);
+        return by_error && !shading && tc_faces_want_by_error(g->view, b);
     const double range = tc_faces_range(g->view, b.level) * (shading ? s->shaded / s->range : 1),
                  middle = distance_at(g->view, b, MIDDLE);
     if (middle < range)
-        return shading || !by_error || tc_block_errors_want(g->view->error, b);
+        return shading || !by_error || tc_faces_want_by_error(g->view, b);
     if (b.level > s->own)
         return b.level <= g->view->finest &&
                middle < range + 1.05 * (5 - ldexp(4, b.level - g->view->finest)) * half_diagonal(g->view, b);
@@ -217,7 +217,7 @@ static bool wanted(void *context, tc_block b)
         return false;
     for (int k = 0; k < PLACES; k++)
         if (distance_at(g->view, b, k) < range)
-            return shading || !by_error || tc_block_errors_want(g->view->error, b);
+            return shading || !by_error || tc_faces_want_by_error(g->view, b);
     return false;
 }
 
