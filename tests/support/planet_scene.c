@@ -165,8 +165,12 @@ tc_map *planet_of_faces(tc_map *planet, const tc_chart_class *class)
 tc_surface *planet_faces(const tc_map *map, const faces_kind *kind, int n, const tc_scene_options *options)
 {
     const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(map->chart[0].field));
-    const tc_faces_options o = {
-        .kind = kind, .n = n, .normals = needs.normals, .fine_normals = needs.fine_normals, .holes = needs.holes};
+    const tc_faces_options o = {.kind = kind,
+                                .n = n,
+                                .shaded_n = options->frame.error > 0 ? (n && n < 255 ? n : 255) : 0,
+                                .normals = needs.normals,
+                                .fine_normals = needs.fine_normals,
+                                .holes = needs.holes};
     tc_surface *surface;
     tc_error error;
     must(tc_faces_create(map, &o, &surface, &error), &error);
