@@ -1,6 +1,7 @@
 /* test_watertight.c - no background shows through the terrain, from any view (tests/support/watertight.h). */
 #include "tests/support/test.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -30,20 +31,26 @@ typedef struct totals {
 /* What is left open, for the test to find. */
 typedef enum fault { SOUND, NO_CLOSERS, NO_STITCH } fault;
 
-static void run_throttled(const tc_context *context, const tc_field *p, int n, int views, bool lagging, bool throttled,
-                          fault f, uint64_t seed, totals *t)
+/* What frames are drawn by. */
+typedef enum drawing { DISTANCE = 0, THROTTLED = 1, TOLERANCE = 2 } drawing;
+
+static void run_drawn(const tc_context *context, const tc_field *p, int n, int views, bool lagging, unsigned how,
+                      fault f, uint64_t seed, totals *t)
 {
     tc_scene_options options = watertight_options();
-    options.frame = (tc_frame_options){
-        .no_closers = f == NO_CLOSERS, .no_stitch = f == NO_STITCH, .no_morph = f == SOUND && (seed & 3) == 3};
+    options.frame = (tc_frame_options){.no_closers = f == NO_CLOSERS,
+                                       .no_stitch = f == NO_STITCH,
+                                       .no_morph = f == SOUND && (seed & 3) == 3,
+                                       .error = how & TOLERANCE ? 1 : 0};
     scene s = scene_create(context, p, n, &options);
     test_random r = {seed};
     for (int v = 0; v < views; v++) {
         tc_camera camera = watertight_view(&r, p, 50e3, WIDTH, HEIGHT);
-        if (throttled) {
+        if (how & THROTTLED)
             options.frame.throttle = test_random_range(&r, 0, s.surface->most_throttle);
-            tc_renderer_set_options(s.renderer, &options);
-        }
+        if (how & TOLERANCE)
+            options.frame.error = 0.1 * pow(200, test_random_unit(&r));
+        tc_renderer_set_options(s.renderer, &options);
         if (lagging) {
             options.budget = test_random_int(&r, n, (int64_t)n * n);
             tc_renderer_set_options(s.renderer, &options);
@@ -64,9 +71,9 @@ static void run_throttled(const tc_context *context, const tc_field *p, int n, i
         t->terrain_pixels += terrain_pixels;
         if (cracks && f == SOUND)
             printf("view %d: %d cracks: x %.17g y %.17g z %.17g heading %.17g pitch %.17g fov %.17g lagging %d "
-                   "throttle %.17g\n",
+                   "throttle %.17g error %.17g\n",
                    v, cracks, camera.x, camera.y, camera.z, camera.heading, camera.pitch, camera.fov, lagging,
-                   options.frame.throttle);
+                   options.frame.throttle, options.frame.error);
         free(rgb);
         t->views++;
         t->cracks += cracks;
@@ -77,7 +84,14 @@ static void run_throttled(const tc_context *context, const tc_field *p, int n, i
 static void run(const tc_context *context, const tc_field *p, int n, int views, bool lagging, fault f, uint64_t seed,
                 totals *t)
 {
-    run_throttled(context, p, n, views, lagging, false, f, seed, t);
+    run_drawn(context, p, n, views, lagging, DISTANCE, f, seed, t);
+}
+
+static void tell(const char *what, const totals *t)
+{
+    printf(
+        "watertight%s: %d views (%d more from below a lagging surface not counted), %lld terrain pixels, %d cracks\n",
+        what, t->views, t->below_surface, (long long)t->terrain_pixels, t->cracks);
 }
 
 static tc_context *context;
@@ -112,8 +126,7 @@ static void no_background_shows_through(void **state)
         run(context, terrain[k], 31, sweep_of(100), true, SOUND, 30 + (uint64_t)k, &t);
         run(context, terrain[k], 255, sweep_of(40), (k & 1) != 0, SOUND, 40 + (uint64_t)k, &t);
     }
-    printf("watertight: %d views (%d more from below a lagging surface not counted), %lld terrain pixels, %d cracks\n",
-           t.views, t.below_surface, (long long)t.terrain_pixels, t.cracks);
+    tell("", &t);
     assert_true(t.views >= sweep_of(2000));
     assert_int_equal(t.cracks, 0);
 }
@@ -123,21 +136,44 @@ static void nor_where_frames_are_throttled(void **state)
     (void)state;
     totals t = {0};
     for (int k = 0; k < TERRAINS; k++) {
-        run_throttled(context, terrain[k], 63, sweep_of(120), (k & 1) != 0, true, SOUND, 70 + (uint64_t)k, &t);
-        run_throttled(context, terrain[k], 127, sweep_of(80), (k & 1) == 0, true, SOUND, 80 + (uint64_t)k, &t);
-        run_throttled(context, terrain[k], 255, sweep_of(20), false, true, SOUND, 90 + (uint64_t)k, &t);
+        run_drawn(context, terrain[k], 63, sweep_of(120), (k & 1) != 0, THROTTLED, SOUND, 70 + (uint64_t)k, &t);
+        run_drawn(context, terrain[k], 127, sweep_of(80), (k & 1) == 0, THROTTLED, SOUND, 80 + (uint64_t)k, &t);
+        run_drawn(context, terrain[k], 255, sweep_of(20), false, THROTTLED, SOUND, 90 + (uint64_t)k, &t);
     }
-    printf(
-        "watertight: throttled: %d views (%d more from below a lagging surface not counted), %lld terrain pixels, %d "
-        "cracks\n",
-        t.views, t.below_surface, (long long)t.terrain_pixels, t.cracks);
+    tell(": throttled", &t);
     assert_true(t.views >= sweep_of(800));
     assert_int_equal(t.cracks, 0);
     totals open = {0};
     for (int k = 0; k < TERRAINS; k++)
-        run_throttled(context, terrain[k], 63, sweep_whole() ? 40 : 20, false, true, NO_STITCH, 95 + (uint64_t)k,
-                      &open);
+        run_drawn(context, terrain[k], 63, sweep_whole() ? 40 : 20, false, THROTTLED, NO_STITCH, 95 + (uint64_t)k,
+                  &open);
     printf("watertight: throttled, no stitching: %d cracks in %d views\n", open.cracks, open.views);
+    assert_true(open.cracks > 100);
+}
+
+/* Blocks chosen by their error; by tolerances of a tenth of a pixel to twenty. */
+static void nor_where_a_tolerance_is_set(void **state)
+{
+    (void)state;
+    totals t = {0}, open = {0}, lists = {0};
+    for (int k = 0; k < TERRAINS; k++) {
+        run_drawn(context, terrain[k], 127, sweep_of(100), false, TOLERANCE, SOUND, 100 + (uint64_t)k, &t);
+        run_drawn(context, terrain[k], 127, sweep_of(100), true, TOLERANCE, SOUND, 110 + (uint64_t)k, &t);
+        run_drawn(context, terrain[k], 255, sweep_of(40), (k & 1) != 0, TOLERANCE, SOUND, 120 + (uint64_t)k, &t);
+        run_drawn(context, terrain[k], 127, sweep_of(40), (k & 1) == 0, TOLERANCE | THROTTLED, SOUND, 130 + (uint64_t)k,
+                  &t);
+    }
+    tell(": by tolerances", &t);
+    assert_true(t.views >= sweep_of(1200));
+    assert_int_equal(t.cracks, 0);
+    for (int k = 0; k < TERRAINS; k++) {
+        run_drawn(context, terrain[k], 127, sweep_whole() ? 40 : 12, k & 1, TOLERANCE, NO_STITCH, 140 + (uint64_t)k,
+                  &open);
+        run_drawn(context, terrain[k], 127, sweep_whole() ? 60 : 20, false, TOLERANCE, NO_CLOSERS, 150 + (uint64_t)k,
+                  &lists);
+    }
+    printf("watertight: by tolerances, no stitching: %d cracks in %d views; open T-junctions alone: %d in %d\n",
+           open.cracks, open.views, lists.cracks, lists.views);
     assert_true(open.cracks > 100);
 }
 
@@ -167,6 +203,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_background_shows_through),
         cmocka_unit_test(nor_where_frames_are_throttled),
+        cmocka_unit_test(nor_where_a_tolerance_is_set),
         cmocka_unit_test(the_test_finds_cracks),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
