@@ -78,6 +78,9 @@ static void break_surface(faces_surface *s, fault f)
     }
 }
 
+/* What frames are drawn by. */
+enum { DISTANCE = 0, THROTTLED = 1, TOLERANCE = 2 };
+
 static void look(scene *s, const tc_camera *c, const tc_frame_options *options, bool lagging, fault f, int view,
                  totals *t)
 {
@@ -90,14 +93,15 @@ static void look(scene *s, const tc_camera *c, const tc_frame_options *options, 
         t->too_low += !lagging && options->throttle <= 0 && z - c->z > slack;
         return;
     }
-    const globe_mesh mesh = globe_mesh_of_faces(s->surface, c, options, lagging);
+    /* A tolerance may draw any level anywhere. */
+    const globe_mesh mesh = globe_mesh_of_faces(s->surface, c, options, lagging || options->error > 0);
     globe_holes h = globe_holes_of(s, &mesh, c, options, lagging ? 0 : f == SOUND ? INT64_MAX : 40);
     t->terrain_pixels += h.terrain, t->sure_pixels += h.sure, t->suspects += (int)h.suspects;
     if ((h.holes || h.cracks) && f == SOUND)
         printf("%s, view %d: %d holes, %d cracks: lon %.17g lat %.17g z %.17g heading %.17g pitch %.17g fov %.17g "
-               "throttle %.17g\n",
+               "throttle %.17g error %.17g\n",
                s->surface->name, view, (int)h.holes, (int)h.cracks, c->x, c->y, c->z, c->heading, c->pitch, c->fov,
-               options->throttle);
+               options->throttle, options->error);
     t->views++, t->holes += (int)h.holes, t->cracks += (int)h.cracks, t->views_open += h.holes + h.cracks > 0;
 }
 
@@ -110,10 +114,15 @@ static void move_to_seams(tc_camera *c, test_random *r)
         c->y = (test_random_bits(r) & 1 ? atan(sqrt(0.5)) : 0) * (test_random_bits(r) & 1 ? 1 : -1) + beside;
 }
 
-static void run(int kind, int k, int n, int views, bool lagging, bool throttled, fault f, uint64_t seed, totals *t)
+static void run(int kind, int k, int n, int views, bool lagging, unsigned how, fault f, uint64_t seed, totals *t)
 {
-    tc_scene_options options = {
-        .unlit = true, .background_set = true, .background = {255, 0, 255}, .budget = -1, .throttle = throttled};
+    const bool throttled = how & THROTTLED;
+    tc_scene_options options = {.unlit = true,
+                                .background_set = true,
+                                .background = {255, 0, 255},
+                                .budget = -1,
+                                .throttle = throttled,
+                                .frame.error = how & TOLERANCE ? 1 : 0};
     const tc_map *map = planet[kind][k];
     tc_surface *surface = planet_faces(map, kinds[kind], n, &options);
     break_surface((faces_surface *)surface, f);
@@ -133,8 +142,10 @@ static void run(int kind, int k, int n, int views, bool lagging, bool throttled,
         if (throttled) {
             options.frame.throttle = test_random_range(&r, 0, s.surface->most_throttle);
             options.frame.no_morph = v % 8 == 7;
-            tc_renderer_set_options(s.renderer, &options);
         }
+        if (how & TOLERANCE)
+            options.frame.error = 0.1 * pow(200, test_random_unit(&r));
+        tc_renderer_set_options(s.renderer, &options);
         if (lagging) {
             options.budget = test_random_int(&r, n, (int64_t)n * n);
             tc_renderer_set_options(s.renderer, &options);
@@ -163,16 +174,41 @@ static void no_background_shows_through(void **state)
         totals t = {0};
         const int share = kind == 2 ? 4 : 1; /* the same geometry as of the cube */
         for (int k = 0; k < PLANETS; k++) {
-            run(kind, k, 127, sweep_of(320 / share), false, false, SOUND, 10 + (uint64_t)k, &t);
-            run(kind, k, 127, sweep_of(200 / share), true, false, SOUND, 20 + (uint64_t)k, &t);
-            run(kind, k, 255, sweep_of(100 / share), (k & 1) != 0, false, SOUND, 30 + (uint64_t)k, &t);
-            run(kind, k, 127, sweep_of(120 / share), (k & 1) == 0, true, SOUND, 40 + (uint64_t)k, &t);
+            run(kind, k, 127, sweep_of(320 / share), false, DISTANCE, SOUND, 10 + (uint64_t)k, &t);
+            run(kind, k, 127, sweep_of(200 / share), true, DISTANCE, SOUND, 20 + (uint64_t)k, &t);
+            run(kind, k, 255, sweep_of(100 / share), (k & 1) != 0, DISTANCE, SOUND, 30 + (uint64_t)k, &t);
+            run(kind, k, 127, sweep_of(120 / share), (k & 1) == 0, THROTTLED, SOUND, 40 + (uint64_t)k, &t);
         }
         tell(kinds[kind]->name, &t);
         assert_true(t.views >= sweep_of(2000 / share));
         assert_int_equal(t.too_low + t.missing, 0);
         assert_int_equal(t.holes + t.cracks, 0);
         assert_true((double)t.sure_pixels > 0.6 * (double)t.terrain_pixels);
+    }
+}
+
+/* Blocks chosen by their error; by tolerances of a tenth of a pixel to twenty; and what is left open is found. */
+static void nor_where_a_tolerance_is_set(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 2; kind++) {
+        totals t = {0}, open = {0};
+        for (int k = 0; k < PLANETS; k++) {
+            run(kind, k, 127, sweep_of(100), false, TOLERANCE, SOUND, 60 + (uint64_t)k, &t);
+            run(kind, k, 127, sweep_of(60), true, TOLERANCE, SOUND, 70 + (uint64_t)k, &t);
+            run(kind, k, 255, sweep_of(40), (k & 1) != 0, TOLERANCE, SOUND, 80 + (uint64_t)k, &t);
+            run(kind, k, 127, sweep_of(40), (k & 1) == 0, TOLERANCE | THROTTLED, SOUND, 90 + (uint64_t)k, &t);
+        }
+        printf("by tolerances: ");
+        tell(kinds[kind]->name, &t);
+        assert_true(t.views >= sweep_of(600));
+        assert_int_equal(t.too_low + t.missing, 0);
+        assert_int_equal(t.holes + t.cracks, 0);
+        for (int k = 0; k < 2; k++)
+            run(kind, k, 127, sweep_whole() ? 60 : 20, false, TOLERANCE, EDGES_OPEN, 100 + (uint64_t)k, &open);
+        printf("%s, by tolerances: %s: %d holes and %d cracks in %d of %d views\n", kinds[kind]->name,
+               fault_name[EDGES_OPEN], open.holes, open.cracks, open.views_open, open.views);
+        assert_true(open.holes + open.cracks > 20);
     }
 }
 
@@ -184,7 +220,7 @@ static void the_test_finds_holes(void **state)
         for (int f = EDGES_OPEN; f <= DRAW_MISSING; f++) {
             totals t = {0};
             for (int k = 0; k < 2; k++)
-                run(kind, k, 127, views, false, false, (fault)f, 50 + (uint64_t)k, &t);
+                run(kind, k, 127, views, false, DISTANCE, (fault)f, 50 + (uint64_t)k, &t);
             printf("%s: %s: %d holes and %d cracks in %d of %d views\n", kinds[kind]->name, fault_name[f], t.holes,
                    t.cracks, t.views_open, t.views);
             assert_true(t.holes + t.cracks > 20);
@@ -242,6 +278,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_background_shows_through),
+        cmocka_unit_test(nor_where_a_tolerance_is_set),
         cmocka_unit_test(the_test_finds_holes),
         cmocka_unit_test(seams_are_closed_by_one_charts_formulas),
     };
