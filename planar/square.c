@@ -40,7 +40,7 @@ static void square_destroy(tc_surface *surface)
     free(s);
 }
 
-tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, int shaded_n,
+tc_status tc_square_create(const tc_field *field, const tc_ground_options *options, const tc_square_blocks *blocks,
                            tc_surface **surface_ret, tc_error *error)
 {
     static const tc_surface_words words = {.levels = "levels",
@@ -62,10 +62,11 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
         return tc_fail(error, TC_ERR_MEMORY, "square grids: not enough memory");
     s->wide = edge >= (int64_t)1 << 30;
     s->windows = *options;
-    s->shaded_n = shaded_n;
+    if (blocks)
+        s->blocks = *blocks;
     if (!s->windows.n)
         s->windows.n = 255;
-    const square_way *way = shaded_n ? &tc_square_tree : &tc_square_nests;
+    const square_way *way = blocks ? &tc_square_tree : &tc_square_nests;
     s->head =
         (tc_surface){.name = "square",
                      .words = &words,
@@ -78,7 +79,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                      .extent = hypot((double)finest.width * finest.spacing_x, (double)finest.height * finest.spacing_y),
                      .field = field,
                      .n = s->windows.n,
-                     .shaded_n = shaded_n,
+                     .shaded_n = s->blocks.shaded_n,
                      .defines = way->vertex_defines,
                      .view_bytes = way->view_bytes,
                      .make_windows = square_windows,
@@ -91,7 +92,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
     tc_status status = way->prepare(s, error);
     s->head.draw_capacity = s->strips + s->lists;
     if (!status)
-        status = tc_block_geometry_make(way->block(s->windows.n), &s->head.geometry, &s->index, error);
+        status = tc_block_geometry_make(way->block(s), &s->head.geometry, &s->index, error);
     if (status) {
         square_destroy(&s->head);
         return status;

@@ -12,8 +12,8 @@ typedef struct square_surface {
     tc_block_geometry index;
     bool wide;                /* places relative to the viewer do not fit 32 bits (square_wide.glsl) */
     int strips, lists;        /* the most draws of either kind */
-    tc_block_lattice lattice; /* of blocks that are chosen by their error; */
-    int shaded_n;             /* and of the windows that the distance alone calls for, whose normals are seen */
+    tc_block_lattice lattice; /* of blocks that are chosen by their error, */
+    tc_square_blocks blocks;  /* how, and whose normals are seen */
     tc_ground_options windows;
 } square_surface;
 
@@ -106,11 +106,11 @@ typedef struct square_way {
     void (*wanted)(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS]);
     void (*draws)(const tc_view *view, const tc_layers *layers, tc_frame *frame);
     bool (*height)(const tc_view *view, double x, double y, double *z_ret);
-    int (*block)(int n);               /* cells of the largest block along a side */
-    const char *const *vertex_defines; /* or NULL */
+    int (*block)(const square_surface *s); /* cells of the largest block along a side */
+    const char *const *vertex_defines;     /* or NULL */
 } square_way;
 /* Cells of a level, around the viewer, in which its blocks may pass over by error alone, in windows of n samples. */
-double tc_square_tree_reach(int n);
+double tc_square_tree_reach(int n, int side);
 extern const square_way tc_square_nests, tc_square_tree;
 
 #endif

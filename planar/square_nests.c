@@ -121,8 +121,9 @@ static void nests_draws(const tc_view *view, const tc_layers *layers, tc_frame *
     tc_square_end_draws(&a, v, !skipped);
 }
 
-static int nests_block(int n)
+static int nests_block(const square_surface *s)
 {
+    const int n = s->windows.n;
     return n + 1 >= 128 ? (n + 1) / 16 : 8;
 }
 
@@ -130,7 +131,7 @@ static tc_status nests_prepare(square_surface *s, tc_error *error)
 {
     (void)error;
     const tc_level finest = tc_field_level(s->head.field, tc_field_info(s->head.field)->levels);
-    const int n = s->windows.n, block = nests_block(n), across = (n + 1) / block + 1;
+    const int n = s->windows.n, block = nests_block(s), across = (n + 1) / block + 1;
     /* A level of at most n - 1 cells meets `across` tiles a side; those that the hole's perimeter goes through, at most
      * across on each of its sides, are cut in up to four. */
     int most = 1; /* levels that no window holds as a whole, and the one that it does */

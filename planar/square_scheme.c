@@ -1,26 +1,61 @@
 /* square_scheme.c - square nested grids as large as the frame calls for. */
 #include <math.h>
+#include <stdlib.h>
 
 #include "common/base/rect.h"
 #include "common/view/camera.h"
 #include "square_internal.h"
 
-int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera)
+/* Cells of a level, whichever has most of them, out to which it is drawn over a rectangle of the terrain, shares of its
+ * sides. No further than the terrain goes. */
+static double cells_over(const tc_field *field, double tolerance, double x0, double y0, double x1, double y1)
+{
+    double cells = 0;
+    for (int level = 2; level <= tc_field_info(field)->levels; level++) {
+        const tc_level size = tc_field_level(field, level);
+        const double w = (double)size.width, h = (double)size.height;
+        const tc_rect r = {(int64_t)(x0 * w), (int64_t)(y0 * h), (int64_t)ceil(x1 * w), (int64_t)ceil(y1 * h)};
+        const double g = fmin(size.spacing_x, size.spacing_y);
+        cells = fmax(cells, fmin((double)tc_field_range(field, level, r).error / tolerance / g, fmax(w, h)));
+    }
+    return cells;
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Blocks of 16 x 16 cells cost a driver less than twice as many of a quarter; but levels that are drawn out to few
+ * cells are drawn out to some 3 more sides of a block. */
+static int side_for(const tc_field *field, double tolerance)
+{
+    enum { PARTS = 16, SMALL = 8, LARGE = 16, FEW = 200 };
+    double cells[PARTS * PARTS];
+    for (int k = 0; k < PARTS * PARTS; k++) {
+        const double x = k % PARTS, y = (int)(k / PARTS);
+        cells[k] = cells_over(field, tolerance, x / PARTS, y / PARTS, (x + 1) / PARTS, (y + 1) / PARTS);
+    }
+    qsort(cells, PARTS * PARTS, sizeof *cells, compare);
+    return cells[PARTS * PARTS / 2] < FEW ? SMALL : LARGE;
+}
+
+int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera, int *side_ret)
 {
     const double tolerance = error / tc_camera_pixel_scale(camera);
     const int most = (int)tc_min64(4 * (tc_clipmap_n_for(camera) + 1) - 1, TC_CLIPMAP_MAX_N);
-    double cells = 0;
     tc_field_know_errors(field);
-    for (int level = 2; level <= tc_field_info(field)->levels; level++) {
-        const tc_level size = tc_field_level(field, level);
-        const tc_range r = tc_field_range(field, level, (tc_rect){0, 0, size.width, size.height});
-        /* No further than the terrain goes. */
-        const double g = fmin(size.spacing_x, size.spacing_y), far = r.error / tolerance / g;
-        cells = fmax(cells, fmin(far, (double)tc_max64(size.width, size.height)));
-    }
+    const double cells = cells_over(field, tolerance, 0, 0, 1, 1);
+    const int side = side_for(field, tolerance);
+    /* Heights and normals of all levels, bytes. */
+    const double texel = 8 + 4 * 4, most_bytes = 0x1p30;
     int n = TC_SQUARE_LEAST_N;
-    while (n < most && tc_square_tree_reach(n) < cells)
+    while (n < most && tc_square_tree_reach(n, side) < cells &&
+           (2 * n + 2.0) * (2 * n + 2.0) * texel * tc_field_info(field)->levels <= most_bytes)
         n = 2 * n + 1;
+    if (side_ret)
+        *side_ret = n <= TC_BLOCKS_ACROSS * side ? side : 2 * side; /* or a window had more than there may be */
     return n;
 }
 
@@ -43,7 +78,7 @@ static int size(const tc_surface_request *request)
     int n = shaded_size(request);
     if (request->n || !(request->error > 0))
         return n;
-    int called_for = tc_square_n_for(tc_map_field(request->map, 0), request->error, request->camera);
+    int called_for = tc_square_n_for(tc_map_field(request->map, 0), request->error, request->camera, NULL);
     for (int i = 0; i < request->halvings && called_for > TC_SQUARE_LEAST_N; i++)
         called_for /= 2;
     return called_for > n ? called_for : n > TC_SQUARE_LEAST_N ? n : TC_SQUARE_LEAST_N;
@@ -58,8 +93,11 @@ static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_sur
                                        .normals = request->needs->normals,
                                        .fine_normals = request->needs->fine_normals,
                                        .holes = request->needs->holes};
-    return tc_square_create(tc_map_field(map, 0), &options, request->error > 0 ? shaded_size(request) : 0, surface_ret,
-                            error);
+    tc_square_blocks blocks = {.shaded_n = shaded_size(request)};
+    if (!(request->error > 0))
+        return tc_square_create(tc_map_field(map, 0), &options, NULL, surface_ret, error);
+    tc_square_n_for(tc_map_field(map, 0), request->error, request->camera, &blocks.side);
+    return tc_square_create(tc_map_field(map, 0), &options, &blocks, surface_ret, error);
 }
 
 const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL, NULL, true}, {0}};

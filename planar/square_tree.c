@@ -31,21 +31,21 @@ static const double PASSAGE = 0.2;
 static const double HEIGHT_SHARE = 0.6;
 enum { LEAST_SIDE = 8, MOST_SIDE = 16, COARSEST = 128 };
 
-static int tree_block(int n)
+static int tree_block(const square_surface *s)
 {
-    return (int)tc_clamp64((n + 1) / 64, LEAST_SIDE, MOST_SIDE);
+    return s->blocks.side ? s->blocks.side : (int)tc_clamp64((s->windows.n + 1) / 64, LEAST_SIDE, MOST_SIDE);
 }
 
 /* Cells of a level that all of its blocks' corners within them can be wanted of: a window reaches (n - 1) / 2 to all
  * sides, a block lies partly beyond the corner that asks for it, and windows begin on even samples. */
-static double reach_of(int n)
+static double reach_of(int n, int side)
 {
-    return (n - 1) / 2 - (double)tree_block(n) - 2;
+    return 0.5 * (n - 1) - side - 2;
 }
 
-double tc_square_tree_reach(int n)
+double tc_square_tree_reach(int n, int side)
 {
-    return (1 - PASSAGE) * reach_of(n);
+    return (1 - PASSAGE) * reach_of(n, side);
 }
 
 static const square_surface *surface_of(const tree_view *v)
@@ -197,7 +197,7 @@ static void tree_look(const tc_surface *surface, const tc_windows *windows, cons
     const tc_clip_level *coarsest = tc_clipmap_level(windows->clipmap[0], 1);
     v->square.head = tc_view_of(surface, windows, camera, options);
     v->square.viewer = tc_square_viewer(windows->clipmap[0], camera, wait);
-    v->reach = reach_of(s->windows.n) / coarser;
+    v->reach = reach_of(s->windows.n, tree_block(s)) / coarser;
     tc_block_ground ground = {
         .lattice = &s->lattice, .data = s->lattice.levels, .range = range_of, .distance = distance_of, .context = v};
     for (int k = 0; k < s->lattice.levels; k++)
@@ -215,7 +215,7 @@ static void tree_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
     memset(wanted[0], 0, sizeof wanted[0]);
     wanted[0][0] = tc_clipmap_level(clipmap_of(v), 1)->extent;
     if (surface_of(v)->windows.normals)
-        tc_square_wanted(clipmap_of(v), surface_of(v)->shaded_n, &v->square.viewer, wanted[0]);
+        tc_square_wanted(clipmap_of(v), surface_of(v)->blocks.shaded_n, &v->square.viewer, wanted[0]);
     for (int level = 2; level <= surface_of(v)->lattice.levels; level++)
         wanted[0][level - 1] = tc_rect_around(wanted[0][level - 1], samples_called_for(v, level));
 }
@@ -304,7 +304,7 @@ static void set_shading(const drawing *d, const tc_layers *layers)
 {
     const tree_view *v = d->view;
     const square_viewer *viewer = &v->square.viewer;
-    const double n = surface_of(v)->shaded_n;
+    const double n = surface_of(v)->blocks.shaded_n;
     tc_frame *f = d->draws.frame;
     tc_set4(f->surface[1], 1.0 / surface_of(v)->index.block, viewer->rest_x / d->draws.spacing[0],
             viewer->rest_y / d->draws.spacing[1], 0);
@@ -363,14 +363,14 @@ static tc_status tree_prepare(square_surface *s, tc_error *error)
     }
     if (s->windows.max_levels && levels > s->windows.max_levels)
         levels = s->windows.max_levels;
-    if (!tc_block_lattice_cut(&s->lattice, levels, (const int64_t(*)[2])cells, tree_block(n)))
+    if (!tc_block_lattice_cut(&s->lattice, levels, (const int64_t(*)[2])cells, tree_block(s)))
         return tc_fail(error, TC_ERR_UNSUPPORTED, "square grids: expected at most %d x %d blocks, found %d x %d",
                        TC_BLOCKS_ACROSS, TC_BLOCKS_ACROSS, (int)s->lattice.blocks[0][0], (int)s->lattice.blocks[0][1]);
     s->strips = levels * TC_BLOCKS_ACROSS * TC_BLOCKS_ACROSS;
     s->lists = levels * TC_BLOCKS_ACROSS * TC_BLOCKS_ACROSS / 2;
     s->head.by_error = true;
     /* A block next to what a finer level's window can hold still has an alpha of 0. */
-    s->head.most_throttle = fmax(0, fmin(3, log2((0.5 - PASSAGE) * reach_of(n) / tree_block(n))));
+    s->head.most_throttle = fmax(0, fmin(3, log2((0.5 - PASSAGE) * reach_of(n, tree_block(s)) / tree_block(s))));
     return TC_OK;
 }
 

@@ -2,8 +2,8 @@
  *
  * A planet in longitude and latitude, with its caps, and resampled to the faces of an octahedron and of a cube of as
  * many cells along the equator; levels of each against the source's own samples: root mean square by area and largest,
- * of what is drawn between samples of that level (bilinear, or triangles). Beside it the samples that the level has. Without a
- * planet ETOPO and the Moon (quick: ETOPO) of TERRACLIP_DATA. */
+ * of what is drawn between samples of that level (bilinear, or triangles). Beside it the samples that the level has.
+ * Without a planet ETOPO and the Moon (quick: ETOPO) of TERRACLIP_DATA. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,18 +1,19 @@
 /* bench_error_time.c - error on the screen against the time of a frame, for every scheme: error_time.csv, and beside it
  * frames.csv with what else there is to say of the same rows.
  *
- * Flat terrains by squares, with and without morph; planets by rings with both map transforms; and the full-resolution
- * mesh of each (plain_mesh.h), whose error is measured like the others'. From four heights, at two places (--quick:
- * one, and the mesh from the lowest and the highest alone), whose pixels are counted together. Errors are
- * view_error.h's. Frames repeat a view whose windows are held; median and spread are each place's, and their means are
- * in the tables: a spread is that of repeating, not that of views. Times of the first view of a new scene, and what it
- * loads, are in frames.csv. Marked with * on the terminal: no other row of the scene is both faster and nearer to the
- * truth (99.9th percentile). */
+ * Flat terrains by squares, with and without morph, and by squares whose blocks are chosen by a tolerance; planets by
+ * rings with both map transforms; and the full-resolution mesh of each (plain_mesh.h), whose error is measured like the
+ * others'. From four heights, at two places (--quick: one, and the mesh from the lowest and the highest alone), whose
+ * pixels are counted together. Errors are view_error.h's. Frames repeat a view whose windows are held; median and
+ * spread are each place's, and their means are in the tables: a spread is that of repeating, not that of views. Times
+ * of the first view of a new scene, and what it loads, are in frames.csv. Marked with * on the terminal: no other row
+ * of the scene is both faster and nearer to the truth (99.9th percentile). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "planar/square.h"
 #include "tests/support/frame_clock.h"
 #include "tests/support/measured.h"
 #include "tests/support/plain_mesh.h"
@@ -31,6 +32,7 @@ typedef struct row {
     double first_ms, update_ms;
     int64_t samples, bytes;
     int draws, levels;
+    double tolerance; /* pixels; 0: none */
 } row;
 
 typedef struct bench {
@@ -198,20 +200,23 @@ static void write_rows(bench *b)
         char brute[32] = "";
         if (isfinite(r->brute_ms))
             snprintf(brute, sizeof brute, "%.3f", r->brute_ms);
-        printf("%c %-44s %-10s %4d %10lld %8.2f (%.2f to %.2f) ms, brute %9s; %.4f %.4f %.4f px\n",
+        printf("%c %-44s %-12s %4d %10lld %8.2f (%.2f to %.2f) ms, brute %9s; %.4f %.4f %.4f px\n",
                best(b, r) ? '*' : ' ', r->scene, r->scheme, r->n, (long long)r->triangles, r->frame.median,
                r->frame.low, r->frame.high, *brute ? brute : "-", r->rms, r->p999, r->max);
         if (!b->options.csv)
             continue;
-        fprintf(b->options.csv, "%s,%s,%d,%lld,%.3f,%s,%.5f,%.5f,%.5f\n", r->scene, r->scheme, r->n,
-                (long long)r->triangles, r->frame.median, brute, r->rms, r->p999, r->max);
+        char tolerance[32] = "";
+        if (r->tolerance > 0)
+            snprintf(tolerance, sizeof tolerance, "%g", r->tolerance);
+        fprintf(b->options.csv, "%s,%s,%d,%lld,%.3f,%s,%.5f,%.5f,%.5f,%s\n", r->scene, r->scheme, r->n,
+                (long long)r->triangles, r->frame.median, brute, r->rms, r->p999, r->max, tolerance);
         fprintf(b->frames_csv, "%s,%s,%d,%.3f,%.3f,%.3f,%d,%d,%d,", r->scene, r->scheme, r->n, r->frame.median,
                 r->frame.low, r->frame.high, r->frame.count, r->draws, r->levels);
         if (r->first_view)
-            fprintf(b->frames_csv, "%.3f,%.3f,%lld,%lld\n", r->first_ms, r->update_ms, (long long)r->samples,
-                    (long long)r->bytes);
+            fprintf(b->frames_csv, "%.3f,%.3f,%lld,%lld,%s\n", r->first_ms, r->update_ms, (long long)r->samples,
+                    (long long)r->bytes, tolerance);
         else
-            fprintf(b->frames_csv, ",,,\n");
+            fprintf(b->frames_csv, ",,,,%s\n", tolerance);
     }
     fflush(stdout);
     b->rows = 0;
@@ -235,6 +240,24 @@ static void measure_flat(bench *b, const measured *m, int height, double brute_m
         tc_renderer_set_options(s.renderer, &options);
         measure_row(b, m, height, &s, no_morph);
         morph->brute_ms = no_morph->brute_ms = brute_ms;
+        scene_destroy(&s);
+    }
+}
+
+/* The same by tolerances, in windows as large as they call for. */
+static void measure_by_error(bench *b, const measured *m, int height, double brute_ms)
+{
+    static const double tolerances[] = {4, 2, 1, 0.5};
+    const tc_camera c = measured_camera(m, height, 0, b->width, b->height);
+    for (int i = b->options.quick ? 1 : 0; i < (b->options.quick ? 3 : 4); i++) {
+        const tc_scene_options options = {.frame.error = tolerances[i]};
+        const int n = tc_square_n_for(m->field, tolerances[i], &c, NULL);
+        scene s = measured_scene(b->context, m, n, NULL, &options);
+        row *r = new_row(b, m, height, "", "square-error", n);
+        r->tolerance = tolerances[i];
+        first_view(&s, &c, r);
+        measure_row(b, m, height, &s, r);
+        r->brute_ms = brute_ms;
         scene_destroy(&s);
     }
 }
@@ -269,6 +292,8 @@ static void measure_terrain(void *context, const measured *m)
             bool brute = !b->options.quick || height == 0 || height == MEASURED_HEIGHTS - 1;
             double brute_ms = brute ? measure_brute(b, m, height) : NAN;
             (m->round ? measure_round : measure_flat)(b, m, height, brute_ms);
+            if (!m->round)
+                measure_by_error(b, m, height, brute_ms);
             write_rows(b);
         }
     }
@@ -277,11 +302,12 @@ static void measure_terrain(void *context, const measured *m)
 int main(int argc, char **argv)
 {
     static bench b;
-    b.options =
-        measure_begin(argc, argv, "scene,scheme,n,triangles,frame_ms,brute_ms,err_rms_px,err_p999_px,err_max_px");
+    b.options = measure_begin(argc, argv,
+                              "scene,scheme,n,triangles,frame_ms,brute_ms,err_rms_px,err_p999_px,err_max_px,"
+                              "tolerance_px");
     b.frames_csv = measure_beside(&b.options, "frames.csv",
                                   "scene,scheme,n,frame_ms,frame_low_ms,frame_high_ms,frames,draws,levels_active,"
-                                  "first_view_ms,update_ms,samples_updated,bytes_uploaded");
+                                  "first_view_ms,update_ms,samples_updated,bytes_uploaded,tolerance_px");
     b.context = scene_context_fastest();
     if (!b.context)
         return 1;

@@ -2,8 +2,8 @@
  *
  * Unlit, coloured by height, over a flat background, one sample a pixel, 640 x 480: structural similarity of luminance
  * (1: equal), root mean square difference in levels of 8 bits, and the pixels that show terrain in the cast picture.
- * What is compared is therefore everything: silhouettes, heights and colours. And a terrain of 2048 x 2048 samples under
- * a picture of as many pixels, seen at -40 degrees from 1 km above its tops. */
+ * What is compared is therefore everything: silhouettes, heights and colours. And a terrain of 2048 x 2048 samples
+ * under a picture of as many pixels, seen at -40 degrees from 1 km above its tops. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -144,9 +144,9 @@ static void measure_plane(bench *b, const tc_field *field, bool lit)
     for (int k = 0; k < SIDES; k++) {
         tc_error error;
         scene s = {.field = field};
-        must(tc_square_create(field, &(tc_ground_options){.n = 255, .normals = needs.normals}, false, &s.surface,
-                              &error),
-             &error);
+        must(
+            tc_square_create(field, &(tc_ground_options){.n = 255, .normals = needs.normals}, NULL, &s.surface, &error),
+            &error);
         give_texts(b, s.surface, k);
         must(tc_renderer_create(tc_context_gl(b->context), s.surface, &look, &s.renderer, &error), &error);
         s.clipmap = tc_renderer_used(s.renderer).windows->clipmap[0];

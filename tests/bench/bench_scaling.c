@@ -147,7 +147,7 @@ static scene open_scene(const bench *b, const tc_field *field, int n, int max_le
     scene s = {.field = field};
     tc_error error;
     tc_ground_options clip = {.n = n, .max_levels = max_levels};
-    terrain_must(tc_square_create(field, &clip, 0, &s.surface, &error), &error);
+    terrain_must(tc_square_create(field, &clip, NULL, &s.surface, &error), &error);
     terrain_must(tc_renderer_create(tc_context_gl(b->context), s.surface, &look, &s.renderer, &error), &error);
     s.clipmap = tc_renderer_used(s.renderer).windows->clipmap[0];
     return s;

@@ -44,7 +44,7 @@ static tc_status try_scene(const tc_field *p, int n, tc_error *error)
 {
     tc_windows windows = {0};
     tc_surface *surface = NULL;
-    tc_status status = tc_square_create(p, &(tc_ground_options){.n = n}, 0, &surface, error);
+    tc_status status = tc_square_create(p, &(tc_ground_options){.n = n}, NULL, &surface, error);
     if (status)
         return status;
     status = surface->make_windows(surface, &windows, error);

@@ -397,7 +397,7 @@ static tc_surface *another_surface(bool sphere)
     if (sphere)
         return planet_rings(planet, &(tc_rings_options){.n_phi = 256, .n = 63}, &look);
     const tc_ground_options options = {.n = 63, .normals = true};
-    assert_int_equal(tc_square_create(flat, &options, 0, &surface, &error), TC_OK);
+    assert_int_equal(tc_square_create(flat, &options, NULL, &surface, &error), TC_OK);
     return surface;
 }
 

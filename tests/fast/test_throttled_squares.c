@@ -28,7 +28,7 @@ static stage stage_of(terrain_kind kind, int width, int height, int n)
     stage s = {.field = terrain_field(kind, width, height, SPACING, 3)};
     const tc_ground_options options = {.n = n};
     tc_error error;
-    if (tc_square_create(s.field, &options, 0, &s.surface, &error) ||
+    if (tc_square_create(s.field, &options, NULL, &s.surface, &error) ||
         s.surface->make_windows(s.surface, &s.windows, &error) || !(s.view = tc_view_allocate(s.surface)) ||
         !tc_frame_allocate(s.surface, &s.frame))
         exit(99);

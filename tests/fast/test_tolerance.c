@@ -48,7 +48,9 @@ static void begin(walk *w, terrain_kind kind, double error)
 {
     tc_error e;
     *w = (walk){.field = terrain_field(kind, SIDE, SIDE, SPACING, 3), .options = {.error = error}};
-    must(tc_square_create(w->field, &(tc_ground_options){.n = N}, 255, &w->surface, &e), &e);
+    must(
+        tc_square_create(w->field, &(tc_ground_options){.n = N}, &(tc_square_blocks){.shaded_n = 255}, &w->surface, &e),
+        &e);
     must(w->surface->make_windows(w->surface, &w->windows, &e), &e);
     w->view = tc_view_allocate(w->surface);
     w->camera = (tc_camera){.x = 400 * SPACING + 0.3, .y = 450 * SPACING + 7, .fov = 1.5, .width = 640, .height = 480};

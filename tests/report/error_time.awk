@@ -18,7 +18,7 @@ FNR == 1 {
 {
     split("", f)
     csv_split($0, f)
-    key = f[at["scene"]] "," f[at["scheme"]] "," f[at["n"]]
+    key = f[at["scene"]] "," f[at["scheme"]] "," f[at["n"]] "," ("tolerance_px" in at ? f[at["tolerance_px"]] : "")
     if (!is_error) {
         low[key] = f[at["frame_low_ms"]]
         high[key] = f[at["frame_high_ms"]]

@@ -17,6 +17,7 @@ set style line 2 linecolor rgb pale pointtype 6 pointsize 0.8 linewidth 1.5
 set style line 3 linecolor rgb blue pointtype 7 pointsize 0.7
 set style line 4 linecolor rgb orange pointtype 10 pointsize 0.9 linewidth 1.5
 set style line 5 linecolor rgb green pointtype 9 pointsize 0.8
+set style line 7 linecolor rgb "#b02a8f" pointtype 13 pointsize 1
 set style line 6 linecolor rgb "#222222" linewidth 1.5 dashtype 2
 number(name) = strcol(1) eq name ? sprintf("%d", $2) : ""
 plot front using 1:2 with lines linestyle 6 title "front", \
@@ -25,6 +26,7 @@ plot front using 1:2 with lines linestyle 6 title "front", \
      rows using column:(of("square")) with points linestyle 3 title "square", \
      rows using column:(of("square")):(number("square")) with labels offset 0.3,0.7 font ",9" textcolor rgb blue \
          title "n of squares", \
+     rows using column:(of("square-error")) with points linestyle 7 title "square-error", \
      rows using column:(of("rings-ch06")) with points linestyle 4 title "rings-ch06", \
      rows using column:(of("rings")) with points linestyle 5 title "rings", \
      rows using column:(of("rings")):(number("rings")) with labels offset 0.3,-0.8 font ",9" textcolor rgb green \

@@ -81,6 +81,7 @@ part_contents() {
 
 legend='<p class="legend"><i style="color:#0b6fb8">&#9679; square, number: n</i>
 <i style="color:#7db8e0">&#9675; square, morph off</i>
+<i style="color:#b02a8f">&#9670; square-error: 4, 2, 1 and 0.5 pixels of tolerance</i>
 <i style="color:#1a8a4a">&#9650; rings, number: steps around</i> <i style="color:#d06418">&#9651; rings-ch06</i>
 <i style="color:#666">&#9632; brute: mesh of all samples</i>
 <i>&#9476; front: nothing is both faster and nearer</i></p>'

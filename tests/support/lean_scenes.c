@@ -282,7 +282,7 @@ scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *
     } else {
         const tc_ground_options clip = {
             .n = N, .normals = needs->normals, .fine_normals = needs->fine_normals, .holes = needs->holes};
-        must(tc_square_create(field, &clip, 0, &surface, &error), &error);
+        must(tc_square_create(field, &clip, NULL, &surface, &error), &error);
     }
     scene made = {.field = field, .surface = surface};
     must(tc_renderer_create(gl, surface, options, &made.renderer, &error), &error);

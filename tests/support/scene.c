@@ -1,6 +1,7 @@
 /* scene.c - a planar scene over a pyramid, for picture tests. */
 #include "scene.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -63,8 +64,10 @@ scene scene_create(const tc_context *context, const tc_field *field, int n, cons
     const tc_scene_needs needs = tc_scene_needs_of(options, tc_field_info(field));
     tc_ground_options clip = {
         .n = n, .normals = needs.normals, .fine_normals = needs.fine_normals, .holes = needs.holes};
-    must(tc_square_create(field, &clip, options->frame.error > 0 ? (n && n < 255 ? n : 255) : 0, &s.surface, &error),
-         &error);
+    tc_square_blocks blocks = {.shaded_n = n && n < 255 ? n : 255};
+    if (options->frame.error > 0) /* of the size that a frame of the papers would have */
+        tc_square_n_for(field, options->frame.error, &(tc_camera){.fov = M_PI / 2, .width = 640}, &blocks.side);
+    must(tc_square_create(field, &clip, options->frame.error > 0 ? &blocks : NULL, &s.surface, &error), &error);
     must(tc_renderer_create(tc_context_gl(context), s.surface, options, &s.renderer, &error), &error);
     s.clipmap = tc_renderer_used(s.renderer).windows->clipmap[0];
     return s;

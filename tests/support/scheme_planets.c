@@ -127,11 +127,17 @@ int scheme_size(const tc_scheme *scheme, int rung)
 
 scene scheme_scene(const tc_context *context, const scheme_planet *p, const tc_scheme *scheme, int n)
 {
-    const tc_scene_options o = {.unlit = true, .background_set = true, .budget = -1};
+    return scheme_scene_within(context, p, scheme, n, 0);
+}
+
+scene scheme_scene_within(const tc_context *context, const scheme_planet *p, const tc_scheme *scheme, int n,
+                          double tolerance)
+{
+    const tc_scene_options o = {.unlit = true, .background_set = true, .budget = -1, .frame = {.error = tolerance}};
     const tc_map *map = scheme_map(p, scheme);
     const tc_scene_needs needs = tc_scene_needs_of(&o, tc_field_info(map->chart[0].field));
     const tc_camera frame = {.fov = 60 * DEGREE, .width = 640, .height = 480};
-    const tc_surface_request request = {.n = n, .needs = &needs, .camera = &frame};
+    const tc_surface_request request = {.n = n, .error = tolerance, .map = map, .needs = &needs, .camera = &frame};
     tc_surface *surface;
     tc_error error;
     must(scheme->create(scheme, map, &request, &surface, &error), &error);

@@ -43,6 +43,9 @@ int scheme_size(const tc_scheme *scheme, int rung);
 
 /* An unlit scene before a flat background without a budget. */
 scene scheme_scene(const tc_context *context, const scheme_planet *p, const tc_scheme *scheme, int n);
+/* The same with a tolerance in pixels, 0: none. */
+scene scheme_scene_within(const tc_context *context, const scheme_planet *p, const tc_scheme *scheme, int n,
+                          double error);
 
 /* ---- Views ------------------------------------------------------------------------------------------------------- */
 
