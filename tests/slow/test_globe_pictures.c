@@ -6,27 +6,30 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/measure/view_error.h"
 #include "spherical/faces_internal.h"
 #include "tests/support/planet_scene.h"
 #include "tests/support/sweep.h"
 
-enum { PLANETS = 8, DATA = 6 }; /* the first DATA of them are */
+enum { PLANETS = 10, DATA = 8 }; /* the first DATA of them are */
 static const struct {
     const faces_kind *faces; /* NULL: drawn by rings */
     planet_kind kind;
     int width;
     double radius;
-    int synthesised, views; /* levels finer than the data; flights that end in one */
-    int64_t budget;         /* of a slow flight */
-    double flattening;
-} made[PLANETS] = {{NULL, PLANET_DEFAULT, 1024, 6371000, 0, 30, 5000, 0},
-                   {NULL, PLANET_CLIFF, 1024, 400e3, 0, 30, 5000, 0},
-                   {NULL, PLANET_DEFAULT, 512, 6378137, 0, 10, 5000, WGS84_FLATTENING},
-                   {&tc_faces_hex, PLANET_CLIFF, 1024, 400e3, 0, 20, 5000, 0},
-                   {&tc_faces_cube, PLANET_CLIFF, 1024, 400e3, 0, 15, 5000, 0},
-                   {&tc_faces_hex, PLANET_DEFAULT, 2048, 6378137, 0, 10, 5000, WGS84_FLATTENING},
-                   {NULL, PLANET_DEFAULT, 512, 6371000, 10, 12, 40000, 0},
-                   {&tc_faces_hex, PLANET_DEFAULT, 512, 6371000, 6, 8, 40000, 0}};
+    int synthesised, views;   /* levels finer than the data; flights that end in one */
+    int64_t budget;           /* of a slow flight */
+    double flattening, error; /* error: the tolerance that blocks are chosen by; 0: none */
+} made[PLANETS] = {{NULL, PLANET_DEFAULT, 1024, 6371000, 0, 30, 5000, 0, 0},
+                   {NULL, PLANET_CLIFF, 1024, 400e3, 0, 30, 5000, 0, 0},
+                   {NULL, PLANET_DEFAULT, 512, 6378137, 0, 10, 5000, WGS84_FLATTENING, 0},
+                   {&tc_faces_hex, PLANET_CLIFF, 1024, 400e3, 0, 20, 5000, 0, 0},
+                   {&tc_faces_cube, PLANET_CLIFF, 1024, 400e3, 0, 15, 5000, 0, 0},
+                   {&tc_faces_hex, PLANET_DEFAULT, 2048, 6378137, 0, 10, 5000, WGS84_FLATTENING, 0},
+                   {&tc_faces_hex, PLANET_CLIFF, 1024, 400e3, 0, 15, 5000, 0, 20},
+                   {&tc_faces_cube, PLANET_DEFAULT, 2048, 6378137, 0, 15, 5000, WGS84_FLATTENING, 0.5},
+                   {NULL, PLANET_DEFAULT, 512, 6371000, 10, 12, 40000, 0, 0},
+                   {&tc_faces_hex, PLANET_DEFAULT, 512, 6371000, 6, 8, 40000, 0, 0}};
 static tc_context *context;
 static tc_map *planet[PLANETS];
 
@@ -78,9 +81,10 @@ static uint8_t *picture(scene *s, const tc_camera *c, const tc_scene_options *op
 static void culling_removes_nothing_visible(void **state)
 {
     (void)state;
-    const tc_scene_options culled = {.budget = -1}, all = {.budget = -1, .frame.no_cull = true};
     int64_t drawn = 0, without = 0, views = 0;
     for (int k = 0; k < DATA; k++) {
+        const tc_scene_options culled = {.budget = -1, .frame.error = made[k].error},
+                               all = {.budget = -1, .frame = {.no_cull = true, .error = made[k].error}};
         test_random r = {2 + (uint64_t)k};
         scene s = scene_of(k, 10, &culled);
         for (int view = 0; view < sweep_of(made[k].faces ? 30 : 50); view++, views++) {
@@ -132,9 +136,10 @@ static void the_test_finds_what_is_missing(void **state)
 static void backs_are_not_missed(void **state)
 {
     (void)state;
-    const tc_scene_options front = {.budget = -1}, both = {.budget = -1, .frame.two_sided = true};
     int64_t different = 0, views = 0, pixels = 0;
     for (int k = 0; k < DATA; k++) {
+        const tc_scene_options front = {.budget = -1, .frame.error = made[k].error},
+                               both = {.budget = -1, .frame = {.two_sided = true, .error = made[k].error}};
         test_random r = {4 + (uint64_t)k};
         scene s = scene_of(k, 10, &front);
         for (int view = 0; view < sweep_of(made[k].faces ? 30 : 50); view++, views++) {
@@ -157,7 +162,8 @@ static void a_picture_depends_on_the_view_alone(void **state)
     int64_t differing = 0, views = 0;
     for (int k = 0; k < PLANETS; k++) {
         test_random r = {1 + (uint64_t)k};
-        const tc_scene_options options[2] = {{.budget = 0}, {.budget = made[k].budget}};
+        const tc_scene_options options[2] = {{.budget = 0, .frame.error = made[k].error},
+                                             {.budget = made[k].budget, .frame.error = made[k].error}};
         scene s[2];
         for (int i = 0; i < 2; i++)
             s[i] = scene_of(k, 8, &options[i]);
@@ -194,12 +200,61 @@ static void a_picture_depends_on_the_view_alone(void **state)
     assert_int_equal(differing, 0);
 }
 
+/* Depth of a frame, unprojected, lies on the surface in double. */
+static void drawn_depth_is_the_surface(void **state)
+{
+    (void)state;
+    double worst = 0;
+    int64_t pixels = 0, edge_on = 0;
+    for (int k = 0; k < DATA; k++) {
+        if (!made[k].faces)
+            continue;
+        const tc_scene_options options = {
+            .unlit = true, .background_set = true, .budget = -1, .frame.error = made[k].error};
+        test_random r = {3 + (uint64_t)k};
+        scene s = scene_of(k, 8, &options);
+        for (int view = 0; view < sweep_of(40); view++) {
+            const tc_camera c = planet_view(&r, planet[k], 0.5, 5 * planet[k]->body.radius);
+            scene_draw(&s, &c, true);
+            float *depth = planet_depth(&s, &c);
+            const tc_view *seen = scene_look(&s, &c, &options.frame);
+            const double eye[3] = {c.x, c.y, c.z};
+            double at[3];
+            planet[k]->body.class->position(&planet[k]->body, eye, at);
+            for (int i = 0; i < c.width * c.height; i += 7) {
+                double p[3], z, q[3];
+                if (depth[i] == 0)
+                    continue;
+                tc_view_unproject(&c, s.surface->near_plane, &planet[k]->body, i % c.width + 0.5, i / c.width + 0.5,
+                                  depth[i], p);
+                if (!s.surface->height(seen, p[0], p[1], &z))
+                    continue;
+                planet[k]->body.class->position(&planet[k]->body, p, q);
+                const double off = fabs(p[2] - z) /
+                                   sqrt(pow(q[0] - at[0], 2) + pow(q[1] - at[1], 2) + pow(q[2] - at[2], 2)) *
+                                   tc_camera_pixel_scale(&c);
+                pixels++, edge_on += off > 0.5;
+                if (off <= 0.5)
+                    worst = fmax(worst, off);
+                else
+                    printf("planet %d view %d: %g\n", k, view, off);
+            }
+            free(depth);
+        }
+        scene_destroy(&s);
+    }
+    printf("globe, depth: %lld pixels unprojected, at most %.4f pixels from the surface in double, %lld more\n",
+           (long long)pixels, worst, (long long)edge_on);
+    assert_true(pixels > 10000 && edge_on == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(culling_removes_nothing_visible),
         cmocka_unit_test(the_test_finds_what_is_missing),
         cmocka_unit_test(backs_are_not_missed),
+        cmocka_unit_test(drawn_depth_is_the_surface),
         cmocka_unit_test(a_picture_depends_on_the_view_alone),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -56,14 +56,15 @@ static int64_t different_pixels(const uint8_t *a, const uint8_t *b)
     return count;
 }
 
-/* Two flights of different paths, speeds and budgets end in the same view. */
-static void same_view_same_picture(const tc_field *field, int samples, int views)
+/* Two flights of different paths, speeds and budgets end in the same view. error: the tolerance; 0: none. */
+static void same_view_same_picture(const tc_field *field, int samples, double error, int views)
 {
     test_random r = {1};
-    tc_scene_options options[2] = {{.budget = 0, .samples = samples}, {.budget = 700, .samples = samples}};
+    tc_scene_options options[2] = {{.budget = 0, .samples = samples, .frame.error = error},
+                                   {.budget = error > 0 ? 4000 : 700, .samples = samples, .frame.error = error}};
     scene s[2];
     for (int k = 0; k < 2; k++)
-        s[k] = scene_create(context, field, 63, &options[k]);
+        s[k] = scene_create(context, field, error > 0 ? 127 : 63, &options[k]);
     for (int view = 0; view < views; view++) {
         tc_camera end = random_view(&r, field);
         uint8_t *pixels[2];
@@ -84,29 +85,35 @@ static void same_view_same_picture(const tc_field *field, int samples, int views
 static void a_picture_depends_on_the_view_alone(void **state)
 {
     (void)state;
-    same_view_same_picture(terrain, 1, sweep_of(60));
+    same_view_same_picture(terrain, 1, 0, sweep_of(60));
 }
 
 static void also_with_several_samples_a_pixel(void **state)
 {
     (void)state;
-    same_view_same_picture(terrain, 4, sweep_of(60));
+    same_view_same_picture(terrain, 4, 0, sweep_of(60));
 }
 
 static void also_finer_than_the_data(void **state)
 {
     (void)state;
-    same_view_same_picture(finer, 1, sweep_of(20));
+    same_view_same_picture(finer, 1, 0, sweep_of(20));
 }
 
-static void culling_removes_nothing_visible(void **state)
+static void also_by_a_tolerance(void **state)
 {
     (void)state;
+    same_view_same_picture(terrain, 1, 1, sweep_of(36));
+    same_view_same_picture(finer, 1, 4, sweep_of(6));
+}
+
+/* error: the tolerance; 0: none. */
+static void culling_removes_nothing(double error, int views)
+{
     test_random r = {2};
-    tc_scene_options all = {.frame.no_cull = true}, culled = {0};
-    scene s = scene_create(context, terrain, 63, &culled);
+    tc_scene_options all = {.frame = {.no_cull = true, .error = error}}, culled = {.frame.error = error};
+    scene s = scene_create(context, terrain, error > 0 ? 127 : 63, &culled);
     int64_t drawn = 0, without = 0;
-    const int views = sweep_of(100);
     for (int view = 0; view < views; view++) {
         tc_camera c = random_view(&r, terrain);
         tc_renderer_set_options(s.renderer, &culled);
@@ -120,20 +127,27 @@ static void culling_removes_nothing_visible(void **state)
         assert_int_equal(different_pixels(a, b), 0);
         free(a), free(b);
     }
-    printf("culling: %.3f of the triangles drawn over %d views\n", (double)drawn / (double)without, views);
+    printf("culling, tolerance %g: %.3f of the triangles drawn over %d views\n", error, (double)drawn / (double)without,
+           views);
     assert_true(drawn < without * 7 / 10);
     scene_destroy(&s);
 }
 
-/* Backs of triangles are left out where the eye is above the surface. Drawn as well they may show in single pixels of a
- * ridge line, where corners are rounded to the raster, and nowhere else. */
-static void backs_are_not_missed(void **state)
+static void culling_removes_nothing_visible(void **state)
 {
     (void)state;
+    culling_removes_nothing(0, sweep_of(100));
+    culling_removes_nothing(1, sweep_of(60));
+}
+
+/* Backs of triangles are left out where the eye is above the surface. Drawn as well they may show in single pixels of a
+ * ridge line, where corners are rounded to the raster, and nowhere else. */
+static void backs_missed(double error, int64_t views)
+{
     test_random r = {4};
-    tc_scene_options both = {.frame.two_sided = true}, front = {0};
-    scene s = scene_create(context, terrain, 63, &front);
-    int64_t different = 0, views = sweep_of(150);
+    tc_scene_options both = {.frame = {.two_sided = true, .error = error}}, front = {.frame.error = error};
+    scene s = scene_create(context, terrain, error > 0 ? 127 : 63, &front);
+    int64_t different = 0;
     for (int64_t view = 0; view < views; view++) {
         tc_camera c = random_view(&r, terrain);
         tc_renderer_set_options(s.renderer, &front);
@@ -145,9 +159,17 @@ static void backs_are_not_missed(void **state)
         different += different_pixels(a, b);
         free(a), free(b);
     }
-    printf("backs left out: %lld of %lld pixels differ\n", (long long)different, (long long)views * WIDTH * HEIGHT);
-    assert_true(different < views / 10);
+    printf("backs left out, tolerance %g: %lld of %lld pixels differ\n", error, (long long)different,
+           (long long)views * WIDTH * HEIGHT);
+    assert_true(different < (views + 9) / 10);
     scene_destroy(&s);
+}
+
+static void backs_are_not_missed(void **state)
+{
+    (void)state;
+    backs_missed(0, sweep_of(150));
+    backs_missed(1, sweep_of(60));
 }
 
 /* North is up the picture, east to its right: a hill in the north-east of a plain, seen from above. */
@@ -189,12 +211,11 @@ static void maps_are_not_mirrored(void **state)
 }
 
 /* Pixels and depth of a frame agree with the surface in double: unprojected depth lies on it. */
-static void drawn_depth_is_the_surface(void **state)
+static void depth_is_the_surface(double error)
 {
-    (void)state;
     test_random r = {3};
-    tc_scene_options options = {.unlit = true, .background_set = true};
-    scene s = scene_create(context, terrain, 63, &options);
+    tc_scene_options options = {.unlit = true, .background_set = true, .frame.error = error};
+    scene s = scene_create(context, terrain, error > 0 ? 127 : 63, &options);
     float *depth = malloc(sizeof *depth * WIDTH * HEIGHT);
     double worst = 0;
     int64_t pixels = 0;
@@ -202,25 +223,34 @@ static void drawn_depth_is_the_surface(void **state)
         tc_camera c = random_view(&r, terrain);
         scene_draw(&s, &c, true);
         tc_renderer_read(s.renderer, NULL, depth);
+        const tc_view *seen = scene_look(&s, &c, &options.frame);
         for (int i = 0; i < WIDTH * HEIGHT; i += 7) {
             double p[3], z;
             if (depth[i] == 0)
                 continue;
             tc_view_unproject(&c, s.surface->near_plane, &(tc_body){&tc_plane_body, 0, 0}, i % WIDTH + 0.5,
                               i / WIDTH + 0.5, depth[i], p);
-            if (!scene_height(&s, &c, &options.frame, p[0], p[1], &z))
+            if (!s.surface->height(seen, p[0], p[1], &z))
                 continue; /* a pixel on the very rim */
             double d = sqrt(pow(p[0] - c.x, 2) + pow(p[1] - c.y, 2) + pow(p[2] - c.z, 2));
             worst = fmax(worst, fabs(p[2] - z) / d * WIDTH / (2 * tan(c.fov / 2)));
             pixels++;
         }
     }
-    printf("depth: %lld pixels unprojected, at most %.4f pixels from the surface in double\n", (long long)pixels,
-           worst);
+    printf("depth, tolerance %g: %lld pixels unprojected, at most %.4f pixels from the surface in double\n", error,
+           (long long)pixels, worst);
     assert_true(pixels > 50000);
     assert_true(worst < 0.5);
     free(depth);
     scene_destroy(&s);
+}
+
+static void drawn_depth_is_the_surface(void **state)
+{
+    (void)state;
+    depth_is_the_surface(0);
+    depth_is_the_surface(0.5);
+    depth_is_the_surface(5);
 }
 
 int main(void)
@@ -229,6 +259,7 @@ int main(void)
         cmocka_unit_test(a_picture_depends_on_the_view_alone),
         cmocka_unit_test(also_with_several_samples_a_pixel),
         cmocka_unit_test(also_finer_than_the_data),
+        cmocka_unit_test(also_by_a_tolerance),
         cmocka_unit_test(culling_removes_nothing_visible),
         cmocka_unit_test(backs_are_not_missed),
         cmocka_unit_test(maps_are_not_mirrored),
