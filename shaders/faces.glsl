@@ -10,9 +10,11 @@
 //              the eye's, or the highest ground's below it; w: that above the eye
 // surface[2]   x: share of a level's range from which on it passes over; y: 1 / share in which; z: 0: edges of levels
 //              do not meet; w: of levels on the data's mesh from_pole,
-// surface[3]   x: 1 / range of the finest level; y: edge; z: 8 sag; w: bends (tc_faces_range())
-// whole[0].x   cells of a chart along a side
-// layer[3 l]   of a level of a chart: its chart, its shift from the finest level, 1 / range (0: of the coarsest)
+// surface[3]   x: 1 / range of the finest level; y: edge; z: 8 sag; w: bends (tc_faces_range()); of blocks chosen by their error
+//              x: 1 / range of the finest normals; y, z: as x, y of surface[2]
+// whole[0]     x: cells of a chart along a side; y: shift of the finest level that has samples; z: of the coarsest
+// layer[3 l]   of a level of a chart: its chart, its shift from the finest level, 1 / range (0: of the coarsest), the chart's
+//              last layer that is up to date; [3 l + 1] the viewer's place in its samples from the window's first
 // FACE(k)      chart k's vectors, the first ones read by chart_*.glsl; the last one: x, y: the viewer from its nearest sample
 //              on the chart, z, w: the same in chart coordinates
 // PLACES(k)    likewise integers; the last four: of each side x: chart + (m + 8) 2^(8 + 4 k), y, z: dx, dy; w of the first two:

@@ -1,12 +1,16 @@
-// square.glsl - the map transform of planar/square.c: square grids over a flat map; heights from the vertex texture,
+// square.glsl - the map transform of planar/square_draws.c: square grids over a flat map; heights from the vertex texture,
 // morphed (LH04 6.2, AH05).
 //
 // Positions come from one integer, the vertex's place in samples of the finest level relative to the viewer's sample,
 // by the same expression in every level: a vertex that two levels share is bit-identical in both (no cracks).
 //
 // What is interpolated goes into one vector: on a software renderer each one more costs 4 % of a frame.
+// Where blocks are chosen by their error (planar/square_tree.c): surface[1] x: 1 / cells of a block along a side; y, z: the
+// viewer beyond its sample, finest samples; surface[2] x: samples that a level's normals reach; y: 1 / those in which they pass
+// over; whole[1] x: shift of the coarsest level; y: last layer that is up to date; z: least shift whose normals are seen;
+// layer[3 l] x, y: the viewer's sample from the window's first, in samples; z: least alpha of normals; [3 l + 2] y: 2^-shift
 layout(location = 0) in ivec2 in_vertex; // of the static geometry
-layout(location = 1) in ivec4 in_instance; // its block: instance() in square.c
+layout(location = 1) in ivec4 in_instance; // its block: instance() in square_draws.c
 #ifdef TOLERANCE
 layout(location = 2) in vec4 in_corners; // alpha at its corners: south-west, south-east, north-west, north-east
 #endif

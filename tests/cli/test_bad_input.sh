@@ -167,6 +167,7 @@ done <<end
 --background  12345 1234567 gggggg #123456 ""
 --samples     0 17 -1 1.5 ""
 --target-ms   0 -0 -16 nan inf 1e7 16ms ""
+--error       -1 nan inf 1001 1px ""
 --output      ""
 --colours     ""
 --imagery     ""
@@ -198,6 +199,8 @@ refuses 2 'TERRAIN: expected a file, found none' $viewer
 refuses 2 '--path: expected --frames N' $viewer hills.tif --path views.txt
 refuses 2 '--frames: expected --path FILE' $viewer hills.tif $picture --frames 5
 refuses 2 '--output: expected one number such as %05d' $viewer hills.tif $picture --path views.txt --frames 5
+refuses 2 '--n: expected at least 127 with --error, found 63' $viewer hills.tif $picture --error 1 --n 63
+refuses 2 '--error: expected a scheme that chooses blocks by it, as hex does, found rings' $globe hills.tif $picture --error 1 --scheme rings
 refuses 2 '--target-ms: expected more than 0 ms, found .0' $viewer hills.tif --target-ms 0
 refuses 2 '--target-ms: expected a window or --path FILE with it, found one picture' $viewer hills.tif $picture --target-ms 16
 refuses 2 '--target-ms: expected a window or --path FILE with it' $globe hills.tif $picture --target-ms 16

@@ -141,6 +141,10 @@ accepts '' $viewer metres.tif $near $picture --unlit --background 000000
 mv last.png unlit.png
 accepts '' $viewer metres.tif $near $picture --shade none --background 000000
 same unlit.png last.png '--unlit and --shade none without a sky'
+accepts '' $viewer metres.tif $near $picture --error 1 --json
+grep -q '"error_bound_px": [01]\.' stdout.txt || report 'no bound of the error' --error 1
+accepts '' $viewer metres.tif $near $picture --error 1000
+accepts '' $viewer voids.tif $near $picture --voids hole --error 0.5
 accepts '' $viewer metres.tif $near $picture --contours 100
 different natural.png last.png '--contours'
 
