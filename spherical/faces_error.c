@@ -57,15 +57,15 @@ bool tc_faces_by_error(const faces_view *v)
 }
 
 /* What lies on the mesh of the windows' finest level has to have passed over, by distance, before that begins to
- * (tc_faces_alpha()), or it would go on beyond it: so much of it has. Ranges go by quarters, as what cells bend by
- * does, and end as much further in as a block of that level is wide. */
+ * (tc_faces_alpha()), or it would go on beyond it: so much of it has. Each level's range ends as much within the
+ * coarser one's passage as a block of that is wide, where there is room for it: ranges go by halves, as blocks do. */
 static double passed(const faces_view *v, int chart, int level, int32_t x, int32_t y)
 {
     const faces_surface *s = tc_faces_of(v);
     const double block = ldexp(s->lattice.side[level - 1], s->lattice.levels - level),
                  wide = s->diagonal * s->cell * ldexp(s->lattice.side[s->own - 1], s->lattice.levels - s->own),
                  begins = FACES_PASSED * (1 - FACES_PASSAGE) * tc_faces_range(v, s->own),
-                 range = ldexp(begins - wide, 2 * (s->own + 1 - level));
+                 range = ldexp(begins - wide, s->own + 1 - level);
     double d[3];
     if (range <= 0)
         return 1;
@@ -73,14 +73,15 @@ static double passed(const faces_view *v, int chart, int level, int32_t x, int32
     return fmin(fmax((s->kind->distance(d, v->height) / range - (1 - FACES_PASSAGE)) / FACES_PASSAGE, 0), 1);
 }
 
-/* alpha of a corner where all blocks that touch it are drawn by their level. */
+/* alpha of a corner, whatever blocks touch it; in 2^-16: what a shader interpolates of it along an edge is exact. */
 static double corner_alpha(const faces_view *v, int chart, int level, int32_t x, int32_t y)
 {
-    const double alpha = tc_block_errors_alpha(v->error, chart, level, x, y);
-    if (level <= tc_faces_of(v)->own || alpha >= 1)
-        return alpha;
-    tc_block_settle(&tc_faces_of(v)->lattice, level, &chart, &x, &y); /* the same number, however it is rounded */
-    return fmax(alpha, passed(v, chart, level, x, y));
+    double alpha = tc_block_errors_alpha(v->error, chart, level, x, y);
+    if (level > tc_faces_of(v)->own && alpha < 1) {
+        tc_block_settle(&tc_faces_of(v)->lattice, level, &chart, &x, &y); /* the same number, however it is rounded */
+        alpha = fmax(alpha, passed(v, chart, level, x, y));
+    }
+    return floor(alpha * 65536) / 65536;
 }
 
 bool tc_faces_want_by_error(const faces_view *v, tc_block b)
@@ -91,13 +92,23 @@ bool tc_faces_want_by_error(const faces_view *v, tc_block b)
     return false;
 }
 
+/* Where a leaf meets other meshes its vertices know (tc_leaf_alpha()): of the whole block that would be a leap, and
+ * blocks that have an edge in common would not all be told. */
 float tc_faces_corner(const faces_view *v, const tc_leaf *leaf, int k)
 {
     const tc_block b = leaf->block;
-    if (leaf->coarse || b.level == 1 || !tc_faces_by_error(v) || leaf->finer_corners >> k & 1)
+    if (b.level - leaf->coarse == 1 || !tc_faces_by_error(v))
         return 0;
-    /* Next to a coarser mesh it is 1 by itself where the error ends a level, and where a window does vertices have that
-     * by their distance: for the whole block it would be a leap. In 2^-16: what a shader interpolates of it along an
-     * edge is exact. */
-    return (float)(floor(corner_alpha(v, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1)) * 65536) / 65536);
+    if (!leaf->coarse)
+        return (float)corner_alpha(v, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1));
+    /* Of the block above, whose mesh it is drawn by: there, of a half, or a whole one. */
+    const tc_block above = tc_block_leaf_above(&tc_faces_of(v)->lattice, leaf).block;
+    const int parts = 2 * tc_faces_of(v)->lattice.side[above.level - 1] / tc_faces_of(v)->lattice.side[b.level - 1];
+    const double x = (double)(b.x + (k & 1)) / parts - above.x, y = (double)(b.y + (k >> 1)) / parts - above.y;
+    double alpha = 0;
+    for (int c = 0; c < 4; c++) {
+        const double share = (c & 1 ? x : 1 - x) * (c & 2 ? y : 1 - y);
+        alpha += share > 0 ? share * corner_alpha(v, b.chart, above.level, above.x + (c & 1), above.y + (c >> 1)) : 0;
+    }
+    return (float)alpha;
 }
