@@ -71,11 +71,13 @@ static void place_of(int i, double *longitude_ret, double *latitude_ret)
     rings_place_of(i - 2 * SPECIALS, SIZE, longitude_ret, latitude_ret);
 }
 
-static faces_error planet(const faces_kind *kind, globe_function height, tc_body body, int places, int altitudes)
+/* By distance, or by tolerances of a tenth of a pixel to twenty. */
+static faces_error planet(const faces_kind *kind, globe_function height, tc_body body, int places, int altitudes,
+                          bool by_error)
 {
     tc_map *atlas = planet_of_faces(globe_atlas(height, SIZE, body.radius), kind->chart);
     atlas->body = body;
-    const tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1};
+    tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1, .frame.error = by_error};
     scene s = planet_scene_of(context, atlas, planet_faces(atlas, kind, 255, &options), &options);
     faces_capture capture = faces_capture_create(tc_context_gl(context), &s, "");
     faces_error all = {0};
@@ -87,7 +89,11 @@ static faces_error planet(const faces_kind *kind, globe_function height, tc_body
             int k = (place + a * RINGS_ALTITUDES / altitudes) % RINGS_ALTITUDES;
             tc_camera c = rings_view_at(atlas, longitude, latitude, rings_altitude(k, body.radius), &r);
             faces_error here = {0};
-            faces_capture_compare(&capture, &c, NULL, &here);
+            if (by_error) {
+                options.frame.error = 0.1 * pow(200, test_random_unit(&r));
+                tc_renderer_set_options(s.renderer, &options);
+            }
+            faces_capture_compare(&capture, &c, &options.frame, &here);
             if (getenv("VERBOSE") && (here.pixels > PIXELS || here.samples > SAMPLES))
                 fflush(stdout), printf("  place %d (%.17g, %.17g), altitude %g: %.3g pixels, %.3g samples\n", place,
                                        c.x, c.y, rings_altitude(k, body.radius), here.pixels, here.samples);
@@ -96,9 +102,9 @@ static faces_error planet(const faces_kind *kind, globe_function height, tc_body
             all.not_finite += here.not_finite;
         }
     printf(
-        "%s, %s of %g m: %lld vertices, %lld in frames, %lld of them on their way; worst %.2e pixels, %.2e samples\n",
-        kind->name, body.class->name, body.radius, (long long)all.vertices, (long long)all.seen, (long long)all.between,
-        all.pixels, all.samples);
+        "%s, %s of %g m%s: %lld vertices, %lld in frames, %lld of them on their way; worst %.2e pixels, %.2e samples\n",
+        kind->name, body.class->name, body.radius, by_error ? ", by tolerances" : "", (long long)all.vertices,
+        (long long)all.seen, (long long)all.between, all.pixels, all.samples);
     faces_capture_destroy(&capture);
     scene_destroy(&s);
     tc_map_destroy(atlas);
@@ -108,11 +114,11 @@ static faces_error planet(const faces_kind *kind, globe_function height, tc_body
 static const faces_kind *const kinds[] = {&tc_faces_hex, &tc_faces_cube};
 enum { KINDS = 2 };
 
-static void within_bounds(const faces_kind *kind, globe_function height, tc_body body, int places)
+static void within_bounds(const faces_kind *kind, globe_function height, tc_body body, int places, bool by_error)
 {
-    faces_error e = planet(kind, height, body, places, sweep_whole() ? 3 : 1);
+    faces_error e = planet(kind, height, body, places, sweep_whole() ? 3 : 1, by_error);
     assert_int_equal(e.not_finite, 0);
-    assert_true(e.seen > 2000 * places && e.between > 100 * places);
+    assert_true(e.seen > (by_error ? 200 : 2000) * places && e.between > (by_error ? 10 : 100) * places);
     assert_true(e.pixels < PIXELS);
     assert_true(e.samples < SAMPLES);
 }
@@ -126,16 +132,28 @@ static void spheres_within_a_hundredth_of_a_pixel(void **state)
             within_bounds(kinds[k], i % 2 ? globe_smooth : globe_rough, tc_body_of(radii[i]),
                           sweep_whole() ? PLACES
                           : i == 3      ? 40
-                                        : 12);
+                                        : 12,
+                          false);
 }
 
 static void ellipsoids_within_a_hundredth_of_a_pixel(void **state)
 {
     (void)state;
     for (int k = 0; k < KINDS; k++) {
-        within_bounds(kinds[k], globe_rough, tc_body_flattened(6378137, 1 / 298.257223563),
-                      sweep_whole() ? PLACES : 36);
-        within_bounds(kinds[k], globe_smooth, tc_body_flattened(1e5, 0.3), sweep_whole() ? PLACES : 12);
+        within_bounds(kinds[k], globe_rough, tc_body_flattened(6378137, 1 / 298.257223563), sweep_whole() ? PLACES : 36,
+                      false);
+        within_bounds(kinds[k], globe_smooth, tc_body_flattened(1e5, 0.3), sweep_whole() ? PLACES : 12, false);
+    }
+}
+
+static void by_tolerances_too(void **state)
+{
+    (void)state;
+    for (int k = 0; k < KINDS; k++) {
+        within_bounds(kinds[k], globe_fractal, tc_body_of(6371000), sweep_whole() ? PLACES : 14, true);
+        within_bounds(kinds[k], globe_smooth, tc_body_of(1e3), sweep_whole() ? PLACES : 6, true);
+        within_bounds(kinds[k], globe_rough, tc_body_flattened(6378137, WGS84_FLATTENING), sweep_whole() ? PLACES : 6,
+                      true);
     }
 }
 
@@ -174,12 +192,12 @@ static void nothing_jitters(void **state)
 
 /* Vertices that several blocks draw are the same bits in all of them, also across charts; and they are not where each
  * chart goes by its own formulas. */
-static void vertices_are_shared(void **state)
+static void shared_by(double error)
 {
-    (void)state;
     for (int k = 0; k < KINDS; k++) {
-        tc_map *atlas = planet_of_faces(globe_atlas(globe_rough, SIZE, 6371000), kinds[k]->chart);
-        const tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1};
+        tc_map *atlas =
+            planet_of_faces(globe_atlas(error > 0 ? globe_fractal : globe_rough, SIZE, 6371000), kinds[k]->chart);
+        const tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1, .frame.error = error};
         scene s = planet_scene_of(context, atlas, planet_faces(atlas, kinds[k], 127, &options), &options);
         faces_shared found[2] = {{0}};
         for (int own = 0; own < 2; own++) {
@@ -190,14 +208,15 @@ static void vertices_are_shared(void **state)
                 place_of(place, &longitude, &latitude);
                 tc_camera c =
                     rings_view_at(atlas, longitude, latitude, rings_altitude(place % RINGS_ALTITUDES, 6371000), &r);
-                faces_capture_shared(&capture, &c, &found[own]);
+                faces_capture_shared(&capture, &c, &options.frame, &found[own]);
             }
             faces_capture_destroy(&capture);
         }
-        printf("%s: %lld vertices in several blocks, %lld of them in several charts: %lld not the same bits; by each "
+        printf("%s, tolerance %g: %lld vertices in several blocks, %lld of them in several charts: %lld not the same "
+               "bits; by each "
                "chart's own formulas %lld\n",
-               kinds[k]->name, (long long)found[0].shared, (long long)found[0].across, (long long)found[0].different,
-               (long long)found[1].different);
+               kinds[k]->name, error, (long long)found[0].shared, (long long)found[0].across,
+               (long long)found[0].different, (long long)found[1].different);
         assert_true(found[0].across > 1000);
         assert_int_equal(found[0].different, 0);
         assert_true(found[1].different > 100);
@@ -206,11 +225,21 @@ static void vertices_are_shared(void **state)
     }
 }
 
+static void vertices_are_shared(void **state)
+{
+    (void)state;
+    shared_by(0);
+    shared_by(0.5);
+    if (sweep_whole())
+        shared_by(3);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(spheres_within_a_hundredth_of_a_pixel),
         cmocka_unit_test(ellipsoids_within_a_hundredth_of_a_pixel),
+        cmocka_unit_test(by_tolerances_too),
         cmocka_unit_test(vertices_are_shared),
         cmocka_unit_test(nothing_jitters),
     };

@@ -61,6 +61,10 @@ static drawn_block block_of(const faces_view *view, const tc_layers *layers, con
     b.leaf.finer_corners = bits >> 19 & 15, b.leaf.finer_halves = bits >> 23 & 255;
     const int shift = s->lattice.levels - b.level;
     b.x = instance->v[0] >> shift, b.y = instance->v[1] >> shift;
+    /* A part of a block is a finer one's, which this mesh is drawn for. */
+    b.leaf.coarse = b.cells < s->lattice.side[b.level - 1];
+    b.leaf.block.level = b.level + b.leaf.coarse;
+    b.leaf.block.x = (int32_t)(b.x / b.cells), b.leaf.block.y = (int32_t)(b.y / b.cells);
     return b;
 }
 
@@ -305,10 +309,11 @@ static int by_place(const void *a, const void *b)
     return 0;
 }
 
-void faces_capture_shared(faces_capture *c, const tc_camera *camera, faces_shared *shared)
+void faces_capture_shared(faces_capture *c, const tc_camera *camera, const tc_frame_options *options,
+                          faces_shared *shared)
 {
     sharing s = {0};
-    each_block(c, camera, NULL, add_edge_vertices, &s);
+    each_block(c, camera, options, add_edge_vertices, &s);
     qsort(s.vertex, s.count, sizeof *s.vertex, by_place);
     for (size_t k = 0, run; k < s.count; k += run) {
         bool same = true, across = false;

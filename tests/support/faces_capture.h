@@ -23,7 +23,8 @@ typedef struct faces_error {
     int64_t between; /* of those seen that were on their way to a coarser edge */
 } faces_error;
 
-/* Draws the view and compares all vertices of what is drawn of it; adds to *error. */
+/* Draws the view and compares all vertices of what is drawn of it; adds to *error. options: those that the scene draws
+ * with, NULL for none. */
 void faces_capture_compare(faces_capture *c, const tc_camera *camera, const tc_frame_options *options,
                            faces_error *error);
 
@@ -32,6 +33,7 @@ typedef struct faces_shared {
     int64_t shared, across; /* across: by blocks of several charts */
     int64_t different;
 } faces_shared;
-void faces_capture_shared(faces_capture *c, const tc_camera *camera, faces_shared *shared);
+void faces_capture_shared(faces_capture *c, const tc_camera *camera, const tc_frame_options *options,
+                          faces_shared *shared);
 
 #endif
