@@ -21,14 +21,17 @@ typedef struct stage {
     tc_view *view;
     tc_frame frame;
     tc_camera camera;
+    double error;
 } stage;
 
-static stage stage_of(terrain_kind kind, int width, int height, int n)
+/* error_px: the tolerance that blocks are chosen by; 0: none. */
+static stage stage_of(terrain_kind kind, int width, int height, int n, double error_px)
 {
-    stage s = {.field = terrain_field(kind, width, height, SPACING, 3)};
+    stage s = {.field = terrain_field(kind, width, height, SPACING, 3), .error = error_px};
+    const tc_square_blocks blocks = {.shaded_n = n};
     const tc_ground_options options = {.n = n};
     tc_error error;
-    if (tc_square_create(s.field, &options, NULL, &s.surface, &error) ||
+    if (tc_square_create(s.field, &options, error_px > 0 ? &blocks : NULL, &s.surface, &error) ||
         s.surface->make_windows(s.surface, &s.windows, &error) || !(s.view = tc_view_allocate(s.surface)) ||
         !tc_frame_allocate(s.surface, &s.frame))
         exit(99);
@@ -56,7 +59,7 @@ static tc_camera camera_at(const tc_field *field, double x, double y, double abo
 static void look(stage *s, const tc_camera *camera, double throttle, int64_t budget)
 {
     tc_rect wanted[TC_MAX_CHARTS][TC_MAX_LEVELS];
-    const tc_frame_options options = {.throttle = throttle};
+    const tc_frame_options options = {.throttle = throttle, .error = s->error};
     s->camera = *camera;
     s->surface->look(s->surface, &s->windows, camera, &options, true, s->view);
     s->surface->wanted(s->view, wanted);
@@ -134,7 +137,7 @@ static void levels_surround_each_other(void **state)
     test_random r = {5};
     for (int k = 0; k < 2; k++)
         for (int n = 31; n <= 127; n = 2 * n + 1) {
-            stage s = stage_of(TERRAIN_CLIFF, sides[k][0], sides[k][1], n);
+            stage s = stage_of(TERRAIN_CLIFF, sides[k][0], sides[k][1], n, 0);
             double w = (sides[k][0] - 1) * SPACING, h = (sides[k][1] - 1) * SPACING;
             for (int i = 0; i < 400; i++) {
                 bool lagging = i & 1;
@@ -215,7 +218,7 @@ static void heights_follow_the_throttle(void **state)
     } kinds[] = {{TERRAIN_CLIFF, "cliffs of 4,000 m"}, {TERRAIN_SMOOTH, "smooth"}, {TERRAIN_DEFAULT, "the default"}};
     for (int k = 0; k < 3; k++)
         for (int n = 63; n <= 127; n = 2 * n + 1) {
-            stage s = stage_of(kinds[k].kind, SIZE, SIZE, n);
+            stage s = stage_of(kinds[k].kind, SIZE, SIZE, n, 0);
             double worst = 0;
             for (double above = 2; above < 2e4; above *= 3.7) {
                 int jumps;
@@ -230,7 +233,7 @@ static void heights_follow_the_throttle(void **state)
 static void without_morph_heights_jump(void **state)
 {
     (void)state;
-    stage s = stage_of(TERRAIN_CLIFF, SIZE, SIZE, 63);
+    stage s = stage_of(TERRAIN_CLIFF, SIZE, SIZE, 63, 0);
     int jumps;
     double worst = sweep(&s, 20, true, &jumps);
     printf("throttled without morph: %d jumps, the largest %.0f m\n", jumps, worst);
@@ -254,7 +257,7 @@ static void more_is_never_more_triangles(void **state)
 {
     (void)state;
     enum { N = 127, BLOCK = (N + 1) / 16, STEP = 150, VIEWS = 60 };
-    stage s = stage_of(TERRAIN_DEFAULT, SIZE, SIZE, N);
+    stage s = stage_of(TERRAIN_DEFAULT, SIZE, SIZE, N, 0);
     test_random r = {9};
     double extent = (SIZE - 1) * SPACING, left = 0;
     int64_t most = 0;
@@ -282,13 +285,48 @@ static void more_is_never_more_triangles(void **state)
     stage_end(&s);
 }
 
+/* By a tolerance a throttled frame has a larger one, and shorter windows. From not far above the ground: from high up a
+ * level is dropped as a whole, as nests drop theirs. */
+static void by_a_tolerance_it_is_evenly_fewer(void **state)
+{
+    (void)state;
+    enum { STEP = 100, VIEWS = 12 };
+    stage s = stage_of(TERRAIN_DEFAULT, SIZE, SIZE, 255, 1);
+    test_random r = {9};
+    const double extent = (SIZE - 1) * SPACING;
+    double rise = 0, drop = 0, left = 0;
+    int many = 0;
+    for (int v = 0; v < VIEWS; v++) {
+        const tc_camera c = camera_at(s.field, test_random_range(&r, 0, extent), test_random_range(&r, 0, extent),
+                                      pow(10, test_random_range(&r, 0, 3)));
+        int64_t first = 0, before = 0, least = INT64_MAX;
+        for (int i = 0; i <= STEP; i++) {
+            const int64_t all = draws(&s, &c, s.surface->most_throttle * i / STEP)->triangles_unculled;
+            first = i ? first : all;
+            if (first < 4000)
+                break;
+            if (i) {
+                rise = fmax(rise, (double)(all - least) / (double)first);
+                drop = fmax(drop, (double)(before - all) / (double)first);
+            }
+            before = all, least = tc_min64(least, all);
+        }
+        many += first >= 4000, left += first >= 4000 ? (double)before / (double)first : 0;
+    }
+    printf("throttled, by a tolerance: triangles rise by at most %.4f of the first ones and fall by at most %.3f in a "
+           "step; %.3f are left at most_throttle %.2f, of %d views\n",
+           rise, drop, left / many, s.surface->most_throttle, many);
+    assert_true(many > VIEWS / 3);
+    assert_true(rise < 0.01 && drop < 0.1 && left / many < 0.3);
+    stage_end(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(levels_surround_each_other),
-        cmocka_unit_test(heights_follow_the_throttle),
-        cmocka_unit_test(without_morph_heights_jump),
-        cmocka_unit_test(more_is_never_more_triangles),
+        cmocka_unit_test(levels_surround_each_other),        cmocka_unit_test(heights_follow_the_throttle),
+        cmocka_unit_test(without_morph_heights_jump),        cmocka_unit_test(more_is_never_more_triangles),
+        cmocka_unit_test(by_a_tolerance_it_is_evenly_fewer),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,6 +44,7 @@ static const struct trace {
     {"angles", "shade_degrees", NULL, 0, 0},
     {"hillshade", "float hillshade", NULL, 0, 0},
     {"contours", "contoured", NULL, 0, 0},
+    {"tolerance", "#define TOLERANCE", NULL, 0, 0},
 };
 
 static bool multisampled(const gl_record *r)

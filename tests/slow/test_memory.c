@@ -106,9 +106,12 @@ static void frames_allocate_nothing(void **state)
                   {false, {.wireframe = true, .level_colours = true}},
                   {false, {.samples = 4, .frame.no_cull = true}},
                   {true, {.budget = 1000}},
-                  {true, {.budget = -1, .holes = true}}};
+                  {true, {.budget = -1, .holes = true}},
+                  {false, {.frame.error = 1}},
+                  {true, {.budget = 5000, .frame.error = 4}}};
     for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
-        scene s = scene_create(context, scenes[k].finer ? finer : terrain, N, &scenes[k].options);
+        scene s = scene_create(context, scenes[k].finer ? finer : terrain, scenes[k].options.frame.error > 0 ? 127 : N,
+                               &scenes[k].options);
         tc_stats *stats;
         assert_int_equal(tc_stats_create(100, &stats, NULL), TC_OK);
         fly(&s, stats, 0, 20); /* warm-up */

@@ -83,6 +83,15 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
      60,
      -20,
      ANGLES | LEAN_SPHERE},
+    {"tolerance",
+     LEAN_COAST,
+     {.frame.error = 1},
+     .4,
+     .6,
+     200,
+     120,
+     -10,
+     LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_TOLERANCE},
 };
 
 /* ---- Grounds ---------------------------------------------------------------------------------------------------- */
@@ -282,7 +291,8 @@ scene lean_create(const tc_gl *gl, const lean_scene *s, const tc_scene_options *
     } else {
         const tc_ground_options clip = {
             .n = N, .normals = needs->normals, .fine_normals = needs->fine_normals, .holes = needs->holes};
-        must(tc_square_create(field, &clip, NULL, &surface, &error), &error);
+        const tc_square_blocks blocks = {.shaded_n = N};
+        must(tc_square_create(field, &clip, options->frame.error > 0 ? &blocks : NULL, &surface, &error), &error);
     }
     scene made = {.field = field, .surface = surface};
     must(tc_renderer_create(gl, surface, options, &made.renderer, &error), &error);
