@@ -344,8 +344,10 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     int first = tc_field_info(field)->levels;
     int64_t coarsest = tc_field_level(field, first).width - 1;
     const int finest = first, most = TC_MAX_LAYERS / map->charts;
+    /* With a tolerance down to one that costs little where it is all that is needed. */
+    const int64_t whole = s->head.by_error ? 32 : (s->windows.n + 1) / 4;
     while (first > 1 && coarsest % 4 == 0 &&
-           (coarsest >= s->windows.n || (coarsest > (s->windows.n + 1) / 4 && finest - first + 1 < most)))
+           (coarsest >= s->windows.n || (coarsest > whole && finest - first + 1 < most)))
         first--, coarsest /= 2;
     s->windows.coarsest = (int)coarsest + 1;
     int levels = finest - first + 1;
