@@ -124,9 +124,10 @@ void tc_square_add_closers(square_draws *a, int level, int64_t x, int64_t y, int
         int64_t run = tc_min64(cells - done, a->s->index.block), sx = row ? x + done : x, sy = row ? y : y + done;
         if (!visible(a, level, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}))
             continue;
+        if (a->lists == a->s->lists)
+            return;
         /* From the end of the room on backwards, until all strips are known. */
         int at = a->s->head.draw_capacity - 1 - a->lists++;
-        assert(a->lists <= a->s->lists);
         a->frame->instances[at] = instance(a, level, sx, sy, coarse);
         a->frame->draws[at] = (tc_draw){.count = (uint32_t)(3 * (run / 2)),
                                         1,

@@ -12,6 +12,7 @@ typedef struct square_surface {
     tc_block_geometry index;
     bool wide;                /* places relative to the viewer do not fit 32 bits (square_wide.glsl) */
     int strips, lists;        /* the most draws of either kind */
+    bool cut;                 /* there are finer levels than may be drawn */
     tc_block_lattice lattice; /* of blocks that are chosen by their error, */
     tc_square_blocks blocks;  /* how, and whose normals are seen */
     tc_ground_options windows;

@@ -46,6 +46,12 @@ int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera
     const double tolerance = error / tc_camera_pixel_scale(camera);
     const int most = (int)tc_min64(4 * (tc_clipmap_n_for(camera) + 1) - 1, TC_CLIPMAP_MAX_N);
     tc_field_know_errors(field);
+    if (!isfinite(tc_field_range(field, tc_field_info(field)->levels, (tc_rect){0, 0, 1, 1}).error)) {
+        /* Not known: levels go by the distance alone. */
+        if (side_ret)
+            *side_ret = 0;
+        return (int)tc_max64(tc_clipmap_n_for(camera), TC_SQUARE_LEAST_N);
+    }
     const double cells = cells_over(field, tolerance, 0, 0, 1, 1);
     const int side = side_for(field, tolerance);
     /* Heights and normals of all levels, bytes. */
@@ -55,7 +61,7 @@ int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera
            (2 * n + 2.0) * (2 * n + 2.0) * texel * tc_field_info(field)->levels <= most_bytes)
         n = 2 * n + 1;
     if (side_ret)
-        *side_ret = n <= TC_BLOCKS_ACROSS * side ? side : 2 * side; /* or a window had more than there may be */
+        *side_ret = side;
     return n;
 }
 
@@ -76,7 +82,7 @@ static int shaded_size(const tc_surface_request *request)
 static int size(const tc_surface_request *request)
 {
     int n = shaded_size(request);
-    if (request->n || !(request->error > 0))
+    if (request->n || !(request->error > 0) || !request->map)
         return n;
     int called_for = tc_square_n_for(tc_map_field(request->map, 0), request->error, request->camera, NULL);
     for (int i = 0; i < request->halvings && called_for > TC_SQUARE_LEAST_N; i++)

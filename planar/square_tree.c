@@ -31,16 +31,24 @@ static const double PASSAGE = 0.2;
 static const double HEIGHT_SHARE = 0.6;
 enum { LEAST_SIDE = 8, MOST_SIDE = 16, COARSEST = 128 };
 
-static int tree_block(const square_surface *s)
-{
-    return s->blocks.side ? s->blocks.side : (int)tc_clamp64((s->windows.n + 1) / 64, LEAST_SIDE, MOST_SIDE);
-}
-
 /* Cells of a level that all of its blocks' corners within them can be wanted of: a window reaches (n - 1) / 2 to all
  * sides, a block lies partly beyond the corner that asks for it, and windows begin on even samples. */
 static double reach_of(int n, int side)
 {
     return 0.5 * (n - 1) - side - 2;
+}
+
+/* As asked for, or by n; not so large that a level's alpha by distance would not be 0 around where the finer one ends,
+ * nor so small that a window had more than there may be. */
+static int tree_block(const square_surface *s)
+{
+    const int n = s->windows.n;
+    int side = s->blocks.side ? s->blocks.side : (int)tc_clamp64((n + 1) / 64, LEAST_SIDE, MOST_SIDE);
+    while (side > LEAST_SIDE && (0.5 - PASSAGE) * reach_of(n, side) < side)
+        side /= 2;
+    while (n + 1 > TC_BLOCKS_ACROSS * side)
+        side *= 2;
+    return side;
 }
 
 double tc_square_tree_reach(int n, int side)
@@ -64,7 +72,7 @@ static tc_range range_of(void *context, int chart, int level, tc_rect samples)
 {
     const tc_clipmap *clipmap = clipmap_of(context);
     (void)chart;
-    return tc_field_range(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, level), samples);
+    return tc_field_range(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, 1) + level - 1, samples);
 }
 
 /* Metres east and north of the eye of sample (x, y) of a level. */
@@ -198,8 +206,11 @@ static void tree_look(const tc_surface *surface, const tc_windows *windows, cons
     v->square.head = tc_view_of(surface, windows, camera, options);
     v->square.viewer = tc_square_viewer(windows->clipmap[0], camera, wait);
     v->reach = reach_of(s->windows.n, tree_block(s)) / coarser;
-    tc_block_ground ground = {
-        .lattice = &s->lattice, .data = s->lattice.levels, .range = range_of, .distance = distance_of, .context = v};
+    tc_block_ground ground = {.lattice = &s->lattice,
+                              .data = s->lattice.levels + s->cut,
+                              .range = range_of,
+                              .distance = distance_of,
+                              .context = v};
     for (int k = 0; k < s->lattice.levels; k++)
         ground.diagonal[k] = ldexp(hypot(coarsest->spacing_x, coarsest->spacing_y) * s->lattice.side[k], -k);
     tc_block_errors_begin(&v->error, &ground, options->error * coarser / tc_camera_pixel_scale(camera));
@@ -285,7 +296,7 @@ static void add_leaf(void *context, const tc_leaf *leaf)
     d->levels[level - 1]++;
     const int before = d->draws.strips;
     tc_square_add_block(&d->draws, level, cells, corner);
-    if (d->draws.strips > before)
+    if (d->draws.strips > before && d->view->error.tolerance > 0)
         d->off = fmax(d->off, tc_block_errors_bound((tc_block_errors *)&d->view->error, leaf, corner));
     if (options->no_closers || options->no_stitch)
         return;
@@ -361,11 +372,15 @@ static tc_status tree_prepare(square_surface *s, tc_error *error)
         const tc_rect extent = tc_clipmap_extent(field, level);
         cells[levels][0] = extent.x1 - 1, cells[levels][1] = extent.y1 - 1;
     }
-    if (s->windows.max_levels && levels > s->windows.max_levels)
+    s->cut = s->windows.max_levels && levels > s->windows.max_levels;
+    if (s->cut)
         levels = s->windows.max_levels;
     if (!tc_block_lattice_cut(&s->lattice, levels, (const int64_t(*)[2])cells, tree_block(s)))
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "square grids: expected at most %d x %d blocks, found %d x %d",
-                       TC_BLOCKS_ACROSS, TC_BLOCKS_ACROSS, (int)s->lattice.blocks[0][0], (int)s->lattice.blocks[0][1]);
+        return tc_fail(
+            error, TC_ERR_UNSUPPORTED,
+            "--error: expected a terrain of up to 2^33 samples a side, and no more than 128 times as long as "
+            "wide, found %lld x %lld",
+            (long long)tc_field_level(field, finest).width, (long long)tc_field_level(field, finest).height);
     s->strips = levels * TC_BLOCKS_ACROSS * TC_BLOCKS_ACROSS;
     s->lists = levels * TC_BLOCKS_ACROSS * TC_BLOCKS_ACROSS / 2;
     s->head.by_error = true;

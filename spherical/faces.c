@@ -142,8 +142,14 @@ static void add_leaf(void *context, const tc_leaf *leaf)
     a->frame->blocks[level - 1]++;
     if (tc_faces_by_error(a->v)) {
         float corner[4];
-        for (int k = 0; k < 4; k++)
-            corner[k] = tc_faces_corner(a->v, leaf, k);
+        for (int k = 0; k < 4; k++) { /* with what distance and missing blocks add */
+            const double cell = ldexp(1, a->s->lattice.levels - level);
+            const int64_t i = k & 1 ? cells : 0, j = k >> 1 ? cells : 0;
+            double d[3];
+            tc_faces_roughly(a->v, b.chart, (double)((r.x0 >> leaf->coarse) + i) * cell,
+                             (double)((r.y0 >> leaf->coarse) + j) * cell, d);
+            corner[k] = (float)tc_faces_alpha(a->v, leaf, level, cells, i, j, d);
+        }
         a->off = fmax(a->off, tc_block_errors_bound(a->v->error, leaf, corner));
     }
     a->frame->instances[a->strips] = instance(a, leaf, level, r.x0 >> leaf->coarse, r.y0 >> leaf->coarse, cells);
@@ -368,7 +374,8 @@ static tc_status set_lattice(faces_surface *s, tc_error *error)
     if (levels > most)
         return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at most %d levels of detail, found %d", s->kind->name,
                        most, levels);
-    if (first + levels - 1 == finest)
+    s->cut = first + levels - 1 < finest;
+    if (!s->cut)
         s->head.refined = levels_until_flat(M_PI / 2 / (double)s->cells);
     if (levels + s->head.refined > TC_BLOCK_LEVELS)
         s->head.refined = TC_BLOCK_LEVELS - levels;

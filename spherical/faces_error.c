@@ -16,13 +16,13 @@ static tc_range range_of(void *context, int chart, int level, tc_rect samples)
     const double cell = ldexp(1, s->lattice.levels - level);
     double n[3];
     tc_rect held = samples;
-    const int own = tc_faces_window(s, level, &held);
-    tc_range r = tc_field_range(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, own), held);
+    const int own = s->cut ? level : tc_faces_window(s, level, &held);
+    tc_range r = tc_field_range(tc_clipmap_field(clipmap), tc_clipmap_field_level(clipmap, 1) + own - 1, held);
     tc_faces_normal(s, chart, 0.5 * (double)(samples.x0 + samples.x1) * cell,
                     0.5 * (double)(samples.y0 + samples.y1) * cell, n);
     const double across = s->diagonal * s->cell * cell * (double)(samples.x1 - samples.x0);
     const double from_pole = hypot(n[0], n[1]) - 0.5 * across, edge = ldexp(v->edge, s->own + 1 - level);
-    r.error = (level > s->own ? 0 : r.error) + (float)(v->radius * tc_faces_sag(v, edge, fmax(from_pole, 0)));
+    r.error = (own < level ? 0 : r.error) + (float)(v->radius * tc_faces_sag(v, edge, fmax(from_pole, 0)));
     return r;
 }
 
@@ -40,8 +40,11 @@ static void distance_of(void *context, int chart, int level, double x, double y,
 void tc_faces_begin_errors(faces_view *v)
 {
     const faces_surface *s = tc_faces_of(v);
-    tc_block_ground ground = {
-        .lattice = &s->lattice, .data = s->lattice.levels, .range = range_of, .distance = distance_of, .context = v};
+    tc_block_ground ground = {.lattice = &s->lattice,
+                              .data = s->lattice.levels + s->cut,
+                              .range = range_of,
+                              .distance = distance_of,
+                              .context = v};
     for (int level = 1; level <= s->lattice.levels; level++)
         ground.diagonal[level - 1] = s->diagonal * s->cell *
                                      ldexp(s->lattice.side[level - 1], s->lattice.levels - level) *
@@ -76,7 +79,7 @@ static double passed(const faces_view *v, int chart, int level, int32_t x, int32
 /* alpha of a corner, whatever blocks touch it; in 2^-16: what a shader interpolates of it along an edge is exact. */
 static double corner_alpha(const faces_view *v, int chart, int level, int32_t x, int32_t y)
 {
-    double alpha = tc_block_errors_alpha(v->error, chart, level, x, y);
+    double alpha = tc_faces_by_error(v) ? tc_block_errors_alpha(v->error, chart, level, x, y) : 0;
     if (level > tc_faces_of(v)->own && alpha < 1) {
         tc_block_settle(&tc_faces_of(v)->lattice, level, &chart, &x, &y); /* the same number, however it is rounded */
         alpha = fmax(alpha, passed(v, chart, level, x, y));
@@ -97,7 +100,8 @@ bool tc_faces_want_by_error(const faces_view *v, tc_block b)
 float tc_faces_corner(const faces_view *v, const tc_leaf *leaf, int k)
 {
     const tc_block b = leaf->block;
-    if (b.level - leaf->coarse == 1 || !tc_faces_by_error(v))
+    const int level = b.level - leaf->coarse;
+    if (level == 1 || !v->error || (!tc_faces_by_error(v) && level <= tc_faces_of(v)->own))
         return 0;
     if (!leaf->coarse)
         return (float)corner_alpha(v, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1));

@@ -50,6 +50,7 @@ typedef struct faces_surface {
     tc_block_lattice lattice;
     tc_block_geometry index;
     int own;           /* levels that have windows: the lattice's further ones lie on the mesh of the last of them */
+    bool cut;          /* there are finer levels than may be drawn */
     int64_t cells;     /* of a chart along a side, finest level */
     double cell;       /* mean length of one on the unit sphere: that of a quarter of the equator */
     double diagonal;   /* longest way between two corners of a cell, in mean cells */

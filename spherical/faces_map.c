@@ -17,7 +17,7 @@ double tc_faces_alpha(const faces_view *v, const tc_leaf *leaf, int level, int64
     if (met >= 0)
         return met;
     double alpha = 0;
-    const bool by_error = tc_faces_by_error(v);
+    const bool by_error = v->error != NULL; /* as the shader knows it */
     const double x = (double)i / (double)cells, y = (double)j / (double)cells;
     if (s->kind->morphs && !options->no_morph && !(by_error && level > s->own)) {
         double share = s->kind->distance(d, v->height) / tc_faces_range(v, level);

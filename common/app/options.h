@@ -39,6 +39,7 @@ typedef struct tc_options {
     int synthesis;            /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     int n, levels;            /* of the clipmap; 0: not given */
     const tc_scheme *scheme;  /* NULL: not given */
+    bool scheme_implied;      /* not given, but by a tolerance */
     int steps;                /* outwards in a level; 0: not given */
     tc_globe_choice globe;
     const tc_viewer_program *program;

@@ -60,7 +60,9 @@ void tc_stats_frame(tc_stats *stats, double frame_ms, const tc_frame_stats *fram
     stats->frames++;
     stats->max_ms = fmax(stats->max_ms, frame_ms);
     stats->max_throttle = fmax(stats->max_throttle, frame->throttle);
-    stats->max_bound = fmax(stats->max_bound, frame->tolerance > 0 ? frame->error_bound : 0);
+    stats->max_bound =
+        fmax(stats->max_bound,
+             frame->tolerance > 0 && (isfinite(frame->error_bound) || frame->resident) ? frame->error_bound : 0);
     stats->last = *frame;
     tc_stats_load(stats, frame);
 }

@@ -26,12 +26,23 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     source.say = say;
     source.say_context = v;
     source.outputs = &v->outputs;
-    const tc_load_options load = {.body = v->program->body,
-                                  .globe = v->options.globe,
-                                  .atlas = v->options.scheme ? v->options.scheme->atlas : NULL,
-                                  .synthesises = v->options.synthesis != 0,
-                                  .threads = v->options.threads};
+    tc_load_options load = {.body = v->program->body,
+                            .globe = v->options.globe,
+                            .atlas = v->options.scheme ? v->options.scheme->atlas : NULL,
+                            .synthesises = v->options.synthesis != 0,
+                            .threads = v->options.threads};
     tc_status status = tc_map_load(v->options.terrain, &source, &load, &v->map, error);
+    if (status == TC_ERR_UNSUPPORTED && v->options.scheme_implied) { /* the file may be in the charts of another one */
+        tc_error other;
+        load.atlas = NULL;
+        if (tc_map_load(v->options.terrain, &source, &load, &v->map, &other) == TC_OK) {
+            const tc_scheme *own = tc_scheme_for(v->program->schemes, v->map);
+            if (own && own->by_error)
+                v->options.scheme = own, status = TC_OK;
+            else
+                tc_map_destroy(v->map), v->map = NULL;
+        }
+    }
     if (status == TC_OK && !v->options.scheme) /* as the file has its charts */
         v->options.scheme = tc_scheme_for(v->program->schemes, v->map);
     if (status == TC_OK)

@@ -47,6 +47,8 @@ bool tc_block_lattice_cut(tc_block_lattice *l, int levels, const int64_t (*cells
     for (int k = 0; k < levels; k++) {
         l->side[k] = side;
         for (int axis = 0; axis < 2; axis++) {
+            if (cells[k][axis] / side >= INT32_MAX / 2)
+                return false;
             l->cells[k][axis] = cells[k][axis];
             l->blocks[k][axis] = (int32_t)((cells[k][axis] + side - 1) / side);
         }

@@ -417,7 +417,7 @@ static tc_range joined_range(const tc_field *field, int level, tc_rect rect)
         all = tc_range_both(all, range_beside(p, level - 1, around, &found));
     }
     r.step += all.hi - all.lo;
-    r.error += 2 * (all.hi - all.lo);
+    r.error = INFINITY;
     return r;
 }
 
@@ -432,6 +432,13 @@ static void joined_know_errors(const tc_field *field)
     const group *g = ((const joined *)field)->group;
     for (int k = 0; k < g->charts; k++)
         tc_field_know_errors(g->chart[k].field);
+}
+
+/* What its sides and corners ask of other charts is left. */
+static void joined_overtaken(const tc_field *field, int level, tc_rect rect)
+{
+    const tc_level size = tc_field_level(own(field), level);
+    tc_field_overtaken(own(field), level, tc_rect_intersect(rect, (tc_rect){0, 0, size.width, size.height}));
 }
 
 static bool joined_changed(const tc_field *field, uint64_t *since, tc_rect *finest_ret)
@@ -465,8 +472,8 @@ static void joined_destroy(tc_field *field)
 #define CLASS(its_range, its_changed)                                                                                  \
     {                                                                                                                  \
         .sample = TC_FIELD_HEIGHTS, .read = joined_read, .read_ready = joined_read_ready, .ready = joined_ready,       \
-        .range = its_range, .know_errors = joined_know_errors, .changed = its_changed, .tell = joined_tell,            \
-        .container = joined_container, .destroy = joined_destroy                                                       \
+        .range = its_range, .know_errors = joined_know_errors, .overtaken = joined_overtaken, .changed = its_changed,  \
+        .tell = joined_tell, .container = joined_container, .destroy = joined_destroy                                  \
     }
 static const tc_field_class joined_class = CLASS(joined_range, NULL),
                             joined_changing_class = CLASS(joined_range, joined_changed),

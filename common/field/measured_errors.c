@@ -25,19 +25,19 @@ typedef struct measurement {
 /* A task's memory. */
 typedef struct room {
     float fine[BLOCK * BLOCK], coarse[COARSE * COARSE];
+    float held[COARSE + 1][COARSE + 1]; /* what of the coarse ones there is */
     float error[(BLOCK / TC_ERROR_TILE) * (BLOCK / TC_ERROR_TILE)];
 } room;
 
 /* The coarse samples (x0, y0) to (x1, y1), which may lie one beyond the level's last ones: there it goes on in a
  * straight line, or from its other side. */
-static tc_status read_mesh(const tc_field *field, int level, tc_rect r, float *mesh)
+static tc_status read_mesh(const tc_field *field, int level, tc_rect r, float (*z)[COARSE + 1], float *mesh)
 {
     const tc_level size = tc_field_level(field, level);
     const int64_t w = r.x1 - r.x0, h = r.y1 - r.y0;
     /* Two samples at least, for the line. */
     const tc_rect held = {tc_max64(tc_min64(r.x0, size.width - 2), 0), tc_max64(tc_min64(r.y0, size.height - 2), 0),
                           tc_min64(r.x1, size.width), tc_min64(r.y1, size.height)};
-    float z[COARSE + 1][COARSE + 1];
     tc_status status = tc_field_read(field, level, held, z[0], NULL, COARSE + 1);
     for (int64_t j = 0; j < h && !status; j++)
         for (int64_t i = 0; i < w; i++) {
@@ -126,7 +126,7 @@ static tc_status measure_block(measurement *m, tc_rect block, room *r)
         const tc_range_pyramid *to = &m->errors[level - 1];
         const int64_t tx = block.x0 >> tile, ty = block.y0 >> tile, nx = ((block.x1 - 1) >> tile) + 1 - tx,
                       ny = ((block.y1 - 1) >> tile) + 1 - ty;
-        status = read_mesh(m->field, level - 1, coarse, r->coarse);
+        status = read_mesh(m->field, level - 1, coarse, r->held, r->coarse);
         if (status)
             break;
         for (int64_t n = 0; n < ny * (BLOCK / TC_ERROR_TILE); n++)
@@ -148,7 +148,9 @@ static void measure_task(void *context, int64_t n)
     measurement *m = context;
     const tc_level size = tc_field_level(m->field, tc_field_info(m->field)->levels);
     const int64_t x = n % m->across * BLOCK, y = n / m->across * BLOCK;
-    room *r = m->status ? NULL : malloc(sizeof *r);
+    if (m->status)
+        return;
+    room *r = malloc(sizeof *r);
     tc_status status =
         r ? measure_block(m, (tc_rect){x, y, tc_min64(x + BLOCK, size.width), tc_min64(y + BLOCK, size.height)}, r)
           : TC_ERR_MEMORY;

@@ -156,7 +156,7 @@ void tc_clipmap_ask_ahead(tc_clipmap *c, double seconds)
     ahead *a = &c->ahead;
     if (c->levels < 2)
         return;
-    const int level = 2 + a->turn++ % (c->levels - 1);
+    const int level = 2 + (int)(a->turn++ % (unsigned)(c->levels - 1));
     const clip_state *s = &c->level[level - 1];
     const int64_t dx = steps_ahead(ldexp(seconds * a->speed_x, -s->view.shift), c->n),
                   dy = steps_ahead(ldexp(seconds * a->speed_y, -s->view.shift), c->n);

@@ -41,7 +41,7 @@ typedef struct ahead_cell {
 typedef struct ahead {
     double speed_x, speed_y; /* of the windows, samples of the finest level a second */
     double last;             /* by the clock of updates, seconds */
-    int turn;                /* of levels, one an update */
+    unsigned turn;           /* of levels, one an update */
     ahead_cell cell[AHEAD_CELLS];
 } ahead;
 

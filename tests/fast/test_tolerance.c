@@ -14,7 +14,7 @@
 #include "tests/support/terrains.h"
 
 enum { N = 1023, STEPS = 200, POINTS = 2000, SIDE = 1025, SPACING = 30 };
-static const double RATE = 2;
+static const double RATE = 4;
 
 typedef struct walk {
     tc_field *field;

@@ -103,7 +103,7 @@ void tc_packed_know_errors(const tc_field *field)
         return;
     pthread_mutex_lock(&p->errors_mutex);
     if (!p->errors_known) {
-        p->errors_measured = finest->width * finest->height <= MOST_MEASURED;
+        p->errors_measured = finest->height <= MOST_MEASURED / finest->width;
         p->errors_known = p->errors_measured ? tc_measure_errors(field, p->error) == TC_OK : errors_by_steps(p);
         if (!p->errors_known)
             tc_measured_errors_free(p->error, levels);

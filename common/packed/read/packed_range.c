@@ -50,7 +50,8 @@ tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect)
         all = (tc_range){(float)(c->z_min - margin), (float)(c->z_max + margin), INFINITY, INFINITY};
     }
     if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT)
-        all = (tc_range){fminf(all.lo, p->void_height), fmaxf(all.hi, p->void_height), INFINITY, INFINITY};
+        all = (tc_range){fminf(all.lo, p->void_height), fmaxf(all.hi, p->void_height), INFINITY,
+                         p->errors_measured ? all.error : INFINITY};
     p->ranges++;
     p->range_reads += reads;
     return all;
