@@ -317,7 +317,7 @@ static int levels_until_flat(double cell)
 static int block_side(const faces_surface *s)
 {
     const int n = s->windows.n;
-    return s->head.by_error ? (int)tc_clamp64((n + 1) / 64, 8, 16) : (n + 1) / 16;
+    return s->head.by_error ? (int)tc_clamp64((n + 1) / 128, 8, 16) : (n + 1) / 16;
 }
 
 /* The longest way between two corners of a cell, in mean cells: of 64 x 64 on a chart, all of which are alike. */

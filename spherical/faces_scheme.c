@@ -121,7 +121,8 @@ static int shaded_size(const tc_surface_request *request)
 static int size(const tc_surface_request *request)
 {
     const int n = shaded_size(request);
-    return request->n || !(request->error > 0) || n == TC_CLIPMAP_MAX_N || request->halvings ? n : 2 * n + 1;
+    enum { MOST_WITHIN = 1023 }; /* in blocks of 8 x 8 cells */
+    return request->n || !(request->error > 0) || n >= MOST_WITHIN || request->halvings ? n : 2 * n + 1;
 }
 
 static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,

@@ -3,10 +3,8 @@
 
 #include <math.h>
 
-/* A ramp is at least as wide as this share of E of the coarser level. */
-static const double SHARE = 0.25;
-/* What rounding may not make 1 of. */
-static const double NEARLY = 1 - 0x1p-16;
+/* Ramps are at least so wide: in M, and in E of the coarser level. */
+static const double WIDTH = 0.5, SHARE = 0.25;
 
 enum { MASK = TC_ERROR_ROOM - 1 };
 
@@ -38,7 +36,7 @@ static void look_up(tc_block_errors *e, tc_block b)
         (l->block[y][x].view == 0 || l->block[y][x].view == e->view))
         return;
     l->block[y][x].x = b.x + 1, l->block[y][x].y = b.y + 1, l->block[y][x].view = 0;
-    for (int finer = 0; finer < 2; finer++) {
+    for (int finer = 0; finer < 3; finer++) {
         float error = 0;
         if (b.level + finer <= e->ground.data) {
             const tc_range r =
@@ -55,7 +53,7 @@ static void look_up(tc_block_errors *e, tc_block b)
 
 /* What blocks around have at most, and at least. */
 typedef struct around {
-    float error[2], lo, hi;
+    float error[3], lo, hi;
 } around;
 
 static void add_block(tc_block_errors *e, tc_block b, around *a)
@@ -63,7 +61,7 @@ static void add_block(tc_block_errors *e, tc_block b, around *a)
     look_up(e, b);
     const tc_level_errors *l = &e->level[b.chart][b.level - 1];
     const int32_t x = b.x & MASK, y = b.y & MASK;
-    for (int k = 0; k < 2; k++)
+    for (int k = 0; k < 3; k++)
         a->error[k] = l->block[y][x].error[k] > a->error[k] ? l->block[y][x].error[k] : a->error[k];
     a->lo = l->block[y][x].lo < a->lo ? l->block[y][x].lo : a->lo;
     a->hi = l->block[y][x].hi > a->hi ? l->block[y][x].hi : a->hi;
@@ -72,7 +70,7 @@ static void add_block(tc_block_errors *e, tc_block b, around *a)
 /* Blocks that touch a corner; and those that touch them. */
 static around touching(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
 {
-    around a = {{0, 0}, INFINITY, -INFINITY};
+    around a = {{0, 0, 0}, INFINITY, -INFINITY};
     tc_block all[TC_BLOCKS_TOUCHING];
     for (int k = tc_block_touching(e->ground.lattice, chart, level, x, y, all) - 1; k >= 0; k--)
         add_block(e, all[k], &a);
@@ -81,7 +79,7 @@ static around touching(tc_block_errors *e, int chart, int level, int32_t x, int3
 
 static around further(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
 {
-    around a = {{0, 0}, INFINITY, -INFINITY};
+    around a = {{0, 0, 0}, INFINITY, -INFINITY};
     const int32_t *blocks = e->ground.lattice->blocks[level - 1];
     if (x >= 2 && y >= 2 && x + 2 <= blocks[0] && y + 2 <= blocks[1]) {
         for (int32_t j = y - 2; j < y + 2; j++)
@@ -125,92 +123,43 @@ static double distance_at(const tc_block_errors *e, int chart, int level, double
     return least_distance(across, apart, diagonal);
 }
 
-/* What is known of a corner in a view. */
-typedef struct corner_state {
-    double alpha;
-    double margin; /* metres by which what is allowed is more than what alpha = 1 takes; below 0: alpha is below 1 */
-} corner_state;
-static corner_state look_at(tc_block_errors *e, int chart, int level, int32_t x, int32_t y);
-
-/* The least margin of level l + 1 at any corner on the blocks around one of level l. */
-static double finer_margin(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
+static double corner_alpha(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
 {
-    const tc_block_lattice *l = e->ground.lattice;
-    const int across = 2 * l->side[level - 1] / l->side[level];
-    tc_block all[TC_BLOCKS_TOUCHING];
-    double least = INFINITY;
-    for (int k = tc_block_touching(l, chart, level, x, y, all) - 1; k >= 0; k--)
-        for (int c = 0; c < (across + 1) * (across + 1); c++) {
-            const int32_t i = all[k].x * across + c % (across + 1), j = all[k].y * across + c / (across + 1);
-            if (i <= l->blocks[level][0] && j <= l->blocks[level][1])
-                least = fmin(least, look_at(e, all[k].chart, level + 1, i, j).margin);
-        }
-    return least;
-}
-
-/* What a level is left of the finer one's margin, of which the first `width` are for its own ramp. From three widths on
- * it does not matter: continuous, so that whether finer levels are looked at is not seen. */
-static double left_of(double margin, double width)
-{
-    const double t = margin / width;
-    return t <= 2 ? margin - width : t < 3 ? width * (1 + (t - 2) / (3 - t)) : INFINITY;
-}
-
-/* Whether all finer levels surely have three widths left, by what the nearest of what is around a corner allows. */
-static bool far_from_finer(const tc_block_errors *e, int chart, int level, int32_t x, int32_t y, const around *wide,
-                           double width)
-{
+    enum { COARSER, OWN, FINER };
     const tc_block_ground *g = &e->ground;
-    const int side = g->lattice->side[level - 1];
-    double across, apart;
-    g->distance(g->context, chart, level, (double)x * side, (double)y * side, (double)wide->lo, (double)wide->hi,
-                &across, &apart);
-    /* Corners of all finer levels lie within two blocks, where distances count by up to half a block less. */
-    const double flat = fmax(across - 3.5 * g->diagonal[level - 1], 0);
-    return e->tolerance * sqrt(flat * flat + apart * apart) >= 2 * (double)wide->error[1] + 3 * width;
-}
-
-static corner_state find(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
-{
-    enum { COARSER, OWN };
-    const tc_block_ground *g = &e->ground;
-    const around wide = further(e, chart, level, x, y), near = touching(e, chart, level, x, y);
-    const double start = level < g->data ? (double)near.error[OWN] : 0,
-                 end = fmax((double)near.error[COARSER], start + SHARE * (double)near.error[COARSER]),
-                 width = SHARE * (double)wide.error[COARSER];
+    const around wide = further(e, chart, level, x, y);
     if (wide.error[COARSER] <= 0)
-        return (corner_state){1, INFINITY};
+        return 1;
+    const around near = touching(e, chart, level, x, y);
+    const double diagonal = g->diagonal[level - 1], m = e->tolerance * diagonal;
+    const int levels = g->lattice->levels;
+    double start = level < g->data ? (double)near.error[OWN] : 0, end = (double)near.error[COARSER];
+    if (level < levels && wide.error[OWN] > 0) {
+        /* e_(l+1) of all corners around. */
+        double finer = fmax((double)wide.error[OWN], 0.5 * WIDTH * m);
+        if (level + 1 < levels && wide.error[FINER] > 0)
+            finer = fmax(finer, 1.25 * (double)wide.error[FINER] + (1 + 0.5 * WIDTH) * m +
+                                    fmax(0.5 * WIDTH * m, SHARE * (double)wide.error[OWN]));
+        start = finer + m;
+        end = fmax(end, start + fmax(WIDTH * m, SHARE * end));
+    } else
+        end = fmax(end, start + SHARE * end);
     if (!isfinite(end))
-        return (corner_state){0, -INFINITY};
-    const double allowed =
-        e->tolerance * distance_at(e, chart, level, x, y, near.lo, near.hi, g->diagonal[level - 1]);
-    corner_state c = {end > start ? fmin(fmax((allowed - start) / (end - start), 0), 1) : 1, allowed - end};
-    if (level == g->lattice->levels || wide.error[OWN] <= 0 || far_from_finer(e, chart, level, x, y, &wide, width))
-        return c;
-    const double margin = finer_margin(e, chart, level, x, y);
-    c.alpha *= fmin(fmax(margin / width, 0), 1);
-    c.margin = fmin(c.margin, left_of(margin, width));
-    return c;
+        return 0;
+    const double allowed = e->tolerance * distance_at(e, chart, level, x, y, near.lo, near.hi, diagonal);
+    return allowed >= end ? 1 : fmax((allowed - start) / (end - start), 0);
 }
 
-/* The same, found once a view. */
-static corner_state look_at(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
+double tc_block_errors_alpha(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
 {
     tc_block_settle(e->ground.lattice, level, &chart, &x, &y); /* the same number, however it is rounded */
     tc_level_errors *l = &e->level[chart][level - 1];
     const int32_t i = x & MASK, j = y & MASK;
     if (l->corner[j][i].view != e->view || l->corner[j][i].x != x + 1 || l->corner[j][i].y != y + 1) {
-        const corner_state c = find(e, chart, level, x, y);
-        l->corner[j][i].alpha = (float)c.alpha, l->corner[j][i].margin = (float)c.margin;
+        l->corner[j][i].alpha = (float)corner_alpha(e, chart, level, x, y);
         l->corner[j][i].view = e->view, l->corner[j][i].x = x + 1, l->corner[j][i].y = y + 1;
     }
-    return (corner_state){(double)l->corner[j][i].alpha, (double)l->corner[j][i].margin};
-}
-
-double tc_block_errors_alpha(tc_block_errors *e, int chart, int level, int32_t x, int32_t y)
-{
-    const corner_state c = look_at(e, chart, level, x, y);
-    return c.margin < 0 ? fmin(c.alpha, NEARLY) : 1;
+    return (double)l->corner[j][i].alpha;
 }
 
 bool tc_block_errors_want(tc_block_errors *e, tc_block b)
@@ -246,7 +195,7 @@ static bool as_asked(tc_block_errors *e, const tc_leaf *leaf, const float alpha[
 double tc_block_errors_bound(tc_block_errors *e, const tc_leaf *leaf, const float alpha[4])
 {
     const tc_block b = leaf->block;
-    around a = {{0, 0}, INFINITY, -INFINITY};
+    around a = {{0, 0, 0}, INFINITY, -INFINITY};
     add_block(e, b, &a);
     const double own = (double)a.error[leaf->coarse ? 0 : 1], coarser = (double)a.error[0];
     double most = 0;

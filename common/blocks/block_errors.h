@@ -5,15 +5,15 @@
  * the tolerance T, in pixels, allows a = T d / S metres, where S is tc_camera_pixel_scale(). At a corner of blocks of
  * level l
  *
- *     alpha_l = own * finer, each cut to 0 ... 1
- *     own     = (a - E_l) / (E_(l-1) - E_l), of the blocks that touch the corner; at least w = E_(l-1) / 4 wide
- *     finer   = m / w, where m is the least margin of level l + 1 at any corner on those blocks: by how much more is
- * allowed there than alpha_(l+1) = 1 takes
+ *     alpha_l = (a - start) / (end - start), 0 below and 1 above,
  *
- * and alpha is bilinear within a block. Because of `own` what is drawn, (1 - alpha) of level l and alpha of the coarser
- * one, is off by no more than a; because of `finer` alpha_l is 0 on all that drawn blocks of level l + 1 touch, so that
- * a tree that asks for blocks by this (blocks.h) never asks for one whose surroundings are missing. alpha is continuous
- * in space, and as the eye moves: a height then changes by at most 9 T / S of the way, and by 1 or 2 as a rule.
+ * and alpha is bilinear within a block. end is at least E_(l-1) of the blocks that touch the corner and start at least
+ * E_l, so that what is drawn, (1 - alpha) of level l and alpha of the coarser one, is off by no more than a. alpha is
+ * continuous in space, and as the eye moves: a height then changes by at most some 8 T / S of the way.
+ *
+ * Where level l + 1 is drawn, alpha_l has to be 0 on all that its blocks touch (blocks.h). So start lies as much
+ * further out as a block of level l is wide: by M = T / S times its diagonal, and by as much again where the same has
+ * pushed the finer level's end out. What asks for levels by this never asks for one whose surroundings are missing.
  *
  * No GL, no allocation. */
 #ifndef TC_BLOCK_ERRORS_H
@@ -45,12 +45,12 @@ typedef struct tc_level_errors {
     struct {
         int32_t x, y;
         uint32_t view;          /* for which it holds, where an error is not known so far; 0: for all */
-        float error[2], lo, hi; /* E of the coarser and the own level; heights, metres */
+        float error[3], lo, hi; /* E of the coarser, the own and the finer level; heights, metres */
     } block[TC_ERROR_ROOM][TC_ERROR_ROOM];
     struct {
         int32_t x, y;
         uint32_t view;
-        float alpha, margin;
+        float alpha;
     } corner[TC_ERROR_ROOM][TC_ERROR_ROOM];
 } tc_level_errors;
 
