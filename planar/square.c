@@ -46,7 +46,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
     static const tc_surface_words words = {.levels = "levels",
                                            .blocks = "blocks",
                                            .fine = "too fine for the height above ground, or not where the terrain is",
-                                           .outside = "outside the view"};
+                                           .outside = "outside the view or behind nearer ground"};
     static const char *const vertex_parts[] = {"square_wide.glsl", "square.glsl", NULL};
     static const char *const fragment_parts[] = {"square.frag", NULL};
     static const char *const sky_parts[] = {"sky.frag", NULL};

@@ -46,10 +46,9 @@ static void height_bounds(const square_draws *a, int level, tc_rect cells, doubl
     }
 }
 
-static bool visible(const square_draws *a, int level, tc_rect cells)
+/* Bounds of everything drawn over the cells, metres from the eye culled for. */
+static void box_of(const square_draws *a, int level, tc_rect cells, double lo[3], double hi[3])
 {
-    if (a->view->options.no_cull)
-        return true;
     double z_lo, z_hi;
     height_bounds(a, level, cells, &z_lo, &z_hi);
     int k = tc_clipmap_level(a->clipmap, level)->shift;
@@ -57,12 +56,16 @@ static bool visible(const square_draws *a, int level, tc_rect cells)
     double x1 = (double)((cells.x1 << k) - a->viewer.snap_x) * a->spacing[0];
     double y0 = (double)((cells.y0 << k) - a->viewer.snap_y) * a->spacing[1];
     double y1 = (double)((cells.y1 << k) - a->viewer.snap_y) * a->spacing[1];
-    double lo[3] = {x0 - a->eye[0], y0 - a->eye[1], z_lo - a->eye[2]};
-    double hi[3] = {x1 - a->eye[0], y1 - a->eye[1], z_hi - a->eye[2]};
+    lo[0] = x0 - a->eye[0], lo[1] = y0 - a->eye[1], lo[2] = z_lo - a->eye[2];
+    hi[0] = x1 - a->eye[0], hi[1] = y1 - a->eye[1], hi[2] = z_hi - a->eye[2];
+}
+
+static bool in_view(const square_draws *a, const double box_lo[3], const double box_hi[3])
+{
+    double lo[3], hi[3];
     for (int i = 0; i < 3; i++) { /* what float makes of it */
-        double slack = 1e-5 * fmax(fabs(lo[i]), fabs(hi[i]));
-        lo[i] -= slack;
-        hi[i] += slack;
+        const double slack = 1e-5 * fmax(fabs(box_lo[i]), fabs(box_hi[i]));
+        lo[i] = box_lo[i] - slack, hi[i] = box_hi[i] + slack;
     }
     return tc_frustum_sees(&a->frustum, lo, hi);
 }
@@ -107,8 +110,13 @@ void tc_square_add_block(square_draws *a, int level, tc_rect cells, const float 
     int64_t w = cells.x1 - cells.x0, h = cells.y1 - cells.y0;
     a->triangles_unculled += 2 * w * h;
     a->blocks++;
-    if (!visible(a, level, cells))
-        return;
+    if (!a->view->options.no_cull) {
+        double lo[3], hi[3];
+        box_of(a, level, cells, lo, hi);
+        if (!in_view(a, lo, hi))
+            return;
+        tc_square_horizon_add(a, level, cells, lo, hi);
+    }
     a->triangles += 2 * w * h;
     a->frame->blocks[level - 1]++;
     assert(a->strips < a->s->strips);
@@ -122,8 +130,12 @@ void tc_square_add_closers(square_draws *a, int level, int64_t x, int64_t y, int
     static const float coarse[4] = {1, 1, 1, 1};
     for (int64_t done = 0; done < cells; done += a->s->index.block) {
         int64_t run = tc_min64(cells - done, a->s->index.block), sx = row ? x + done : x, sy = row ? y : y + done;
-        if (!visible(a, level, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}))
-            continue;
+        if (!a->view->options.no_cull) {
+            double lo[3], hi[3];
+            box_of(a, level, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}, lo, hi);
+            if (!in_view(a, lo, hi))
+                continue;
+        }
         if (a->lists == a->s->lists)
             return;
         /* From the end of the room on backwards, until all strips are known. */
@@ -153,9 +165,8 @@ static void set_uniforms(square_draws *a)
 /* Whether the eye is over the terrain and above the surface as drawn: then the first hit of any ray is from above, and
  * backs of triangles need not be drawn (nearly half of them near the ground). Through holes one sees backs. all:
  * whether what is held is drawn. */
-static bool seen_from_above(const square_view *v, bool all)
+static bool seen_from_above(const square_view *v, const tc_camera *camera, bool all)
 {
-    const tc_camera *camera = &v->head.camera;
     const tc_clipmap *clipmap = v->head.windows->clipmap[0];
     double z;
     return all && !tc_ground_voids(clipmap, 1) && !v->head.options.two_sided &&
@@ -174,6 +185,7 @@ square_draws tc_square_begin_draws(const square_view *v, tc_frame *frame)
                       .frame = frame,
                       .viewer = v->viewer,
                       .frustum = tc_camera_frustum(&view->culled),
+                      .horizon = (square_horizon *)&v->horizon, /* room, as frames are */
                       .spacing = {finest.spacing_x, finest.spacing_y}};
     a.eye[0] = view->culled.x - (double)a.viewer.snap_x * finest.spacing_x;
     a.eye[1] = view->culled.y - (double)a.viewer.snap_y * finest.spacing_y;
@@ -184,6 +196,11 @@ square_draws tc_square_begin_draws(const square_view *v, tc_frame *frame)
 void tc_square_end_draws(square_draws *a, const square_view *v, bool all)
 {
     tc_frame *frame = a->frame;
+    const tc_frame_options *options = &v->head.options;
+    frame->one_sided = seen_from_above(v, &v->head.camera, all);
+    if (frame->one_sided && !options->no_cull && !options->no_stitch && !options->no_closers &&
+        seen_from_above(v, &v->head.culled, all))
+        tc_square_horizon_cut(a);
     for (int i = 0, end = a->s->head.draw_capacity - 1; i < a->lists; i++) {
         frame->draws[a->strips + i] = frame->draws[end - i];
         frame->instances[a->strips + i] = frame->instances[end - i];
@@ -193,7 +210,6 @@ void tc_square_end_draws(square_draws *a, const square_view *v, bool all)
     set_uniforms(a);
     frame->strip_draws = a->strips, frame->list_draws = a->lists;
     frame->triangles = a->triangles, frame->triangles_unculled = a->triangles_unculled;
-    frame->one_sided = seen_from_above(v, all);
     frame->draws_unculled = a->blocks;
     frame->levels_beyond = 0;
 }

@@ -35,9 +35,29 @@ typedef struct square_viewer {
     double height;          /* metres above ground */
 } square_viewer;
 
+/* What is known of the ground that hides what is behind it (square_horizon.c), and room for a frame's blocks: those
+ * beyond it are not asked for. */
+enum { SQUARE_BOXES = 4096, SQUARE_BINS = 128, SQUARE_BUCKETS = 1024 };
+typedef struct square_box {
+    float lo[3], hi[3]; /* metres east, north and above the eye culled for */
+    int32_t triangles;
+    int level;
+    bool hidden;
+} square_box;
+typedef struct square_bin {
+    float slope;  /* metres above the eye per |x| + |y|: what is below is hidden */
+    float x1, y1; /* |x|, |y|: far ends of the block that says so */
+} square_bin;
+typedef struct square_horizon {
+    square_box boxes[SQUARE_BOXES]; /* of the first blocks that are drawn */
+    int16_t next[SQUARE_BOXES];     /* further away; -1: none */
+    square_bin bins[4][SQUARE_BINS];
+} square_horizon;
+
 typedef struct square_view {
     tc_view head;
     square_viewer viewer;
+    square_horizon horizon; /* of the frame that is made of it */
 } square_view;
 
 /* wait: the ground is the finest level's, read from the field; else that of the finest level which is held there and
@@ -80,6 +100,7 @@ typedef struct square_draws {
     tc_frustum frustum;   /* of the camera culled for */
     double eye[3];        /* of the camera culled for; x, y relative to viewer's snapped sample, z above z_base */
     double spacing[2];    /* of the finest level */
+    square_horizon *horizon;
     int strips, lists, blocks;
     int64_t triangles, triangles_unculled;
 } square_draws;
@@ -90,6 +111,10 @@ square_draws tc_square_begin_draws(const square_view *view, tc_frame *frame);
 void tc_square_add_block(square_draws *d, int level, tc_rect cells, const float corners[4]);
 /* Closers of a level along a row or a column, from (x, y) `cells` cells east or north. */
 void tc_square_add_closers(square_draws *d, int level, int64_t x, int64_t y, int64_t cells, bool row);
+/* Tells of the block that is drawn next, and its bounds, metres from the eye culled for. */
+void tc_square_horizon_add(square_draws *d, int level, tc_rect cells, const double lo[3], const double hi[3]);
+/* Takes blocks behind nearer ground out of the frame: only for an eye above a surface without holes or gaps. */
+void tc_square_horizon_cut(square_draws *d);
 /* Puts the frame together, but for what is told of levels. all: what is held of what is wanted is all of it. */
 void tc_square_end_draws(square_draws *d, const square_view *view, bool all);
 

@@ -286,6 +286,7 @@ static tc_status update(tc_renderer *r, const tc_sight *sight, bool finish, tc_f
                       .ahead = r->options.ahead == 0 ? 1 : fmax(r->options.ahead, 0),
                       .until = until(&time, FILLING * own)};
     tc_frame_options options = r->options.frame;
+    options.two_sided |= r->options.wireframe;
     if (!options.cull_camera && !sight->through)
         options.cull_camera = &sight->around;
     surface->look(surface, &r->windows, &sight->camera, &options, finish, r->view);

@@ -96,7 +96,7 @@ typedef struct tc_frame {
     int strip_draws, list_draws;
     bool one_sided;             /* no back of a block's triangle (counter-clockwise from the eye) can be seen */
     int64_t triangles;          /* that cover area: without joints and without crack closers */
-    int64_t triangles_unculled; /* the same if nothing had been outside the view */
+    int64_t triangles_unculled; /* the same if nothing had been outside the view or hidden */
     int draws_unculled;         /* blocks, likewise */
     int blocks[TC_MAX_LEVELS];  /* drawn of each level, coarse to fine */
     double error_bound; /* pixels that it is off at most, where it is drawn by a tolerance; else, and where nothing
@@ -116,7 +116,7 @@ typedef struct tc_frame_options {
     bool no_morph;                /* levels meet abruptly, yet without cracks */
     bool no_closers;              /* leaves T-junctions open, and */
     bool no_stitch;               /* edges of levels where they are as well: for the tests that look for cracks */
-    bool no_cull;                 /* draws what is outside the view, too */
+    bool no_cull;                 /* draws what is outside the view or hidden, too */
     bool two_sided;               /* draws backs of triangles, too, even where none can be seen */
     double error;                 /* pixels that what is drawn may be off the finest level's mesh, as far as windows
                                    * reach; 0: levels by distance alone. For surfaces by_error */

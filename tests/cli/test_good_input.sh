@@ -190,7 +190,7 @@ if command -v strace >/dev/null; then
     ! grep -Eq 'libgdal|OpenImageIO|libglfw' opened.txt || fail 'a library is opened without need'
 fi
 accepts '' $viewer metres.tif --json $near $picture
-grep -q '"void mask: no holes to show"' stdout.txt && grep -Eq '"[0-9]+ of [0-9]+ triangles: outside the view"' stdout.txt ||
+grep -q '"void mask: no holes to show"' stdout.txt && grep -Eq '"[0-9]+ of [0-9]+ triangles: outside the view or behind nearer ground"' stdout.txt ||
     fail "--json: left_out is $(grep -A9 left_out stdout.txt)"
 accepts '' $viewer metres.tif --explain --unlit --background 000000 --no-morph $picture
 ! grep -Eq '^uses: (texture: normals|shaders: sky|shaders: .*(LIT|HAZE))' stdout.txt || fail '--explain: used without need'

@@ -140,6 +140,59 @@ static void culling_removes_nothing_visible(void **state)
     culling_removes_nothing(1, sweep_of(60));
 }
 
+static tc_camera view_near_the_ground(test_random *r, const tc_field *over)
+{
+    tc_camera c = random_view(r, over);
+    double extent = (SIZE - 1) * SPACING, ground;
+    c.x = test_random_unit(r) * extent, c.y = test_random_unit(r) * extent;
+    c.pitch = test_random_range(r, -0.7, 0.4);
+    tc_field_height(over, c.x, c.y, &ground);
+    c.z = ground + pow(10, test_random_range(r, 0, 2.7));
+    return c;
+}
+
+/* Blocks behind nearer ground are left out where no backs of triangles are drawn: the pictures are those of all blocks,
+ * which no view leaves out. */
+static void hidden_blocks_are_not_missed(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name;
+        terrain_kind kind;
+        bool some; /* of its triangles in the view are hidden, to a pixel */
+    } grounds[] = {
+        {"cliffs", TERRAIN_CLIFF, false}, {"hills", TERRAIN_SMOOTH, true}, {"default", TERRAIN_DEFAULT, true}};
+    test_random r = {5};
+    const int views = sweep_of(60);
+    for (int ground = 0; ground < 3; ground++)
+        for (int tolerance = 0; tolerance < 2; tolerance++) {
+            tc_field *over = terrain_field(grounds[ground].kind, SIZE, SIZE, SPACING, 7);
+            tc_scene_options culled = {.frame.error = tolerance}, all = culled, backs = culled;
+            all.frame.no_cull = true, backs.frame.two_sided = true;
+            scene s = scene_create(context, over, tolerance ? 511 : 63, &culled);
+            int64_t drawn = 0, in_view = 0;
+            for (int view = 0; view < views; view++) {
+                const tc_camera c = view_near_the_ground(&r, over);
+                tc_renderer_set_options(s.renderer, &backs);
+                in_view += scene_draw(&s, &c, true).triangles;
+                tc_renderer_set_options(s.renderer, &all);
+                const tc_frame_stats stats = scene_draw(&s, &c, true);
+                assert_int_equal(stats.triangles, stats.triangles_unculled);
+                uint8_t *a = scene_pixels(&s, &c);
+                tc_renderer_set_options(s.renderer, &culled);
+                drawn += scene_draw(&s, &c, true).triangles;
+                uint8_t *b = scene_pixels(&s, &c);
+                assert_int_equal(different_pixels(a, b), 0);
+                free(a), free(b);
+            }
+            printf("behind nearer ground: %s%s: %.3f of the triangles in the view drawn over %d views\n",
+                   grounds[ground].name, tolerance ? ", to a pixel" : "", (double)drawn / (double)in_view, views);
+            assert_true(drawn < in_view || !(tolerance && grounds[ground].some));
+            scene_destroy(&s);
+            tc_field_destroy(over);
+        }
+}
+
 /* Backs of triangles are left out where the eye is above the surface. Drawn as well they may show in single pixels of a
  * ridge line, where corners are rounded to the raster, and nowhere else. */
 static void backs_missed(double error, int64_t views)
@@ -261,6 +314,7 @@ int main(void)
         cmocka_unit_test(also_finer_than_the_data),
         cmocka_unit_test(also_by_a_tolerance),
         cmocka_unit_test(culling_removes_nothing_visible),
+        cmocka_unit_test(hidden_blocks_are_not_missed),
         cmocka_unit_test(backs_are_not_missed),
         cmocka_unit_test(maps_are_not_mirrored),
         cmocka_unit_test(drawn_depth_is_the_surface),
