@@ -48,7 +48,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                                            .fine = "too fine for the height above ground, or not where the terrain is",
                                            .outside = "outside the view or behind nearer ground"};
     static const char *const vertex_parts[] = {"square_wide.glsl", "square.glsl", NULL};
-    static const char *const fragment_parts[] = {"square.frag", NULL};
+    static const char *const fragment_parts[] = {"shown.glsl", "square.frag", NULL};
     static const char *const sky_parts[] = {"sky.frag", NULL};
     if (options->n && tc_clipmap_check_n(options->n, error) != TC_OK)
         return TC_ERR_USAGE;
@@ -71,7 +71,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
         (tc_surface){.name = "square",
                      .words = &words,
                      .vertex_parts = s->wide ? vertex_parts : vertex_parts + 1,
-                     .fragment_parts = fragment_parts,
+                     .fragment_parts = blocks ? fragment_parts : fragment_parts + 1,
                      .sky_parts = sky_parts,
                      .closers = true,
                      .instances = true,

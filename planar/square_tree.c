@@ -225,8 +225,7 @@ static void tree_wanted(const tc_view *view, tc_rect (*wanted)[TC_MAX_LEVELS])
     const tree_view *v = (const tree_view *)view;
     memset(wanted[0], 0, sizeof wanted[0]);
     wanted[0][0] = tc_clipmap_level(clipmap_of(v), 1)->extent;
-    if (surface_of(v)->windows.normals)
-        tc_square_wanted(clipmap_of(v), surface_of(v)->blocks.shaded_n, &v->square.viewer, wanted[0]);
+    tc_square_wanted(clipmap_of(v), surface_of(v)->blocks.shaded_n, &v->square.viewer, wanted[0]);
     for (int level = 2; level <= surface_of(v)->lattice.levels; level++)
         wanted[0][level - 1] = tc_rect_around(wanted[0][level - 1], samples_called_for(v, level));
 }

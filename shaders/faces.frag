@@ -40,14 +40,11 @@ float told_height()
     return beside() ? v_corner.x : v_terrain.x;
 }
 
-#ifdef NORMALS
-// How the height changes with the chart's coordinates, over the radius: the layer's and the coarser one's, by the same
-// alpha as the heights. No further than the window, beyond which the map holds what was there before.
-vec2 change_seen(int l, vec2 samples)
-{
 #ifdef TOLERANCE
-    // Of the level that the distance alone calls for, whichever the block is drawn by: a mesh that is off by less than a
-    // pixel still loses slopes that are seen. Of levels that are not there yet the finest one that is.
+// The layer of the level that the distance alone calls for, whichever the block is drawn by: a mesh that is off by less than
+// a pixel still loses slopes and colours that are seen. Of levels that are not there yet the finest one that is.
+Shown shown(int l, vec2 samples)
+{
     float far = viewer_distance(direction_seen()) * surface[3].x, own = layer[3 * l].y;
     int shift = whole[0].y + max(int(ceil(log2(max(far, 0.5)))), 0), coarsest = l - (whole[0].z - int(own));
     float alpha = (far * exp2(float(whole[0].y - shift)) - surface[3].y) * surface[3].z;
@@ -60,18 +57,31 @@ vec2 change_seen(int l, vec2 samples)
         w = window[l];
         at = layer[3 * l + 1].xy + samples * exp2(own - layer[3 * l].y);
     }
-    alpha = l > coarsest ? clamp(alpha, 0.0, 1.0) : 0.0;
-    at = clamp(at, vec2(0.0), w.zw);
+    return Shown(l, l > coarsest ? clamp(alpha, 0.0, 1.0) : 0.0, clamp(at, vec2(0.0), w.zw));
+}
 #else
-    float alpha = beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0);
-    vec4 w = window[l];
-    vec2 at = clamp(v_window.xy + samples, vec2(0.0), w.zw);
+struct Shown {
+    int layer;
+    float alpha; // share of the coarser level
+    vec2 at;     // samples of the layer from its window's first
+};
+
+Shown shown(int l, vec2 samples)
+{
+    return Shown(l, beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0), clamp(v_window.xy + samples, vec2(0.0), window[l].zw));
+}
 #endif
-    vec2 texel = (2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
-    vec4 n = textureLod(normals_map, vec3(texel, float(l)), 0.0);
-    vec2 xy = mix(n.xy, n.zw, alpha);
+
+#ifdef NORMALS
+// How the height changes with the chart's coordinates, over the radius: the layer's and the coarser one's, by the same
+// alpha as the heights. No further than the window, beyond which the map holds what was there before.
+vec2 change_seen(Shown s)
+{
+    vec2 texel = (2.0 * (window[s.layer].xy + s.at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
+    vec4 n = textureLod(normals_map, vec3(texel, float(s.layer)), 0.0);
+    vec2 xy = mix(n.xy, n.zw, s.alpha);
     // Slopes were kept steeper where samples are further apart than that (tc_ground_options.relief).
-    float spacing = body_radius() * surface[1].x * exp2(layer[3 * l].y);
+    float spacing = body_radius() * surface[1].x * exp2(layer[3 * s.layer].y);
     return -xy * inversesqrt(max(1.0 - dot(xy, xy), UPRIGHT)) * min(1.0, sqrt(RELIEF / spacing)) * 1.57079633;
 }
 #endif
@@ -88,16 +98,22 @@ Ground surface_ground()
     float rho = length(east);
     east = rho > 1e-6 ? east / rho : vec3(1.0, 0.0, 0.0);
     vec3 north = cross(up, east);
-    g.height = (told + surface[1].z) + surface[1].y;
+    float drawn = (told + surface[1].z) + surface[1].y;
+    Shown s = shown(l, samples);
+#ifdef TOLERANCE
+    g.height = shown_height(s);
+#else
+    g.height = drawn;
+#endif
     g.colour = vec4(0.0);
 #ifdef CONTOURS
     g.rise = beside() ? v_corner.x : interpolateAtOffset(v_terrain, vec2(0.0)).x;
 #endif
 #ifdef NORMALS
     // The body's functions have the axis as z.
-    vec3 slope = chart_slope(chart, place, change_seen(l, samples), up, east, north, sine);
-    vec3 s = body_slope(vec3(0.0, rho, sine), vec3(dot(slope, east), dot(slope, north) * vec2(-sine, rho)));
-    vec2 fall = vec2(s.x, rho * s.z - sine * s.y);
+    vec3 slope = chart_slope(chart, place, change_seen(s), up, east, north, sine);
+    vec3 turned = body_slope(vec3(0.0, rho, sine), vec3(dot(slope, east), dot(slope, north) * vec2(-sine, rho)));
+    vec2 fall = vec2(turned.x, rho * turned.z - sine * turned.y);
     g.up = up;
     g.normal = normalize(up - fall.x * east - fall.y * north);
     float radius = body_radius();
@@ -109,7 +125,7 @@ Ground surface_ground()
     g.snow_line = 5600.0 * (1.0 - pow(abs(sine) / 0.965, 3.0));
 #endif
 #ifdef IMAGERY
-    vec3 from_eye = body_place(d, g.height, told + surface[1].w);
+    vec3 from_eye = body_place(d, drawn, told + surface[1].w);
 #ifdef NORMALS
     Footprint f = footprint_of(from_eye, g.normal);
 #else

@@ -1,5 +1,5 @@
 // square.frag - the ground at a fragment, for planar/square.c (ground.glsl).
-#if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED)
+#if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED) || defined(TOLERANCE)
 #define PLACED
 INTERPOLATED in vec4 v_terrain; // square.glsl
 #else
@@ -74,11 +74,10 @@ float level()
 }
 #endif
 
-#ifdef NORMALS
 #ifdef TOLERANCE
-// The normal of the level that the distance alone calls for, whichever the block is drawn by: a mesh that is off by less
-// than a pixel still loses slopes that are seen. Of levels that are not there yet the finest one that is.
-vec3 normal(float level)
+// The layer of the level that the distance alone calls for, whichever the block is drawn by: a mesh that is off by less than
+// a pixel still loses slopes and colours that are seen. Of levels that are not there yet the finest one that is.
+Shown shown()
 {
     vec2 place = place_seen(), away = abs(place - surface[1].yz);
     float far = max(away.x, away.y), reach = surface[2].x;
@@ -91,9 +90,17 @@ vec3 normal(float level)
         w = window[l];
         at = layer[3 * l].xy + place * layer[3 * l + 2].y;
     }
-    at = clamp(at, vec2(0.0), w.zw);
-    vec4 n = textureLod(normals_map, vec3((2.0 * (w.xy + at) + 0.5) * (0.5 / float(WINDOW_MASK + 1)), float(l)), 0.0);
-    vec2 xy = mix(n.xy, n.zw, l > 0 ? clamp(alpha, 0.0, 1.0) : 0.0);
+    return Shown(l, l > 0 ? clamp(alpha, 0.0, 1.0) : 0.0, clamp(at, vec2(0.0), w.zw));
+}
+#endif
+
+#ifdef NORMALS
+#ifdef TOLERANCE
+vec3 normal(Shown s)
+{
+    vec2 place = (2.0 * (window[s.layer].xy + s.at) + 0.5) * (0.5 / float(WINDOW_MASK + 1));
+    vec4 n = textureLod(normals_map, vec3(place, float(s.layer)), 0.0);
+    vec2 xy = mix(n.xy, n.zw, s.alpha);
     return vec3(xy, sqrt(1.0 - min(dot(xy, xy), 1.0)));
 }
 #else
@@ -146,10 +153,19 @@ Ground surface_ground()
     g.rise = beside() ? v_corner.x : g.rise;
 #endif
 #endif
+#ifdef TOLERANCE
+    Shown s = shown();
+    g.height = shown_height(s);
+#else
     g.height = (above + eye.y) + eye.x;
+#endif
     g.colour = vec4(0.0);
 #ifdef NORMALS
+#ifdef TOLERANCE
+    g.normal = normal(s);
+#else
     g.normal = normal(level());
+#endif
     g.up = vec3(0.0, 0.0, 1.0);
     g.fall = g.normal.xy / max(g.normal.z, 1e-3);
 #endif

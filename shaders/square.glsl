@@ -21,7 +21,7 @@ out float v_void;
 #endif
 // What is interpolated is relative to the eye, and small near it: drivers have little more than half of a float's digits
 // left of it where a triangle begins at the near plane and ends at a skyline.
-#if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED)
+#if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED) || defined(TOLERANCE)
 #define PLACED
 INTERPOLATED out vec4 v_terrain; // x: metres above the eye; y, z: place in the normal map; w: 2 level + 0.5 + alpha
                                 // (multisampled: y, z: samples from the viewer's; w: alpha; where blocks are chosen

@@ -435,17 +435,14 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                                      .relief = TC_GLOBE_RELIEF};
     const char *const body = map->body.class->glsl, *const chart = kind->chart->glsl;
     const char *const vertex[] = {body, kind->metric, "faces.glsl", chart, "faces.vert", NULL};
-    const char *const fragment[] = {body,
-                                    "faces.glsl",
-                                    chart,
-                                    "air.glsl",
-                                    "globe.glsl",
-                                    by_error ? kind->metric : "faces.frag",
-                                    by_error ? "faces.frag" : NULL,
-                                    NULL};
+    const char *const fragment[] = {body,         "faces.glsl", chart,        "air.glsl", "globe.glsl",
+                                    kind->metric, "shown.glsl", "faces.frag", NULL};
     const char *const sky[] = {"air.glsl", body, "globe_sky.frag", NULL};
     memcpy(s->vertex_parts, vertex, sizeof vertex);
-    memcpy(s->fragment_parts, fragment, sizeof fragment);
+    int parts = 0;
+    for (int k = 0; fragment[k]; k++) /* what is drawn by distance alone needs neither of these */
+        if (by_error || (fragment[k] != kind->metric && strcmp(fragment[k], "shown.glsl") != 0))
+            s->fragment_parts[parts++] = fragment[k];
     memcpy(s->sky_parts, sky, sizeof sky);
     s->head = (tc_surface){.name = kind->name,
                            .words = &words,

@@ -60,7 +60,7 @@ typedef struct faces_surface {
     int strips, lists; /* the most draws of either kind */
     tc_ground_options windows;
     tc_shear shear;
-    const char *vertex_parts[6], *fragment_parts[8], *sky_parts[4];
+    const char *vertex_parts[6], *fragment_parts[9], *sky_parts[4];
 } faces_surface;
 
 struct faces_view {

@@ -322,7 +322,7 @@ void tc_faces_look(const tc_surface *surface, const tc_windows *windows, const t
     for (int k = 0; k < s->map->charts; k++)
         v->sight[k] = options->no_cull || in_sight(v, k);
     v->error = s->head.by_error ? &((faces_error_view *)v)->error : NULL;
-    v->shading = s->head.by_error && s->windows.normals ? &((faces_error_view *)v)->shading : NULL;
+    v->shading = s->head.by_error ? &((faces_error_view *)v)->shading : NULL;
     if (v->error)
         tc_faces_begin_errors(v);
     tc_faces_tree(v, NULL, &v->tree);
