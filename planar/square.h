@@ -8,7 +8,8 @@ enum { TC_SQUARE_LEAST_N = 127 }; /* with a tolerance */
 
 /* How blocks are chosen by a frame's tolerance (tc_frame_options.error). */
 typedef struct tc_square_blocks {
-    int shaded_n; /* normals are those that windows of so many samples, at most n, would show by distance alone */
+    int shaded_n; /* normals and colours are those that windows of so many samples, at most n, would show by distance
+                     alone */
     int side;     /* cells of a block, 8 or 16; 0: by n */
 } tc_square_blocks;
 

@@ -14,7 +14,7 @@ typedef struct square_surface {
     int strips, lists;        /* the most draws of either kind */
     bool cut;                 /* there are finer levels than may be drawn */
     tc_block_lattice lattice; /* of blocks that are chosen by their error, */
-    tc_square_blocks blocks;  /* how, and whose normals are seen */
+    tc_square_blocks blocks;  /* how, and whose normals and colours are seen */
     tc_ground_options windows;
 } square_surface;
 

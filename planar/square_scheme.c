@@ -79,31 +79,37 @@ static int shaded_size(const tc_surface_request *request)
     return n;
 }
 
-static int size(const tc_surface_request *request)
+/* The latter with a tolerance. */
+static int size_within(const tc_surface_request *request, const tc_map *map, int *side_ret)
 {
-    int n = shaded_size(request);
-    if (request->n || !(request->error > 0) || !request->map)
+    const int n = shaded_size(request);
+    int called_for = tc_square_n_for(tc_map_field(map, 0), request->error, request->camera, side_ret);
+    if (request->n)
         return n;
-    int called_for = tc_square_n_for(tc_map_field(request->map, 0), request->error, request->camera, NULL);
     for (int i = 0; i < request->halvings && called_for > TC_SQUARE_LEAST_N; i++)
         called_for /= 2;
     return called_for > n ? called_for : n > TC_SQUARE_LEAST_N ? n : TC_SQUARE_LEAST_N;
+}
+
+static int size(const tc_surface_request *request)
+{
+    if (request->n || !(request->error > 0) || !request->map)
+        return shaded_size(request);
+    return size_within(request, request->map, NULL);
 }
 
 static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_surface_request *request,
                         tc_surface **surface_ret, tc_error *error)
 {
     (void)scheme;
-    const tc_ground_options options = {.n = size(request),
+    const bool by_error = request->error > 0;
+    tc_square_blocks blocks = {.shaded_n = shaded_size(request)};
+    const tc_ground_options options = {.n = by_error ? size_within(request, map, &blocks.side) : blocks.shaded_n,
                                        .max_levels = request->levels,
                                        .normals = request->needs->normals,
                                        .fine_normals = request->needs->fine_normals,
                                        .holes = request->needs->holes};
-    tc_square_blocks blocks = {.shaded_n = shaded_size(request)};
-    if (!(request->error > 0))
-        return tc_square_create(tc_map_field(map, 0), &options, NULL, surface_ret, error);
-    tc_square_n_for(tc_map_field(map, 0), request->error, request->camera, &blocks.side);
-    return tc_square_create(tc_map_field(map, 0), &options, &blocks, surface_ret, error);
+    return tc_square_create(tc_map_field(map, 0), &options, by_error ? &blocks : NULL, surface_ret, error);
 }
 
 const tc_scheme tc_square_schemes[] = {{"square", NULL, &tc_plane_body, size, create, NULL, NULL, true}, {0}};

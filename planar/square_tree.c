@@ -265,8 +265,7 @@ static bool tree_height(const tc_view *view, double x, double y, double *z_ret)
         const int64_t i = cell[0] + (k & 1), j = cell[1] + (k >> 1);
         const double side = lattice->side[level - 1], u = (double)(i - cells.x0) / side,
                      w = (double)(j - cells.y0) / side;
-        const double alpha = (1 - w) * ((1 - u) * (double)corner[0] + u * (double)corner[1]) +
-                             w * ((1 - u) * (double)corner[2] + u * (double)corner[3]);
+        const double alpha = tc_block_alpha_at(corner, u, w);
         const float *pair = tc_square_held(clipmap_of(v), level, i, j);
         z[k] = (1 - alpha) * (double)pair[0] + alpha * (double)pair[1];
     }
@@ -309,7 +308,8 @@ static void add_leaf(void *context, const tc_leaf *leaf)
         tc_square_add_closers(&d->draws, level, cells.x1, cells.y0, cells.y1 - cells.y0, false);
 }
 
-/* What fragments read for normals: those of the level that LH04's windows of shaded_n samples would show. */
+/* What fragments read for normals and colours: those of the level that LH04's windows of shaded_n samples would show.
+ */
 static void set_shading(const drawing *d, const tc_layers *layers)
 {
     const tree_view *v = d->view;

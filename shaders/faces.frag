@@ -60,12 +60,6 @@ Shown shown(int l, vec2 samples)
     return Shown(l, l > coarsest ? clamp(alpha, 0.0, 1.0) : 0.0, clamp(at, vec2(0.0), w.zw));
 }
 #else
-struct Shown {
-    int layer;
-    float alpha; // share of the coarser level
-    vec2 at;     // samples of the layer from its window's first
-};
-
 Shown shown(int l, vec2 samples)
 {
     return Shown(l, beside() ? 0.0 : clamp(v_terrain.w, 0.0, 1.0), clamp(v_window.xy + samples, vec2(0.0), window[l].zw));
@@ -99,7 +93,9 @@ Ground surface_ground()
     east = rho > 1e-6 ? east / rho : vec3(1.0, 0.0, 0.0);
     vec3 north = cross(up, east);
     float drawn = (told + surface[1].z) + surface[1].y;
+#if defined(NORMALS) || defined(TOLERANCE)
     Shown s = shown(l, samples);
+#endif
 #ifdef TOLERANCE
     g.height = shown_height(s);
 #else

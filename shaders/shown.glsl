@@ -1,11 +1,12 @@
-// shown.glsl - what is seen of a level that a fragment's block need not be drawn by, for square.frag and faces.frag.
-layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
-
+// shown.glsl - what is seen at a fragment, of a level that its block need not be drawn by (square.frag, faces.frag).
 struct Shown {
     int layer;
     float alpha; // share of the coarser level
     vec2 at;     // samples of the layer from its window's first
 };
+
+#ifdef TOLERANCE
+layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres above z_base
 
 // Its height, metres above z_base: evenly between four samples.
 float shown_height(Shown s)
@@ -19,3 +20,4 @@ float shown_height(Shown s)
     vec2 z = mix(mix(sw, se, t.x), mix(nw, ne, t.x), t.y);
     return mix(z.x, z.y, s.alpha);
 }
+#endif

@@ -435,20 +435,18 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                                      .relief = TC_GLOBE_RELIEF};
     const char *const body = map->body.class->glsl, *const chart = kind->chart->glsl;
     const char *const vertex[] = {body, kind->metric, "faces.glsl", chart, "faces.vert", NULL};
-    const char *const fragment[] = {body,         "faces.glsl", chart,        "air.glsl", "globe.glsl",
-                                    kind->metric, "shown.glsl", "faces.frag", NULL};
+    /* Without a tolerance fragments need no distance: the first one is left out. */
+    const char *const fragment[] = {kind->metric, body,         "faces.glsl", chart, "air.glsl",
+                                    "globe.glsl", "shown.glsl", "faces.frag", NULL};
     const char *const sky[] = {"air.glsl", body, "globe_sky.frag", NULL};
     memcpy(s->vertex_parts, vertex, sizeof vertex);
-    int parts = 0;
-    for (int k = 0; fragment[k]; k++) /* what is drawn by distance alone needs neither of these */
-        if (by_error || (fragment[k] != kind->metric && strcmp(fragment[k], "shown.glsl") != 0))
-            s->fragment_parts[parts++] = fragment[k];
+    memcpy(s->fragment_parts, fragment, sizeof fragment);
     memcpy(s->sky_parts, sky, sizeof sky);
     s->head = (tc_surface){.name = kind->name,
                            .words = &words,
                            .defines = by_error ? defines : plain,
                            .vertex_parts = s->vertex_parts,
-                           .fragment_parts = s->fragment_parts,
+                           .fragment_parts = s->fragment_parts + !by_error,
                            .sky_parts = s->sky_parts,
                            .closers = true,
                            .instances = true,

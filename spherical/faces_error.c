@@ -107,7 +107,7 @@ float tc_faces_corner(const faces_view *v, const tc_leaf *leaf, int k)
         return (float)corner_alpha(v, b.chart, b.level, b.x + (k & 1), b.y + (k >> 1));
     /* Of the block above, whose mesh it is drawn by: there, of a half, or a whole one. */
     const tc_block above = tc_block_leaf_above(&tc_faces_of(v)->lattice, leaf).block;
-    const int parts = 2 * tc_faces_of(v)->lattice.side[above.level - 1] / tc_faces_of(v)->lattice.side[b.level - 1];
+    const int parts = tc_block_parts(&tc_faces_of(v)->lattice, above.level);
     const double x = (double)(b.x + (k & 1)) / parts - above.x, y = (double)(b.y + (k >> 1)) / parts - above.y;
     double alpha = 0;
     for (int c = 0; c < 4; c++) {

@@ -55,7 +55,7 @@ typedef struct faces_surface {
     double cell;       /* mean length of one on the unit sphere: that of a quarter of the equator */
     double diagonal;   /* longest way between two corners of a cell, in mean cells */
     double range;      /* distance up to which the finest level is drawn; */
-    double shaded;     /* and up to which its normals are seen; 0: as the blocks are drawn */
+    double shaded;     /* and up to which its normals and colours are seen; 0: as the blocks are drawn */
     double z_lo, z_hi; /* of all levels of all charts, metres above z_base */
     int strips, lists; /* the most draws of either kind */
     tc_ground_options windows;
@@ -85,7 +85,7 @@ struct faces_view {
     tc_block_tree behind;           /* room for what a frame draws of them where something is missing */
     /* Where blocks are chosen by error; NULL else. */
     tc_block_errors *error;
-    tc_block_tree *shading; /* of blocks whose normals distance calls for */
+    tc_block_tree *shading; /* of blocks whose normals and colours distance calls for */
 };
 
 /* What such a view ends with. */

@@ -156,7 +156,6 @@ double tc_faces_horizon(const faces_view *v, double z_eye)
 typedef struct growing {
     const faces_view *view;
     const int *ready; /* NULL: as many levels as there are, each as far as a window can reach */
-    bool shading;     /* for normals alone, which have no levels beyond the data's */
 } growing;
 
 static bool wanted_before(void *context, tc_block b)
@@ -199,26 +198,38 @@ static double half_diagonal(const faces_view *v, tc_block b)
  * split only where all around it are there, whose middles lie up to two of its half diagonals h further away than its
  * own, and that from those of its parts by half of one: so beyond the range the finest level is wanted within its h,
  * the next one within h / 2 + 2 h + h / 2, and so on, which goes towards 5 h. */
-static bool wanted(void *context, tc_block b)
+static bool near_enough(const faces_view *v, tc_block b, double range)
 {
-    const growing *g = context;
-    const faces_surface *s = tc_faces_of(g->view);
-    const bool shading = g->shading, by_error = tc_faces_by_error(g->view);
-    if (b.level > s->own && (shading || by_error))
-        return by_error && !shading && tc_faces_want_by_error(g->view, b);
-    const double range = tc_faces_range(g->view, b.level) * (shading ? s->shaded / s->range : 1),
-                 middle = distance_at(g->view, b, MIDDLE);
+    const faces_surface *s = tc_faces_of(v);
+    const double middle = distance_at(v, b, MIDDLE);
     if (middle < range)
-        return shading || !by_error || tc_faces_want_by_error(g->view, b);
+        return true;
     if (b.level > s->own)
-        return b.level <= g->view->finest &&
-               middle < range + 1.05 * (5 - ldexp(4, b.level - g->view->finest)) * half_diagonal(g->view, b);
+        return b.level <= v->finest &&
+               middle < range + 1.05 * (5 - ldexp(4, b.level - v->finest)) * half_diagonal(v, b);
     if (middle >= range + FACES_LONGEST * M_PI / 2 / s->lattice.blocks[b.level - 1][0])
         return false;
     for (int k = 0; k < PLACES; k++)
-        if (distance_at(g->view, b, k) < range)
-            return shading || !by_error || tc_faces_want_by_error(g->view, b);
+        if (distance_at(v, b, k) < range)
+            return true;
     return false;
+}
+
+static bool wanted(void *context, tc_block b)
+{
+    const faces_view *v = ((const growing *)context)->view;
+    const double range = tc_faces_range(v, b.level);
+    if (!tc_faces_by_error(v))
+        return near_enough(v, b, range);
+    return (b.level > tc_faces_of(v)->own || near_enough(v, b, range)) && tc_faces_want_by_error(v, b);
+}
+
+/* For normals and colours alone, which have no levels beyond the data's. */
+static bool shown(void *context, tc_block b)
+{
+    const faces_view *v = ((const growing *)context)->view;
+    const faces_surface *s = tc_faces_of(v);
+    return b.level <= s->own && near_enough(v, b, tc_faces_range(v, b.level) * (s->shaded / s->range));
 }
 
 static bool held(void *context, tc_block b)
@@ -237,16 +248,16 @@ static bool held(void *context, tc_block b)
 
 void tc_faces_tree(const faces_view *v, const int ready[TC_MAX_CHARTS], tc_block_tree *tree)
 {
-    growing g = {v, ready, false};
+    growing g = {v, ready};
     const tc_block_rule rule = {ready ? wanted_before : wanted, held, &g};
     tc_block_tree_make(tree, &tc_faces_of(v)->lattice, &rule);
 }
 
-/* Blocks whose normals are called for by distance alone. */
+/* Blocks whose normals and colours are called for by distance alone. */
 static void make_shading(const faces_view *v)
 {
-    growing g = {v, NULL, true};
-    const tc_block_rule rule = {wanted, held, &g};
+    growing g = {v, NULL};
+    const tc_block_rule rule = {shown, held, &g};
     tc_block_tree_make(v->shading, &tc_faces_of(v)->lattice, &rule);
 }
 

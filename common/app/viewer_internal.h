@@ -23,8 +23,9 @@ typedef struct tc_viewer {
 
     tc_map *map;
     tc_surface *surface;
-    int surface_size; /* as its scheme says it */
-    int halvings;     /* of that which the frame calls for, since the driver had no memory */
+    int surface_size;    /* as its scheme says it, */
+    tc_camera sized_for; /* for a frame of such a size and angle */
+    int halvings;        /* of that which the frame calls for, since the driver had no memory */
     tc_ground ground;
     double spacing;      /* metres; the smaller of the finest level's two */
     double least_height; /* metres that the eye keeps above the ground */

@@ -79,11 +79,22 @@ void tc_viewer_throttle(tc_viewer *v, double frame_ms)
         tc_renderer_set_options(v->renderer, &v->scene);
 }
 
+/* Whether the frame's size and angle have changed, and with them the surface's size: which is not asked for every
+ * frame, since it may take a look at the whole terrain. */
+static bool outgrown(tc_viewer *v)
+{
+    const tc_camera *now = &v->camera, *before = &v->sized_for;
+    if (now->width == before->width && now->height == before->height && now->fov == before->fov)
+        return false;
+    const tc_surface_request request = request_of(v);
+    v->sized_for = *now;
+    return tc_viewer_scheme(v)->size(&request) != v->surface_size;
+}
+
 tc_status tc_viewer_frame(tc_viewer *v, bool finish, tc_frame_stats *frame_ret, tc_error *error)
 {
-    const tc_surface_request request = request_of(v);
     tc_status status = TC_OK;
-    if (tc_viewer_scheme(v)->size(&request) != v->surface_size) {
+    if (outgrown(v)) {
         v->halvings = 0;
         status = tc_viewer_make_surface(v, error);
     }

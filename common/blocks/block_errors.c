@@ -183,7 +183,7 @@ static bool as_asked(tc_block_errors *e, const tc_leaf *leaf, const float alpha[
             return false;
     if (b.level == l->levels)
         return e->ground.data == l->levels; /* else there were finer ones */
-    const int across = 2 * l->side[b.level - 1] / l->side[b.level];
+    const int across = tc_block_parts(l, b.level);
     for (int k = 0; k < across * across; k++) {
         const tc_block part = {b.chart, b.level + 1, b.x * across + k % across, b.y * across + k / across};
         if (part.x < l->blocks[b.level][0] && part.y < l->blocks[b.level][1] && tc_block_errors_want(e, part))
@@ -201,9 +201,7 @@ double tc_block_errors_bound(tc_block_errors *e, const tc_leaf *leaf, const floa
     double most = 0;
     /* At its corners and between them, as its parts would be asked. */
     for (int k = 0; k < 9; k++) {
-        const double x = 0.5 * (k % 3), y = 0.5 * (int)(k / 3),
-                     share = (1 - y) * ((1 - x) * (double)alpha[0] + x * (double)alpha[1]) +
-                             y * ((1 - x) * (double)alpha[2] + x * (double)alpha[3]),
+        const double x = 0.5 * (k % 3), y = 0.5 * (int)(k / 3), share = tc_block_alpha_at(alpha, x, y),
                      off = share <= 0          ? own
                            : isfinite(coarser) ? own + share * (coarser - own)
                                                : INFINITY;

@@ -72,6 +72,13 @@ double tc_block_errors_alpha(tc_block_errors *errors, int chart, int level, int3
 /* Whether any corner of a block, of level 2 or finer, has an alpha below 1. */
 bool tc_block_errors_want(tc_block_errors *errors, tc_block block);
 
+/* alpha at a place on a block, shares of its sides, by its corners'. */
+static inline double tc_block_alpha_at(const float corner[4], double x, double y)
+{
+    return (1 - y) * ((1 - x) * (double)corner[0] + x * (double)corner[1]) +
+           y * ((1 - x) * (double)corner[2] + x * (double)corner[3]);
+}
+
 /* Metres of error a metre of distance that a leaf's mesh is off by at most, with these alphas at its corners. */
 double tc_block_errors_bound(tc_block_errors *errors, const tc_leaf *leaf, const float alpha[4]);
 

@@ -56,12 +56,6 @@ bool tc_block_lattice_cut(tc_block_lattice *l, int levels, const int64_t (*cells
     return l->blocks[0][0] <= TC_BLOCKS_ACROSS && l->blocks[0][1] <= TC_BLOCKS_ACROSS;
 }
 
-/* Blocks of the next finer level along a side of a whole one: 2, or 1. */
-static int children_across(const tc_block_lattice *l, int level)
-{
-    return 2 * l->side[level - 1] / l->side[level];
-}
-
 static bool exists(const tc_block_lattice *l, tc_block b)
 {
     return b.x >= 0 && b.y >= 0 && b.x < l->blocks[b.level - 1][0] && b.y < l->blocks[b.level - 1][1];
@@ -226,7 +220,7 @@ static void make_room(tc_block_tree *t, int chart, int level, int32_t x0, int32_
 /* Which children are wanted; room for all of them, as far as there may be. */
 static void ask(tc_block_tree *t, int chart, int level, const tc_block_rule *rule)
 {
-    const int n = children_across(t->lattice, level);
+    const int n = tc_block_parts(t->lattice, level);
     int32_t lo[2] = {INT32_MAX, INT32_MAX}, hi[2] = {INT32_MIN, INT32_MIN};
     FOR_EACH_BLOCK(t, chart, level, b)
     {
@@ -266,7 +260,7 @@ static bool closed_around(const tc_block_tree *t, tc_block b, const tc_block_rul
 
 static bool children_held(tc_block_tree *t, tc_block b, const tc_block_rule *rule)
 {
-    const int n = children_across(t->lattice, b.level);
+    const int n = tc_block_parts(t->lattice, b.level);
     for (int k = 0; k < 4; k++) {
         tc_block child = child_of(b, k, n);
         if (!has_child(t->lattice, b, k, n))
@@ -279,7 +273,7 @@ static bool children_held(tc_block_tree *t, tc_block b, const tc_block_rule *rul
 
 static void split(tc_block_tree *t, tc_block b)
 {
-    const int n = children_across(t->lattice, b.level);
+    const int n = tc_block_parts(t->lattice, b.level);
     *state_of(t, b) |= SPLIT;
     for (int k = 0; k < 4; k++)
         if (has_child(t->lattice, b, k, n))
@@ -324,7 +318,7 @@ void tc_block_tree_make(tc_block_tree *t, const tc_block_lattice *l, const tc_bl
 
 bool tc_block_asked(const tc_block_tree *t, tc_block b)
 {
-    const int n = children_across(t->lattice, b.level - 1);
+    const int n = tc_block_parts(t->lattice, b.level - 1);
     const tc_block parent = {b.chart, b.level - 1, b.x / n, b.y / n};
     return state(t, parent) & CHILD << ((b.x - parent.x * n) + 2 * (b.y - parent.y * n));
 }
@@ -334,7 +328,7 @@ bool tc_block_asked(const tc_block_tree *t, tc_block b)
 /* Whether a block that is not there is not, because what is in its place could not be split. */
 static bool missed(const tc_block_tree *t, tc_block b)
 {
-    const int n = children_across(t->lattice, b.level - 1);
+    const int n = tc_block_parts(t->lattice, b.level - 1);
     return state(t, (tc_block){b.chart, b.level - 1, b.x / n, b.y / n}) & FORCED;
 }
 
@@ -345,7 +339,7 @@ static const int ends[TC_SIDES][2] = {[TC_WEST] = {0, 2}, [TC_EAST] = {1, 3}, [T
 static tc_block child_at(const tc_block_lattice *l, tc_block b, corner at)
 {
     corner all[MOST_ALIASES];
-    const int n = children_across(l, b.level);
+    const int n = tc_block_parts(l, b.level);
     for (int i = aliases(l, b.level, at, all) - 1; i >= 0; i--)
         for (int k = 0; k < 4 && all[i].chart == b.chart; k++) {
             const corner own = corner_of(b, k);
@@ -459,7 +453,7 @@ tc_leaf tc_block_leaf_at(const tc_block_tree *t, int chart, double x, double y)
 tc_leaf tc_block_leaf_above(const tc_block_lattice *l, const tc_leaf *leaf)
 {
     const tc_block b = leaf->block;
-    const int n = children_across(l, b.level - 1);
+    const int n = tc_block_parts(l, b.level - 1);
     return (tc_leaf){.block = {b.chart, b.level - 1, b.x / n, b.y / n}};
 }
 

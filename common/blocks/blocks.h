@@ -59,6 +59,12 @@ typedef struct tc_block {
     int32_t x, y; /* blocks of the level from the chart's first */
 } tc_block;
 
+/* Blocks of the next finer level along a side of a whole one: 2, or 1. */
+static inline int tc_block_parts(const tc_block_lattice *l, int level)
+{
+    return 2 * l->side[level - 1] / l->side[level];
+}
+
 /* Its cells. */
 static inline tc_rect tc_block_rect(const tc_block_lattice *l, tc_block b)
 {

@@ -60,20 +60,20 @@ static tc_status read_mesh(const tc_field *field, int level, tc_rect r, float (*
     return status;
 }
 
-/* A cell's samples of a row, `count` of them from its west side on, against its two triangles: heights go evenly from
- * `west` to the diagonal after `kink` samples, and on to `east`. */
-static float cell_error(const float *z, int64_t count, float west, float diagonal, float east, int64_t kink,
-                        int64_t cell)
+/* Samples `begin` to `end` - 1 of a cell's row, from its west side on, against its two triangles: heights go evenly
+ * from `west` to the diagonal after `kink` samples, and on to `east`. */
+static float cell_error(const float *z, int64_t begin, int64_t end, float west, float diagonal, float east,
+                        int64_t kink, int64_t cell)
 {
     const float to = kink > 0 ? (diagonal - west) / (float)kink : 0,
                 on = kink < cell ? (east - diagonal) / (float)(cell - kink) : 0;
-    const int64_t first = tc_min64(kink, count);
+    const int64_t first = tc_min64(kink, end);
     float most = 0;
-    for (int64_t i = 0; i < first; i++) {
+    for (int64_t i = begin; i < first; i++) {
         const float off = fabsf(z[i] - (west + (float)i * to));
         most = off > most ? off : most;
     }
-    for (int64_t i = kink; i < count; i++) {
+    for (int64_t i = tc_max64(kink, begin); i < end; i++) {
         const float off = fabsf(z[i] - (diagonal + (float)(i - kink) * on));
         most = off > most ? off : most;
     }
@@ -97,17 +97,7 @@ static void compare(const float *fine, tc_rect block, const float *mesh, tc_rect
                         diagonal = south[i + 1] + t * (north[i] - south[i + 1]),
                         east = south[i + 1] + t * (north[i + 1] - south[i + 1]);
             const float *z = fine + (j - block.y0) * BLOCK + (from - block.x0);
-            float most = 0;
-            if (x == from)
-                most = cell_error(z, end - from, west, diagonal, east, cell - up, cell);
-            else
-                for (int64_t k = x - from; k < end - from; k++) {
-                    const int64_t kink = cell - up;
-                    const float at = k < kink
-                                         ? west + (float)k * ((diagonal - west) / (float)kink)
-                                         : diagonal + (float)(k - kink) * ((east - diagonal) / (float)(cell - kink));
-                    most = fmaxf(most, fabsf(z[k] - at));
-                }
+            const float most = cell_error(z, x - from, end - from, west, diagonal, east, cell - up, cell);
             float *of = &to[(x >> tile) - (block.x0 >> tile)];
             *of = most > *of ? most : *of;
             x = end;

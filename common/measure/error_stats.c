@@ -41,6 +41,16 @@ void tc_error_stats_merge(tc_error_stats *into, const tc_error_stats *from)
         into->bins[i] += from->bins[i];
 }
 
+int64_t tc_error_stats_above(const tc_error_stats *stats, float limit)
+{
+    int64_t above = 0;
+    uint32_t bits;
+    memcpy(&bits, &limit, sizeof bits);
+    for (uint32_t i = (bits >> SHIFT) + 1; i < TC_ERROR_BINS; i++)
+        above += stats->bins[i];
+    return above;
+}
+
 double tc_error_stats_rms(const tc_error_stats *stats)
 {
     return stats->count ? sqrt(stats->sum_squares / (double)stats->count) : 0;

@@ -18,6 +18,9 @@ void tc_error_stats_free(tc_error_stats *stats);
 void tc_error_stats_add(tc_error_stats *stats, double error);
 void tc_error_stats_merge(tc_error_stats *into, const tc_error_stats *from);
 
+/* How many are above a limit, to 1/512 of it. */
+int64_t tc_error_stats_above(const tc_error_stats *stats, float limit);
+
 double tc_error_stats_rms(const tc_error_stats *stats);
 /* The error that `fraction` of all errors do not exceed (0.999: the 99.9th percentile). */
 double tc_error_stats_percentile(const tc_error_stats *stats, double fraction);

@@ -111,8 +111,7 @@ static tc_status make_level(tc_clipmap *c, int level, const tc_clipmap_options *
     s->view.spacing_y = options->spacing_y > 0 ? ldexp(options->spacing_y, s->view.shift) : own.spacing_y;
     s->view.edge_x = top.width - 1;
     s->view.edge_y = top.height - 1;
-    s->view.extent = (tc_rect){0, 0, vertices_to_edge(s->view.edge_x, s->view.shift),
-                               vertices_to_edge(s->view.edge_y, s->view.shift)};
+    s->view.extent = tc_clipmap_extent(c->field, s->field_level);
     s->view.wraps = options->wraps;
     if (s->view.wraps) {
         s->view.edge_x = ENDLESS;

@@ -35,13 +35,7 @@ typedef struct cost {
 /* The largest error of no more than 100 pixels, to 1/512 of itself, and how many are larger. */
 static double largest(const tc_error_stats *e, int64_t *larger_ret)
 {
-    enum { SHIFT = 31 - 17 };
-    const float limit = 100;
-    uint32_t bits;
-    memcpy(&bits, &limit, sizeof bits);
-    *larger_ret = 0;
-    for (uint32_t i = (bits >> SHIFT) + 1; i < TC_ERROR_BINS; i++)
-        *larger_ret += e->bins[i];
+    *larger_ret = tc_error_stats_above(e, 100);
     return *larger_ret ? tc_error_stats_percentile(e, 1 - ((double)*larger_ret + 0.5) / (double)e->count) : e->max;
 }
 
