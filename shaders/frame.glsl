@@ -13,8 +13,9 @@ layout(std140, binding = 0) uniform Frame {
     vec4 zenith;           // rgb of the sky overhead
     vec4 lens;             // x, y: tangents a pixel; z, w: from the target's first to straight ahead
     vec4 pixel[3];         // view axes: right, up, forward
-    vec4 beyond;           // x: depth where nothing is, in clip space
-    vec4 contours;         // x: 1 / metres between lines, y: number of the one at the eye, modulo 5, z: those metres
+    vec4 beyond;           // x: depth where nothing is, in clip space; y: heights over the true ones
+    vec4 contours;         // x: 1 / metres between lines, y: number of the one at the eye, modulo 5, z: those metres; of heights as they
+                           // are drawn
     vec4 body[BODY_VECTORS]; // of a globe: body_*.glsl
     ivec4 whole[SURFACE_INTEGERS]; // the surface's own, integers
     ivec4 image_stack[CHARTS]; // of imagery: x: layer of shift 0; y, z: finest and coarsest shift

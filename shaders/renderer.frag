@@ -32,14 +32,19 @@ void main()
     vec3 up = ground.up, n = ground.normal;
     float upright = dot(n, up);
 #if defined(NATURAL_LAND) && !defined(GIVEN_COLOURS)
-    // Bare rock where it is steep, and snow that does not lie there.
-    float steep = clamp((0.92 - upright) * 2.2, 0.0, 0.65);
+    // Bare rock where it is steep, and snow that does not lie there; by true heights, as all colours.
+    float lying = upright, true_height = h;
+#ifdef EXAGGERATED
+    lying = inversesqrt(1.0 + dot(ground.fall, ground.fall) / (beyond.y * beyond.y));
+    true_height = h / beyond.y;
+#endif
+    float steep = clamp((0.92 - lying) * 2.2, 0.0, 0.65);
 #ifdef WATER
     steep = sea ? 0.0 : steep;
 #endif
     c = mix(c, vec3(0.135, 0.115, 0.095), steep * (1.0 - ground.colour.a));
 #ifdef CLIMATE
-    float snow = smoothstep(-250.0, 450.0, h - ground.snow_line) * clamp((upright - 0.6) * 4.0, 0.0, 1.0);
+    float snow = smoothstep(-250.0, 450.0, true_height - ground.snow_line) * clamp((lying - 0.6) * 4.0, 0.0, 1.0);
 #ifdef WATER
     snow = sea ? 0.0 : snow;
 #endif

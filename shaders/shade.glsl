@@ -7,10 +7,22 @@
 //
 // Colours are squares of what is shown, as in renderer.frag.
 
+#if defined(SHADE_SLOPE) || defined(SHADE_ASPECT)
+// How steep the ground is, metres a metre, of true heights.
+float steepness(Ground ground)
+{
+#ifdef EXAGGERATED
+    return length(ground.fall) / beyond.y;
+#else
+    return length(ground.fall);
+#endif
+}
+#endif
+
 #ifdef SHADE_SLOPE
 float shade_degrees(Ground ground)
 {
-    return degrees(atan(length(ground.fall)));
+    return degrees(atan(steepness(ground)));
 }
 #endif
 
@@ -24,7 +36,7 @@ float shade_degrees(Ground ground)
 vec3 shade_flat(vec3 c, Ground ground)
 {
     const float GREY = 0.64, DIRECTED = 0.05; // as shown; metres a metre, of a slope that is not flat (3 degrees)
-    return mix(vec3(GREY * GREY), c, min(length(ground.fall) / DIRECTED, 1.0));
+    return mix(vec3(GREY * GREY), c, min(steepness(ground) / DIRECTED, 1.0));
 }
 #endif
 

@@ -77,6 +77,11 @@ static bool read_error(void *pixels, const char *value)
     return tc_read_number(value, 0, 1000, pixels);
 }
 
+static bool read_exaggeration(void *factor, const char *value)
+{
+    return tc_read_number(value, TC_LEAST_EXAGGERATION, TC_MOST_EXAGGERATION, factor);
+}
+
 bool tc_read_scheme(void *options, const char *value)
 {
     tc_options *o = options;
@@ -139,6 +144,9 @@ static const tc_option table[] = {
      add_imagery, 0},
     {0, "synthesis", "LEVELS", TC_EXPECTED_SYNTHESIS, TC_SYNTHESIS_HELP, tc_read_synthesis,
      offsetof(tc_options, synthesis)},
+    {0, "exaggeration", "FACTOR", TC_EXPECTED_EXAGGERATION,
+     "of heights over the sea; colours and contours tell true ones (1)", read_exaggeration,
+     offsetof(tc_options, exaggeration)},
     {0, "shade", "NAME", TC_SHADE_NAMES,
      "what colours say: natural, or as maps do slope, aspect (of the fall), height (as a hillshade) or none (heights "
      "without light) (natural)",
@@ -283,7 +291,7 @@ static tc_status check_together(const tc_options *o, tc_error *error)
 tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **argv, tc_options *options_ret,
                            tc_error *error)
 {
-    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE, .program = program};
+    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE, .exaggeration = 1, .program = program};
     tc_action action = TC_RUN;
     rows r;
     make_rows(program, &r);

@@ -37,6 +37,7 @@ typedef struct tc_options {
     bool explain, json, quiet, verbose;
     tc_source_options source; /* without say */
     int synthesis;            /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
+    double exaggeration;      /* of heights */
     int n, levels;            /* of the clipmap; 0: not given */
     const tc_scheme *scheme;  /* NULL: not given */
     bool scheme_implied;      /* not given, but by a tolerance */

@@ -146,6 +146,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
     v->throttle = tc_throttle_of(v->options.target_ms);
+    v->scene.exaggeration = v->map->exaggeration;
     v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
     v->scene.colours = v->colours.count > 0 ? &v->colours : NULL;
     v->scene.imagery = v->imagery;
@@ -217,6 +218,8 @@ tc_status tc_viewer_write_frame(tc_viewer *v, const char *path, uint8_t *rgb, tc
 static void explain(const tc_viewer *v, const tc_left_out *left_out)
 {
     tc_explain_uses(v->renderer, stdout);
+    if (v->map->exaggeration != 1)
+        printf("uses: exaggeration: heights are drawn %g times as high\n", v->map->exaggeration);
     if (v->options.target_ms > 0)
         printf("uses: throttling: for frames of %g ms the last one was drawn %.2f of at most %.2f octaves coarser\n",
                v->options.target_ms, tc_renderer_used(v->renderer).frame->throttle, v->surface->most_throttle);
@@ -236,6 +239,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
                                 .backend = v->context ? tc_context_backend(v->context) : "window",
                                 .bytes_decoded = tc_map_bytes_decoded(v->map),
                                 .synthesised = v->map->synthesised,
+                                .exaggeration = v->map->exaggeration,
                                 .imagery = drape ? tc_drape_levels(drape) : 0,
                                 .left_out = left_out.lines};
     tc_renderer_memory(v->renderer, &context.memory);

@@ -75,6 +75,11 @@ const tc_scheme *tc_viewer_scheme(const tc_viewer *viewer);
  * is called for, or the driver has no memory for it, the surface is made anew. finish: as in tc_renderer_frame(). */
 tc_status tc_viewer_frame(tc_viewer *viewer, bool finish, tc_frame_stats *frame_ret, tc_error *error);
 
+/* Draws heights so many times as high as they are, from now on, at the same view, which is lifted where it would be
+ * below the ground. Where that cannot be, all is as it was; but where viewer->renderer is then NULL, nothing can be
+ * drawn any more. */
+tc_status tc_viewer_exaggerate(tc_viewer *viewer, double factor, tc_error *error);
+
 /* With --target-ms: hears what a frame took, and how coarse the next one is to be drawn. */
 void tc_viewer_throttle(tc_viewer *viewer, double frame_ms);
 

@@ -69,6 +69,23 @@ tc_status tc_viewer_make_surface(tc_viewer *v, tc_error *error)
     return status;
 }
 
+tc_status tc_viewer_exaggerate(tc_viewer *v, double factor, tc_error *error)
+{
+    tc_error unused;
+    if (factor == v->map->exaggeration)
+        return TC_OK;
+    drop(v); /* which looks at the fields that there are */
+    tc_status status = tc_map_exaggerate(v->map, factor, error);
+    v->options.exaggeration = v->scene.exaggeration = v->map->exaggeration;
+    v->halvings = 0;
+    tc_status made = tc_viewer_make_surface(v, status == TC_OK ? error : &unused);
+    if (status == TC_OK && made == TC_OK) {
+        const tc_camera *c = &v->camera;
+        tc_viewer_place(v, &(tc_pose){c->x, c->y, c->z, c->heading, c->pitch});
+    }
+    return status == TC_OK ? made : status;
+}
+
 void tc_viewer_throttle(tc_viewer *v, double frame_ms)
 {
     if (v->options.target_ms <= 0)

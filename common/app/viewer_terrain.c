@@ -86,13 +86,15 @@ static tc_status load_terrain(tc_viewer *v, tc_error *error)
                 v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
                 info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
                 tc_field_packed_info(field) ? "opened" : "read", v->map->read_ms, info->levels, v->map->build_ms);
+    status = tc_map_exaggerate(v->map, v->options.exaggeration, error);
+    v->scene.exaggeration = v->map->exaggeration;
     const tc_body *body = &v->map->body;
     char about[64];
     if (v->options.verbose && body->class->describe) {
         body->class->describe(body, about, sizeof about);
         fprintf(stderr, "%s: %s, %d charts\n", v->program->name, about, v->map->charts);
     }
-    return TC_OK;
+    return status;
 }
 
 /* A line that tells a person how far making a picture's levels is. */

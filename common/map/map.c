@@ -12,7 +12,7 @@ tc_map *tc_map_create(tc_body body, int charts)
         free(map), free(chart);
         return NULL;
     }
-    *map = (tc_map){.users = 1, .body = body, .chart = chart};
+    *map = (tc_map){.users = 1, .body = body, .chart = chart, .exaggeration = 1};
     return map;
 }
 

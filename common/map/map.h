@@ -24,6 +24,7 @@ struct tc_map {
     tc_void_policy voids;         /* how they are to be shown */
     double read_ms, build_ms;     /* that it took, where it was loaded from a file */
     int synthesised;              /* levels finer than the data */
+    double exaggeration;          /* heights of the charts' fields over those of the data */
     struct tc_map_noise *noise;   /* of them, one a chart */
     struct tc_synthesis_fit *fit; /* that they go by: of what the map was resampled from; NULL: its own heights' */
 };
@@ -54,6 +55,14 @@ tc_status tc_map_check_whole(const tc_map *map, const char *name, tc_error *erro
 /* Shares of the charts, one each, in the height at a place, by its unit normal. Where all charts but the first are caps
  * only normal[2], the sine of the latitude, is looked at. */
 void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret);
+
+/* Makes all heights those of the data, synthesised ones too, times a factor, from now on: also another factor than
+ * before, or 1, which leaves nothing of it. Sea level stays 0. Not while anyone else uses the map or a field of it.
+ * TC_ERR_FORMAT where heights would leave the body no surface: all is then as it was. */
+#define TC_LEAST_EXAGGERATION 0.01
+#define TC_MOST_EXAGGERATION 1000.0
+#define TC_EXPECTED_EXAGGERATION "a factor of 0.01..1000"
+tc_status tc_map_exaggerate(tc_map *map, double factor, tc_error *error);
 
 /* Fits synthesis to the heights, for a map that is resampled from this one: what comes of that is smoother, and no one
  * face is like all of a planet. *fit_ret: to be put there as its own, or freed. */

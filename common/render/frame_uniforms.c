@@ -69,7 +69,7 @@ static void set_contours(tc_frame_uniforms *u, double eye, double metres)
 
 void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_palette *palette, const tc_sight *sight,
                            const tc_target_place *place, const tc_frame *frame, const tc_layers *layers,
-                           double contours)
+                           double contours, double exaggeration)
 {
     const tc_terrain_info *info = tc_field_info(view->surface->field);
     double eye = sight->camera.z - info->z_base;
@@ -85,5 +85,6 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     memcpy(u->heights, palette->heights, sizeof u->heights);
     set_air(u, view->surface, palette, eye - info->z_min, sight->inverse);
     u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
-    set_contours(u, sight->camera.z, contours);
+    u->beyond[1] = (float)exaggeration;
+    set_contours(u, sight->camera.z, contours * exaggeration);
 }

@@ -31,9 +31,9 @@ typedef struct tc_frame_uniforms {
 } tc_frame_uniforms;
 
 /* Light, air and camera of a frame; nothing in it depends on anything but the view. contours: metres between lines of
- * equal height; 0: none. */
+ * equal height, of the true ones; 0: none. exaggeration: heights over those. */
 void tc_frame_uniforms_set(tc_frame_uniforms *uniforms, const tc_view *view, const tc_palette *palette,
                            const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
-                           const tc_layers *layers, double contours);
+                           const tc_layers *layers, double contours, double exaggeration);
 
 #endif

@@ -59,6 +59,25 @@ tc_palette tc_palette_make(const tc_terrain_info *info)
     return p;
 }
 
+tc_terrain_info tc_palette_heights(const tc_terrain_info *drawn, double exaggeration)
+{
+    tc_terrain_info info = *drawn;
+    info.z_base /= exaggeration;
+    info.z_min = (float)((double)info.z_min / exaggeration);
+    info.z_max = (float)((double)info.z_max / exaggeration);
+    return info;
+}
+
+void tc_palette_exaggerate(tc_palette *p, double exaggeration, bool degrees)
+{
+    p->heights[0] = (float)((double)p->heights[0] * exaggeration);
+    p->heights[1] = (float)((double)p->heights[1] / exaggeration);
+    if (degrees)
+        return;
+    p->heights[2] = (float)((double)p->heights[2] / exaggeration);
+    p->heights[3] = (float)((double)p->heights[3] * exaggeration);
+}
+
 /* The colour, as seen, that a height above the sea has without a user's. */
 static void own_colour(const tc_palette *p, double above_sea, double rgb[3])
 {

@@ -21,6 +21,11 @@ typedef struct tc_palette {
  * another body shades of its dust from its lowest to its highest point. */
 tc_palette tc_palette_make(const tc_terrain_info *info);
 
+/* What a palette is made for where heights are drawn so many times as high as they are: the true ones. And what makes
+ * such a palette one of heights as they are drawn; colours of degrees stay. */
+tc_terrain_info tc_palette_heights(const tc_terrain_info *drawn, double exaggeration);
+void tc_palette_exaggerate(tc_palette *palette, double exaggeration, bool degrees);
+
 /* Gives the degrees of a shade its colours. */
 void tc_palette_give_degrees(tc_palette *palette, const tc_shade *shade, uint16_t ramp[TC_GIVEN_SIZE][4]);
 

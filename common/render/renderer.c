@@ -401,7 +401,7 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     r->frame.error_bound = INFINITY;
     r->surface->draws(r->view, &r->textures.layers, &r->frame);
     tc_frame_uniforms_set(&r->values, r->view, &r->objects->palette, sight, &target->place, &r->frame,
-                          &r->textures.layers, r->options.contours);
+                          &r->textures.layers, r->options.contours, tc_scene_exaggeration(&r->options));
     if (needs.imagery)
         tc_drape_uniforms(&r->drape, r->view, &r->values);
     status = tc_frame_slots_fill(gl, &r->slots, &r->values, &r->frame, &slot, error);

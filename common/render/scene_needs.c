@@ -9,7 +9,8 @@
 
 tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info)
 {
-    const tc_palette palette = tc_palette_make(info);
+    const tc_terrain_info told = tc_palette_heights(info, tc_scene_exaggeration(options));
+    const tc_palette palette = tc_palette_make(&told);
     const tc_shade *shade = options->shade ? options->shade : &tc_shades[TC_SHADE_NATURAL];
     const bool angles = shade->degrees > 0, lit = shade->lit && !options->unlit;
     return (tc_scene_needs){.shade = shade,
@@ -25,6 +26,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
                             .given = options->colours || angles,
                             .imagery = options->imagery && !angles,
                             .contours = options->contours > 0,
+                            .exaggerated = tc_scene_exaggeration(options) != 1,
                             .holes = options->holes && info->void_count > 0,
                             .throttle = options->throttle,
                             .level_colours = options->level_colours,
@@ -52,6 +54,7 @@ static const struct need {
     {offsetof(tc_scene_needs, given), "GIVEN_COLOURS", NULL},
     {offsetof(tc_scene_needs, imagery), "IMAGERY", "imagery: none given"},
     {offsetof(tc_scene_needs, contours), "CONTOURS", "contours: not asked for"},
+    {offsetof(tc_scene_needs, exaggerated), "EXAGGERATED", "exaggeration: heights as they are"},
     {offsetof(tc_scene_needs, throttle), NULL, "throttling: frames may take as long as they do"},
     {offsetof(tc_scene_needs, throttled), "THROTTLED", NULL},
     {offsetof(tc_scene_needs, level_colours), "LEVEL_COLOURS", "level colours: not asked for"},

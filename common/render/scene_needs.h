@@ -26,7 +26,8 @@ typedef struct tc_scene_options {
     const tc_imagery *imagery;     /* over the map; outlives the renderer. NULL: none */
     const tc_shade *shade;         /* NULL: natural colours */
     double contours;               /* metres between lines of equal height; 0: none */
-    bool level_colours;            /* may be switched while running, as may the next two */
+    double exaggeration; /* of the map's heights over the true ones, which colours and contours tell; 0: none */
+    bool level_colours;  /* may be switched while running, as may the next two */
     bool wireframe;
     tc_frame_options frame;
 } tc_scene_options;
@@ -45,6 +46,7 @@ typedef struct tc_scene_needs {
     bool given;         /* colours from a ramp over all values: a user's heights, a shade's degrees */
     bool imagery;       /* colours of pictures over those of heights */
     bool contours;      /* lines of equal height */
+    bool exaggerated;   /* heights are not the true ones */
     bool holes;         /* the mask of voids */
     bool detail;        /* levels finer than the data */
     bool throttle;      /* frames may be throttled */
@@ -58,6 +60,12 @@ typedef struct tc_scene_needs {
     int image_taps;     /* taken to be, by so many of the shader's own readings, */
     int image_filter;   /* or by the textures' filter, where that is above 1 */
 } tc_scene_needs;
+
+/* Heights over the true ones: 1 where there is no exaggeration. */
+static inline double tc_scene_exaggeration(const tc_scene_options *options)
+{
+    return options->exaggeration > 0 ? options->exaggeration : 1;
+}
 
 tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info);
 

@@ -43,7 +43,8 @@ static void fill_ramp(const tc_gl *gl, tc_scene_objects *o, uint16_t (*given)[4]
 tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, const tc_scene_options *options,
                                   tc_scene_objects **objects_ret, tc_error *error)
 {
-    const tc_terrain_info *info = tc_field_info(surface->field);
+    const double exaggeration = tc_scene_exaggeration(options);
+    const tc_terrain_info *info = tc_field_info(surface->field), told = tc_palette_heights(info, exaggeration);
     tc_scene_objects *o = calloc(1, sizeof *o);
     const tc_scene_needs needs = tc_scene_needs_of(options, info);
     uint16_t(*given)[4] = needs.given ? malloc(TC_GIVEN_SIZE * sizeof *given) : NULL;
@@ -51,11 +52,12 @@ tc_status tc_scene_objects_create(const tc_gl *gl, const tc_surface *surface, co
         free(o), free(given);
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
     }
-    *o = (tc_scene_objects){.users = 1, .surface = surface, .palette = tc_palette_make(info)};
+    *o = (tc_scene_objects){.users = 1, .surface = surface, .palette = tc_palette_make(&told)};
     if (needs.shade->degrees > 0)
         tc_palette_give_degrees(&o->palette, needs.shade, given);
     else if (given)
-        tc_palette_give(&o->palette, info, options->colours, given);
+        tc_palette_give(&o->palette, &told, options->colours, given);
+    tc_palette_exaggerate(&o->palette, exaggeration, needs.shade->degrees > 0);
     tc_gl_forget_errors(gl); /* what went wrong before is none of ours */
     create_geometry(gl, o);
     create_ramp(gl, o, given);

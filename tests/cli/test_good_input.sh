@@ -151,7 +151,8 @@ different natural.png last.png '--contours'
 # ---- What is told
 
 keys='frames frame_ms median p95 max update_ms draw_ms triangles draws levels_active samples_updated bytes_uploaded
-bytes_decoded synthesised_levels imagery_levels memory geometry heights normals imagery pyramid renderer backend left_out throttle median max tolerance_px error_bound_px blocks_by_level'
+bytes_decoded synthesised_levels imagery_levels memory geometry heights normals imagery pyramid renderer backend left_out throttle median max tolerance_px error_bound_px blocks_by_level
+exaggeration'
 json_keys() { # FILE
     grep -o '"[A-Za-z0-9_]*":' "$1" | tr -d '":' | tr '\n' ' '
 }
