@@ -13,12 +13,11 @@ extern const struct tc_window_plugin tc_plugin __attribute__((visibility("defaul
 
 struct tc_window {
     GLFWwindow *glfw;
-    tc_window_input events;  /* since the last poll: pressed, look and wheel */
-    bool captured;           /* by a click, until Escape */
-    bool held;               /* by the right button, while it is down */
-    bool drags, dragging;    /* the left button does, and is down */
-    double last_x, last_y;   /* where the captured pointer was */
-    int x, y, width, height; /* of the window before it filled the screen */
+    tc_window_input events;               /* since the last poll: what was pressed, moved and dropped */
+    bool captured;                        /* until Escape */
+    double last_x, last_y;                /* where the captured pointer was */
+    char *dropped[TC_WINDOW_MAX_DROPPED]; /* owned: of events.dropped */
+    int x, y, width, height;              /* of the window before it filled the screen */
 };
 
 /* Fails with GLFW's own reason. */
@@ -30,17 +29,15 @@ static tc_status fail_glfw(tc_error *error, const char *what)
     return tc_fail(error, TC_ERR_CONTEXT, "window: %s: %s", what, reason);
 }
 
-/* Hides or shows the pointer as captured and held ask for. */
-static void apply_capture(tc_window *window)
+static void window_capture(tc_window *window, bool on)
 {
-    bool capture = window->captured || window->held;
-    int mode = capture ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL;
-    if (glfwGetInputMode(window->glfw, GLFW_CURSOR) == mode)
+    if (on == window->captured)
         return;
-    glfwSetInputMode(window->glfw, GLFW_CURSOR, mode);
+    window->captured = on;
+    glfwSetInputMode(window->glfw, GLFW_CURSOR, on ? GLFW_CURSOR_DISABLED : GLFW_CURSOR_NORMAL);
     /* Unaccelerated motion: a hand's movement turns the view by the same angle at any speed. */
     if (glfwRawMouseMotionSupported())
-        glfwSetInputMode(window->glfw, GLFW_RAW_MOUSE_MOTION, capture ? GLFW_TRUE : GLFW_FALSE);
+        glfwSetInputMode(window->glfw, GLFW_RAW_MOUSE_MOTION, on ? GLFW_TRUE : GLFW_FALSE);
     glfwGetCursorPos(window->glfw, &window->last_x, &window->last_y);
 }
 
@@ -69,9 +66,8 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int modi
     tc_window *window = glfwGetWindowUserPointer(glfw);
     if (action != GLFW_PRESS)
         return;
-    if (key == GLFW_KEY_ESCAPE && (window->captured || window->held)) {
-        window->captured = window->held = false;
-        apply_capture(window);
+    if (key == GLFW_KEY_ESCAPE && window->captured) {
+        window_capture(window, false);
         return;
     }
     int translated = translate(key, scancode);
@@ -79,56 +75,85 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int modi
         window->events.pressed[window->events.pressed_count++] = translated;
 }
 
+/* Pixels of the framebuffer for GLFW's units of the screen. */
+static void pixels_of(const tc_window *window, double *x, double *y)
+{
+    int width, height, pixels_x, pixels_y;
+    glfwGetWindowSize(window->glfw, &width, &height);
+    glfwGetFramebufferSize(window->glfw, &pixels_x, &pixels_y);
+    if (width > 0 && height > 0)
+        *x *= (double)pixels_x / width, *y *= (double)pixels_y / height;
+}
+
+/* Adds an event where the pointer is. Room is kept for releases. */
+static void add_event(tc_window *window, tc_pointer_event event)
+{
+    enum { KEPT = 8 };
+    tc_window_input *input = &window->events;
+    glfwGetCursorPos(window->glfw, &event.x, &event.y);
+    pixels_of(window, &event.x, &event.y);
+    event.seconds = glfwGetTime();
+    tc_pointer_event *last = input->event_count > 0 ? &input->events[input->event_count - 1] : NULL;
+    if (last && last->kind == event.kind && event.kind == TC_POINTER_MOVE)
+        *last = event;
+    else if (input->event_count < TC_WINDOW_MAX_EVENTS - (event.kind == TC_POINTER_RELEASE ? 0 : KEPT))
+        input->events[input->event_count++] = event;
+}
+
 static void on_button(GLFWwindow *glfw, int button, int action, int modifiers)
 {
     (void)modifiers;
     tc_window *window = glfwGetWindowUserPointer(glfw);
-    if (button == GLFW_MOUSE_BUTTON_LEFT && window->drags) {
-        window->dragging = action == GLFW_PRESS;
-        glfwGetCursorPos(glfw, &window->last_x, &window->last_y);
-        return;
-    }
-    if (button == GLFW_MOUSE_BUTTON_LEFT && action == GLFW_PRESS)
-        window->captured = true;
-    if (button == GLFW_MOUSE_BUTTON_RIGHT)
-        window->held = action == GLFW_PRESS;
-    apply_capture(window);
+    static const tc_pointer_button buttons[] = {[GLFW_MOUSE_BUTTON_LEFT] = TC_POINTER_LEFT,
+                                                [GLFW_MOUSE_BUTTON_RIGHT] = TC_POINTER_RIGHT,
+                                                [GLFW_MOUSE_BUTTON_MIDDLE] = TC_POINTER_MIDDLE};
+    if (button <= GLFW_MOUSE_BUTTON_MIDDLE)
+        add_event(window, (tc_pointer_event){.kind = action == GLFW_PRESS ? TC_POINTER_PRESS : TC_POINTER_RELEASE,
+                                             .button = buttons[button]});
 }
 
 static void on_motion(GLFWwindow *glfw, double x, double y)
 {
     tc_window *window = glfwGetWindowUserPointer(glfw);
-    bool looking = window->captured || window->held;
-    if (!looking && !window->dragging)
+    if (!window->captured) {
+        add_event(window, (tc_pointer_event){.kind = TC_POINTER_MOVE});
         return;
-    double *right = looking ? &window->events.look_x : &window->events.drag_x;
-    double *down = looking ? &window->events.look_y : &window->events.drag_y;
-    *right += x - window->last_x;
-    *down += y - window->last_y;
+    }
+    window->events.look_x += x - window->last_x;
+    window->events.look_y += y - window->last_y;
     window->last_x = x;
     window->last_y = y;
 }
 
 static void on_wheel(GLFWwindow *glfw, double x, double y)
 {
-    (void)x;
-    tc_window *window = glfwGetWindowUserPointer(glfw);
-    window->events.wheel += y;
+    add_event(glfwGetWindowUserPointer(glfw), (tc_pointer_event){.kind = TC_POINTER_WHEEL, .wheel = y, .wheel_x = x});
 }
 
-static void on_focus(GLFWwindow *glfw, int focused)
+static void on_drop(GLFWwindow *glfw, int count, const char **paths)
 {
     tc_window *window = glfwGetWindowUserPointer(glfw);
-    if (!focused) { /* the button's release goes to another window */
-        window->held = window->dragging = false;
-        apply_capture(window);
+    tc_window_input *input = &window->events;
+    for (int i = 0; i < count && input->dropped_count < TC_WINDOW_MAX_DROPPED; i++) {
+        char *path = strdup(paths[i]);
+        if (path)
+            input->dropped[input->dropped_count] = window->dropped[input->dropped_count] = path, input->dropped_count++;
     }
+}
+
+/* Forgets what was reported. */
+static void forget_events(tc_window *window)
+{
+    for (int i = 0; i < window->events.dropped_count; i++)
+        free(window->dropped[i]);
+    memset(&window->events, 0, sizeof window->events);
 }
 
 static void window_close(tc_window *window)
 {
     if (!window)
         return;
+    forget_events(window);
     glfwDestroyWindow(window->glfw);
     glfwTerminate();
     free(window);
@@ -151,7 +176,6 @@ static tc_status window_open(const tc_window_options *options, tc_window **windo
     /* Finished frames are copied in: the window itself needs neither depth nor samples. */
     glfwWindowHint(GLFW_DEPTH_BITS, 0);
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
-    window->drags = options->drag;
     window->glfw = glfwCreateWindow(width, height, options->title ? options->title : "", NULL, NULL);
     if (!window->glfw) {
         tc_status status = fail_glfw(error, "no window with OpenGL 4.5 core");
@@ -164,7 +188,7 @@ static tc_status window_open(const tc_window_options *options, tc_window **windo
     glfwSetMouseButtonCallback(window->glfw, on_button);
     glfwSetCursorPosCallback(window->glfw, on_motion);
     glfwSetScrollCallback(window->glfw, on_wheel);
-    glfwSetWindowFocusCallback(window->glfw, on_focus);
+    glfwSetDropCallback(window->glfw, on_drop);
     glfwMakeContextCurrent(window->glfw);
     glfwSwapInterval(1);
     *window_ret = window;
@@ -186,7 +210,7 @@ static double held(const tc_window *window, int key)
 
 static void window_poll(tc_window *window, double wait_seconds, tc_window_input *input_ret)
 {
-    memset(&window->events, 0, sizeof window->events);
+    forget_events(window);
     if (wait_seconds > 0)
         glfwWaitEventsTimeout(wait_seconds);
     else
@@ -202,6 +226,10 @@ static void window_poll(tc_window *window, double wait_seconds, tc_window_input 
     if (glfwGetWindowAttrib(window->glfw, GLFW_ICONIFIED))
         input->width = input->height = 0;
     input->close = glfwWindowShouldClose(window->glfw);
+    input->captured = window->captured;
+    glfwGetCursorPos(window->glfw, &input->x, &input->y);
+    pixels_of(window, &input->x, &input->y);
+    input->inside = !window->captured && glfwGetWindowAttrib(window->glfw, GLFW_HOVERED);
     *input_ret = *input;
 }
 
@@ -256,4 +284,5 @@ const struct tc_window_plugin tc_plugin = {
     .swap = window_swap,
     .set_title = window_set_title,
     .toggle_full_screen = window_toggle_full_screen,
+    .capture = window_capture,
 };

@@ -32,7 +32,7 @@ bool tc_viewer_interactive(const tc_options *options)
     return !options->output && (!options->path || options->backend == TC_BACKEND_WINDOW);
 }
 
-static tc_flight_box whole_box(const tc_viewer *v)
+tc_flight_box tc_viewer_box(const tc_viewer *v)
 {
     const tc_terrain_info *info = tc_field_info(tc_map_field(v->map, 0));
     double lo[2], hi[2];
@@ -94,7 +94,7 @@ static tc_status place_camera(tc_viewer *v, tc_error *error)
             return status;
         view = v->path.keys[0];
     } else if (!v->options.has_view) {
-        const tc_flight_box box = whole_box(v);
+        const tc_flight_box box = tc_viewer_box(v);
         view = v->program->navigation->whole(&box, v->camera.fov, v->camera.width, v->camera.height);
     }
     tc_viewer_place(v, &view);
@@ -111,8 +111,7 @@ static tc_status open_window(tc_viewer *v, tc_error *error)
         const tc_window_options options = {.title = v->program->name,
                                            .width = v->options.width,
                                            .height = v->options.height,
-                                           .hidden = !tc_viewer_interactive(&v->options),
-                                           .drag = v->program->navigation->pulls};
+                                           .hidden = !tc_viewer_interactive(&v->options)};
         status = v->window_plugin->open(&options, &v->window, &reason);
     }
     if (status == TC_OK)

@@ -61,6 +61,9 @@ tc_status tc_viewer_change_scheme(tc_viewer *viewer, const tc_scheme *scheme, tc
 /* Puts the camera where the view says; above the ground of a planet. */
 void tc_viewer_place(tc_viewer *viewer, const tc_pose *view);
 
+/* The map as a whole, for navigation. */
+tc_flight_box tc_viewer_box(const tc_viewer *viewer);
+
 /* Whether there is to be a window that a person sees. */
 bool tc_viewer_interactive(const tc_options *options);
 

@@ -4,6 +4,7 @@
 #include "viewer_internal.h"
 #include "common/base/status.h"
 #include "common/gl/frame_timer.h"
+#include "common/view/gestures.h"
 #include "interrupt.h"
 
 #include <inttypes.h>
@@ -17,6 +18,9 @@
 typedef struct session {
     tc_viewer *viewer;
     tc_flight flight, start;
+    tc_gestures gestures;
+    tc_scenery scenery;  /* of the present frame */
+    bool captured;       /* the mouse turns the view */
     tc_camera frozen;    /* culled for, while culling is frozen */
     bool tell;           /* statistics once a second */
     bool picture_wanted; /* once the frame is drawn */
@@ -112,7 +116,16 @@ static void do_full_screen(session *s)
 
 static void do_reset(session *s)
 {
-    s->flight = s->start;
+    s->flight.speed = s->start.speed;
+    tc_gestures_fly(&s->gestures, &s->scenery, &s->flight.view, &s->start.view);
+}
+
+static void do_look(session *s)
+{
+    tc_gestures_rest(&s->gestures);
+    s->viewer->window_plugin->capture(s->viewer->window, !s->captured);
+    if (!s->viewer->options.quiet)
+        fprintf(stderr, "the mouse %s\n", s->captured ? "moves the ground" : "turns the view");
 }
 
 static void do_view(session *s)
@@ -125,7 +138,7 @@ static void do_view(session *s)
 
 static void do_north(session *s)
 {
-    s->flight.view.heading = 0;
+    tc_gestures_north(&s->gestures, &s->scenery, &s->flight.view);
 }
 
 static void do_quit(session *s)
@@ -139,13 +152,14 @@ static const struct key {
     void (*action)(session *s);
 } keys[] = {
     {.label = "W A S D, Q E", .help = "fly forward, left, back, right; down, up; the higher, the faster"},
-    {.label = "shift, wheel", .help = "eight times as fast; set the speed, or on a planet come nearer"},
-    {.label = "mouse, arrows",
-     .help = "look around: click to let the mouse turn the view, or hold its right button; on a "
-             "planet its left button turns the globe"},
+    {.label = "arrows, shift", .help = "turn and tilt; eight times as fast"},
+    {.label = "left button", .help = "pull the ground: it stays under the pointer; twice: fly there"},
+    {.label = "wheel", .help = "nearer to the ground under the pointer, or farther from it"},
+    {.label = "right button", .help = "turn about the point in the middle, tilt"},
+    {{'F'}, "F", "let the mouse turn the view, and the wheel set the speed; again, or Esc: no more", do_look},
     {{'V'}, "V", "print the view as a --view option", do_view},
     {{'P'}, "P", "write a picture: terraclip-0001.png and on", do_picture},
-    {{'R'}, "R", "back to the first view", do_reset},
+    {{'R'}, "R", "fly back to the first view", do_reset},
     {{'N'}, "N", "north up", do_north},
     {{'G'}, "G", "wireframe", do_wireframe},
     {{'L'}, "L", "level colours", do_level_colours},
@@ -245,7 +259,7 @@ static void tell(session *s, const tc_frame_stats *frame)
     }
 }
 
-/* Moves the camera by what the user did in dt seconds. */
+/* Flies by keys, and by a captured mouse. */
 static void fly(session *s, const tc_window_input *input, double dt)
 {
     /* A pixel of the mouse is a pixel of the picture, on the whole. */
@@ -255,12 +269,45 @@ static void fly(session *s, const tc_window_input *input, double dt)
                                           .up = input->up,
                                           .turn = input->look_x * radians_per_pixel + input->turn * key_turn,
                                           .tilt = -input->look_y * radians_per_pixel + input->tilt * key_turn,
-                                          .drag_x = input->drag_x * radians_per_pixel,
-                                          .drag_y = input->drag_y * radians_per_pixel,
-                                          .wheel = input->wheel,
                                           .fast = input->fast,
                                           .dt = dt};
+    const double moves[] = {input->right, input->forward, input->up,    input->turn,
+                            input->tilt,  input->look_x,  input->look_y};
+    bool moved = false;
+    for (size_t i = 0; i < sizeof moves / sizeof *moves; i++)
+        moved |= moves[i] != 0;
+    if (!moved)
+        return;
+    tc_gestures_rest(&s->gestures);
     s->viewer->program->navigation->step(&s->flight, &flight_input, &s->viewer->ground);
+}
+
+/* Moves the view by what the user did in dt seconds. */
+static void move(session *s, const tc_window_input *input, double dt)
+{
+    for (int i = 0; i < input->event_count; i++) {
+        const tc_pointer_event *event = &input->events[i];
+        if (!input->captured)
+            tc_gestures_event(&s->gestures, &s->scenery, event, &s->flight.view);
+        else if (event->kind == TC_POINTER_WHEEL)
+            tc_flight_faster(&s->flight, event->wheel);
+    }
+    tc_gestures_step(&s->gestures, &s->scenery, dt, &s->flight.view);
+    fly(s, input, dt);
+}
+
+/* What is looked at in a frame of this size. */
+static tc_scenery scenery_of(const tc_viewer *v)
+{
+    const tc_flight_box box = tc_viewer_box(v);
+    double far = box.radius > 0 ? 15 * box.radius : 20 * hypot(box.east - box.west, box.north - box.south);
+    return (tc_scenery){.navigation = v->program->navigation,
+                        .ground = &v->ground,
+                        .highest = box.z_max,
+                        .far = far,
+                        .fov = v->camera.fov,
+                        .width = v->camera.width,
+                        .height = v->camera.height};
 }
 
 tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
@@ -291,12 +338,14 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
             break;
         v->camera.width = input.width;
         v->camera.height = input.height;
+        s.scenery = scenery_of(v);
+        s.captured = input.captured;
         handle_keys(&s, &input);
         now = tc_clock_ms();
         if (v->path.count > 0)
             s.flight.view = tc_flight_path_view(&v->path, frames, v->options.frames);
         else
-            fly(&s, &input, (now - last) / 1e3);
+            move(&s, &input, (now - last) / 1e3);
         last = now;
         tc_viewer_place(v, &s.flight.view);
 

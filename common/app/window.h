@@ -1,13 +1,13 @@
 /* window.h - a window with an OpenGL 4.5 core context, its keys and its mouse: the table that the plugin
  * terraclip-window.so (GLFW) exports. It knows nothing of terrains; what keys mean is the viewer's affair.
  *
- * The mouse: a click into the window captures it (the pointer hides and its motion is endless), Escape lets it go;
- * holding the right button captures it for as long. While captured, motion is reported as look_x and look_y. Where the
- * left button drags, it does not capture. */
+ * The mouse: what it does is reported as events, in their order. A viewer may capture it (the pointer hides and its
+ * motion is endless): then motion is reported as look_x and look_y instead, and Escape lets it go. */
 #ifndef TC_WINDOW_H
 #define TC_WINDOW_H
 
 #include "common/terraclip.h"
+#include "common/view/pointer.h"
 
 typedef struct tc_window tc_window;
 
@@ -22,11 +22,10 @@ typedef enum tc_key {
 typedef struct tc_window_options {
     const char *title;
     int width, height; /* of the framebuffer, pixels; the window system may decide otherwise. 0: 1280 x 720 */
-    bool drag;         /* the left button pulls what it is on instead of capturing the mouse */
     bool hidden;       /* never shown: for drawing offscreen by means of a display */
 } tc_window_options;
 
-enum { TC_WINDOW_MAX_PRESSED = 32 };
+enum { TC_WINDOW_MAX_PRESSED = 32, TC_WINDOW_MAX_EVENTS = 64, TC_WINDOW_MAX_DROPPED = 8 };
 
 /* What has happened since the last poll, and what is held now. */
 typedef struct tc_window_input {
@@ -36,10 +35,16 @@ typedef struct tc_window_input {
     double turn, tilt;         /* -1, 0 or 1: arrow keys held, right and up positive */
     bool fast;                 /* a shift key is held */
     double look_x, look_y;     /* captured mouse motion in pixels, right and down positive */
-    double drag_x, drag_y;     /* motion with the left button down, where it drags */
-    double wheel;              /* notches, away from the user positive */
-    int width, height;         /* framebuffer in pixels; 0 while iconified */
-    bool close;                /* the user asked to close the window */
+    bool captured;             /* the mouse is, after all that has happened */
+    tc_pointer_event events[TC_WINDOW_MAX_EVENTS]; /* of the mouse, in order; motion alone is joined into one. More than
+                                                    * fit are dropped, but no release is */
+    int event_count;
+    double x, y; /* where the pointer is, pixels of the framebuffer from its left and upper edge; */
+    bool inside; /* whether that is in the window, and not captured */
+    const char *dropped[TC_WINDOW_MAX_DROPPED]; /* files dropped on the window; valid until the next poll */
+    int dropped_count;
+    int width, height; /* framebuffer in pixels; 0 while iconified */
+    bool close;        /* the user asked to close the window */
 } tc_window_input;
 
 struct tc_window_plugin {
@@ -55,6 +60,8 @@ struct tc_window_plugin {
     void (*swap)(tc_window *window);
     void (*set_title)(tc_window *window, const char *title);
     void (*toggle_full_screen)(tc_window *window);
+    /* Captures the mouse, or lets it go. */
+    void (*capture)(tc_window *window, bool on);
 };
 
 #endif

@@ -1,6 +1,7 @@
 /* flight.c - views in words, and what all ways of moving have in common; see flight.h. */
 #include "flight.h"
 
+#include "camera.h"
 #include "common/base/numbers.h"
 
 #include <math.h>
@@ -66,6 +67,36 @@ void tc_pose_to_camera(const tc_pose *view, tc_camera *camera)
     camera->z = view->z;
     camera->heading = view->heading;
     camera->pitch = view->pitch;
+}
+
+/* ---- Free flight ------------------------------------------------------------------------------------------------- */
+
+void tc_flight_faster(tc_flight *flight, double notches)
+{
+    flight->speed = fmax(0.01, fmin(100, flight->speed * pow(1.25, notches)));
+}
+
+double tc_flight_keeps(const tc_ground *ground, double above)
+{
+    return above > 0 ? fmin(above, ground->clearance) : ground->clearance;
+}
+
+void tc_flight_move(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground, double above,
+                    double move_ret[3])
+{
+    const double least = fmin(0.25, 5 * ground->clearance); /* metres: a lower eye moves as if it were as high */
+    tc_pose *view = &flight->view;
+    view->heading = fmod(view->heading + input->turn, 360 * DEGREE);
+    view->pitch = fmax(-90 * DEGREE, fmin(90 * DEGREE, view->pitch + input->tilt));
+    double way = fmax(above, least) * flight->speed * (input->fast ? 8 : 1) * fmax(0, fmin(0.1, input->dt));
+    const tc_basis axes = tc_camera_basis(&(tc_camera){.heading = view->heading, .pitch = view->pitch});
+    double length = 0;
+    for (int i = 0; i < 3; i++) {
+        move_ret[i] = input->right * axes.right[i] + input->forward * axes.forward[i] + (i == 2 ? input->up : 0);
+        length += move_ret[i] * move_ret[i];
+    }
+    for (int i = 0; i < 3; i++)
+        move_ret[i] *= way / fmax(1, sqrt(length)); /* two keys are no faster than one */
 }
 
 /* ---- Over ground ---------------------------------------------------------------------------------------------- */

@@ -28,6 +28,17 @@ double tc_flight_clearance(double spacing);
 
 extern const double tc_flight_speed;
 
+/* Sets the flight's speed by a wheel's notches: a quarter faster each. */
+void tc_flight_faster(tc_flight *flight, double notches);
+
+/* What all navigations' steps begin with: turns the view, and says by how many metres east, north and up it moves. The
+ * way follows the eye's height above ground; close to the ground, where that comes to nothing, one still moves. */
+void tc_flight_move(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground, double above,
+                    double move_ret[3]);
+
+/* Metres that an eye keeps above ground while it moves: the clearance; less where it was put lower, above it. */
+double tc_flight_keeps(const tc_ground *ground, double above);
+
 /* The ground as far as it matters to an eye at (x, y): also the clearance away to all sides, dx and dy in the map's
  * units, since a wall may be beside it. */
 double tc_highest_ground(const tc_ground *ground, double x, double y, double dx, double dy);

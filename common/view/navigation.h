@@ -29,8 +29,6 @@ typedef struct tc_flight {
 typedef struct tc_flight_input {
     double right, forward, up; /* -1 .. 1; forward is where the eye looks, up is up */
     double turn, tilt;         /* radians by which to turn right and look up */
-    double drag_x, drag_y;     /* radians of view by which the ground was pulled right and down */
-    double wheel;              /* notches */
     bool fast;                 /* eight times as fast */
     double dt;                 /* seconds; more than a tenth counts as a tenth */
 } tc_flight_input;
@@ -49,7 +47,6 @@ typedef struct tc_navigation {
     double unit;             /* of the first two numbers on the command line: 1, or radians a degree */
     double x_limit, y_limit; /* there */
     double x_period;         /* x comes round again, in the view's units; 0: never */
-    bool pulls;              /* the mouse can pull the ground: drag_x, drag_y */
     /* Brings a view that was moved or computed within bounds. */
     void (*settle)(tc_pose *view);
     /* The view whose frame of fov (horizontal, radians) and width x height shows the whole well: of a plane from the
@@ -58,6 +55,14 @@ typedef struct tc_navigation {
     /* Turns and moves the view. The speed follows the height above ground; the eye stays above ground by the clearance.
      */
     void (*step)(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground);
+    /* Moves the eye by so many metres east and north, as long at its height, along a straight line or a great circle on
+     * which the heading is carried along. */
+    void (*go)(const tc_body *body, tc_pose *view, double east, double north);
+    /* Metres from foot point to foot point, and the foot point of a share of that way; height and direction are a's. */
+    double (*apart)(const tc_body *body, const tc_pose *a, const tc_pose *b);
+    tc_pose (*between)(const tc_pose *a, const tc_pose *b, double share);
+    /* The highest ground that the eye must stay above: also a clearance away to all sides. */
+    double (*highest)(const tc_ground *ground, const tc_pose *view);
 } tc_navigation;
 
 extern const tc_navigation tc_plane_navigation, tc_sphere_navigation;

@@ -82,32 +82,42 @@ static tc_pose whole(const tc_flight_box *box, double fov, int width, int height
 
 /* ---- Free flight -------------------------------------------------------------------------------------------- */
 
-static double highest_ground(const tc_ground *ground, double x, double y)
+static double highest(const tc_ground *ground, const tc_pose *view)
 {
-    return tc_highest_ground(ground, x, y, ground->clearance, ground->clearance);
+    return tc_highest_ground(ground, view->x, view->y, ground->clearance, ground->clearance);
 }
 
 static void step(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground)
 {
     tc_pose *view = &flight->view;
-    view->heading = fmod(view->heading + input->turn, 360 * DEGREE);
-    view->pitch = fmax(-90 * DEGREE, fmin(90 * DEGREE, view->pitch + input->tilt));
-    flight->speed = fmax(0.01, fmin(100, flight->speed * pow(1.25, input->wheel)));
-
-    /* Close to the ground, where the height above it comes to nothing, one still moves. */
-    double height = fmax(view->z - highest_ground(ground, view->x, view->y), 5 * ground->clearance);
-    double way = height * flight->speed * (input->fast ? 8 : 1) * fmax(0, fmin(0.1, input->dt));
-    const tc_basis axes = tc_camera_basis(&(tc_camera){.heading = view->heading, .pitch = view->pitch});
-    double move[3];
-    for (int i = 0; i < 3; i++)
-        move[i] = input->right * axes.right[i] + input->forward * axes.forward[i] + (i == 2 ? input->up : 0);
-    double length = sqrt(dot(move, move));
-    double scale = length > 1 ? way / length : way; /* two keys are no faster than one */
-    view->x += scale * move[0];
-    view->y += scale * move[1];
-    view->z += scale * move[2];
+    double move[3], above = view->z - highest(ground, view);
+    tc_flight_move(flight, input, ground, above, move);
+    view->x += move[0];
+    view->y += move[1];
+    view->z += move[2];
     settle(view);
-    view->z = fmax(view->z, highest_ground(ground, view->x, view->y) + ground->clearance);
+    view->z = fmax(view->z, highest(ground, view) + tc_flight_keeps(ground, above));
+}
+
+static void go(const tc_body *body, tc_pose *view, double east, double north)
+{
+    (void)body;
+    view->x += east;
+    view->y += north;
+}
+
+static double apart(const tc_body *body, const tc_pose *a, const tc_pose *b)
+{
+    (void)body;
+    return hypot(b->x - a->x, b->y - a->y);
+}
+
+static tc_pose between(const tc_pose *a, const tc_pose *b, double share)
+{
+    tc_pose view = *a;
+    view.x += share * (b->x - a->x);
+    view.y += share * (b->y - a->y);
+    return view;
 }
 
 const tc_navigation tc_plane_navigation = {
@@ -121,4 +131,8 @@ const tc_navigation tc_plane_navigation = {
     .settle = settle,
     .whole = whole,
     .step = step,
+    .go = go,
+    .apart = apart,
+    .between = between,
+    .highest = highest,
 };

@@ -1,14 +1,11 @@
 /* navigation_sphere.c - moving over a globe.
  *
  * Ways along the ground are great circles: heading turns on them with the meridians, so that who flies straight on over
- * a pole looks straight on behind it. The ground can be pulled with the mouse and the wheel comes nearer, as with
- * globes on a desk; keys fly as over a flat map, the higher the faster. Places are normals: a way of metres turns them
- * by what the body's curvature says. */
+ * a pole looks straight on behind it. Keys fly as over a flat map, the higher the faster. Places are normals: a way of
+ * metres turns them by what the body's curvature says. */
 #include "flight.h"
 
 #include <math.h>
-
-#include "camera.h"
 
 #define DEGREE (M_PI / 180)
 
@@ -53,7 +50,7 @@ static void move_by(tc_pose *view, const tc_body *body, double height, double ea
     go(view, east, north, fmin(hypot(east, north) / parallel, most));
 }
 
-static double highest_ground(const tc_ground *ground, const tc_pose *view)
+static double highest(const tc_ground *ground, const tc_pose *view)
 {
     double meridian, parallel;
     ground->body.class->curvature(&ground->body, view->y, &meridian, &parallel);
@@ -64,26 +61,43 @@ static double highest_ground(const tc_ground *ground, const tc_pose *view)
 static void step(tc_flight *flight, const tc_flight_input *input, const tc_ground *ground)
 {
     tc_pose *view = &flight->view;
-    view->heading = fmod(view->heading + input->turn, 2 * M_PI);
-    view->pitch = fmax(-M_PI / 2, fmin(M_PI / 2, view->pitch + input->tilt));
-    double top = highest_ground(ground, view), height = fmax(view->z - top, 5 * ground->clearance);
-    double way = height * flight->speed * (input->fast ? 8 : 1) * fmax(0, fmin(0.1, input->dt));
-    const tc_basis axes = tc_camera_basis(&(tc_camera){.heading = view->heading, .pitch = view->pitch});
-    double move[3];
-    for (int i = 0; i < 3; i++)
-        move[i] = input->right * axes.right[i] + input->forward * axes.forward[i] + (i == 2 ? input->up : 0);
-    double length = sqrt(move[0] * move[0] + move[1] * move[1] + move[2] * move[2]);
-    double scale = length > 1 ? way / length : way; /* two keys are no faster than one */
-    move_by(view, &ground->body, view->z, scale * move[0], scale * move[1], 0.2);
-    view->z += scale * move[2];
-    /* The ground follows the mouse: at its height the angle of view is a length. */
-    double sh = sin(view->heading), ch = cos(view->heading), pull[2] = {-input->drag_x, input->drag_y};
-    move_by(view, &ground->body, 0, height * (ch * pull[0] + sh * pull[1]), height * (-sh * pull[0] + ch * pull[1]),
-            0.5);
-    if (input->wheel != 0)
-        view->z = top + height * pow(0.85, input->wheel);
+    double move[3], above = view->z - highest(ground, view);
+    tc_flight_move(flight, input, ground, above, move);
+    move_by(view, &ground->body, view->z, move[0], move[1], 0.2);
+    view->z += move[2];
     settle(view);
-    view->z = fmax(view->z, highest_ground(ground, view) + ground->clearance);
+    view->z = fmax(view->z, highest(ground, view) + tc_flight_keeps(ground, above));
+}
+
+static void go_metres(const tc_body *body, tc_pose *view, double east, double north)
+{
+    move_by(view, body, view->z, east, north, 0.5);
+}
+
+/* The angle from a's foot point to b's, and the direction in which it starts out. */
+static double arc(const tc_pose *a, const tc_pose *b, double *east_ret, double *north_ret)
+{
+    double along = b->x - a->x, sa = sin(a->y), ca = cos(a->y), sb = sin(b->y), cb = cos(b->y);
+    *east_ret = cb * sin(along);
+    *north_ret = ca * sb - sa * cb * cos(along);
+    return atan2(hypot(*east_ret, *north_ret), sa * sb + ca * cb * cos(along));
+}
+
+static double apart(const tc_body *body, const tc_pose *a, const tc_pose *b)
+{
+    double east, north;
+    return body->radius * arc(a, b, &east, &north);
+}
+
+static tc_pose between(const tc_pose *a, const tc_pose *b, double share)
+{
+    tc_pose view = *a;
+    double east, north, angle = arc(a, b, &east, &north);
+    if (!(hypot(east, north) > 0))
+        north = 1; /* to the opposite point any way is the shortest */
+    go(&view, east, north, share * angle);
+    view.heading = a->heading;
+    return view;
 }
 
 /* The globe from where its disc fills most of the frame, over the middle of what there is; a smaller part of one from
@@ -121,8 +135,11 @@ const tc_navigation tc_sphere_navigation = {
     .x_limit = 360,
     .y_limit = 90,
     .x_period = 2 * M_PI,
-    .pulls = true,
     .settle = settle,
     .whole = whole,
     .step = step,
+    .go = go_metres,
+    .apart = apart,
+    .between = between,
+    .highest = highest,
 };

@@ -91,6 +91,7 @@ if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.jso
     xdotool keydown w && sleep 0.4 && xdotool keyup w
     key p '^terraclip-0005.png'
     xdotool key r
+    sleep 2 # it flies there
     key p '^terraclip-0006.png'
     for number in 1 2 3 4 5 6; do
         is_png terraclip-000$number.png || fail "terraclip-000$number.png is no picture"
@@ -200,7 +201,8 @@ fi
 # ---- Other ends
 
 if start hills.tif --size 320x240 --wireframe --level-colours; then
-    # A click takes the mouse, the first Escape lets it go, the second ends.
+    # F takes the mouse, the first Escape lets it go, the second ends.
+    key f '^the mouse turns the view'
     xdotool mousemove --window "$id" 100 100 click 1 mousemove_relative 40 0 key Escape
     sleep 0.3
     gone && fail 'Escape ends although it was to let the mouse go'

@@ -1,0 +1,28 @@
+/* pick.h - between the pixels of a frame and places on the ground. No GL: the ground is a function of places. */
+#ifndef TC_PICK_H
+#define TC_PICK_H
+
+#include "flight.h"
+
+/* What is looked at, and through which lens. */
+typedef struct tc_scenery {
+    const tc_navigation *navigation;
+    const tc_ground *ground;
+    double highest;    /* metres absolute: no ground is higher */
+    double far;        /* metres: as far as one goes away from the ground */
+    double fov;        /* horizontal, radians */
+    int width, height; /* of the frame, pixels */
+} tc_scenery;
+
+/* Direction in space (body.h), of length 1, in which a view sees a pixel's place; x and y as in tc_pointer_event. */
+void tc_pixel_ray(const tc_scenery *scenery, const tc_pose *view, double x, double y, double ray_ret[3]);
+
+/* The pixel that shows a point of space, as if nothing were before it. False behind the eye. */
+bool tc_pixel_of(const tc_scenery *scenery, const tc_pose *view, const double p[3], double *x_ret, double *y_ret);
+
+/* The point of the ground that a pixel shows, in space. Walks along the ray in steps that follow the height above
+ * ground, so that ridges thinner than a part in two hundred of the distance may be missed, then halves. False where
+ * the pixel shows none. */
+bool tc_pick(const tc_scenery *scenery, const tc_pose *view, double x, double y, double p_ret[3]);
+
+#endif
