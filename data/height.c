@@ -98,18 +98,6 @@ typedef struct place {
 /* Points may be off the border by so much of a sample: their decimals were rounded. */
 static const double tolerance = 1e-6;
 
-/* Finest samples east and north of the south-west one, by the transform. */
-static void to_samples(const place *p, double x, double y, double *u, double *v)
-{
-    const tc_map *t = p->map;
-    const double *g = t->georef.transform;
-    double determinant = g[1] * g[5] - g[2] * g[4];
-    x -= g[0];
-    y -= g[3];
-    *u = (x * g[5] - y * g[2]) / determinant - 0.5;
-    *v = (double)t->height - 0.5 - (y * g[1] - x * g[4]) / determinant;
-}
-
 /* Beside the outermost samples of areas, as far as those go, there is the nearest sample's height. */
 static bool inside(const place *p, double u, double v)
 {
@@ -129,19 +117,19 @@ static bool locate(const place *p, double x, double y, double *u, double *v)
         return inside(p, *u, *v);
     }
     if (tc_field_info(p->field)->wraps_x || p->map->chart[0].class->seam) {
-        to_samples(p, x, y, u, v);
+        tc_map_georef_samples(p->map, x, y, u, v);
         *u -= floor(*u / (double)t->width) * (double)t->width;
         return tc_map_radius(t) > 0 ? fabs(y) <= 90 : *v >= -tolerance && *v <= (double)(t->height - 1) + tolerance;
     }
     if (p->around > 0) {
         double turn = (double)p->around;
-        to_samples(p, x, y, u, v);
+        tc_map_georef_samples(p->map, x, y, u, v);
         *u -= floor(*u / turn) * turn;
         return *v >= -tolerance - p->south && *v <= (double)(t->height - 1) + tolerance + p->north;
     }
     /* Longitudes repeat. */
     for (int turn = 0; turn < (t->georef.geographic ? 3 : 1); turn++) {
-        to_samples(p, x + (turn == 1 ? 360 : turn == 2 ? -360 : 0), y, u, v);
+        tc_map_georef_samples(p->map, x + (turn == 1 ? 360 : turn == 2 ? -360 : 0), y, u, v);
         if (inside(p, *u, *v))
             return true;
     }

@@ -19,6 +19,49 @@ static bool set_view(void *options, const char *value)
     return o->has_view = tc_pose_parse(o->program->navigation, value, &o->view);
 }
 
+static bool read_look(void *look, const char *value)
+{
+    tc_look *l = look;
+    double v[3] = {0};
+    int count = 0;
+    for (; count < 3 && (count == 0 || *value == ','); count++) {
+        value += count > 0;
+        if (!tc_take_number(&value, &v[count]))
+            return false;
+    }
+    if (*value || count < 2)
+        return false;
+    l->longitude = v[0], l->latitude = v[1], l->height = v[2], l->has_height = count == 3;
+    return l->given = fabs(v[0]) <= 360 && fabs(v[1]) <= 90 && fabs(v[2]) <= TC_POSE_LIMIT;
+}
+
+static bool read_distance(void *metres, const char *value)
+{
+    double m;
+    if (!tc_read_number(value, 0, TC_POSE_LIMIT, &m) || m <= 0)
+        return false;
+    *(double *)metres = m;
+    return true;
+}
+
+static bool read_heading(void *look, const char *value)
+{
+    tc_look *l = look;
+    if (!tc_read_number(value, -360, 360, &l->heading))
+        return false;
+    l->heading *= DEGREE;
+    return l->has_heading = true;
+}
+
+static bool read_pitch(void *look, const char *value)
+{
+    tc_look *l = look;
+    if (!tc_read_number(value, -90, 90, &l->pitch))
+        return false;
+    l->pitch *= DEGREE;
+    return l->has_pitch = true;
+}
+
 static bool set_size(void *options, const char *value)
 {
     tc_options *o = options;
@@ -135,6 +178,15 @@ static bool read_backend(void *backend, const char *value)
 static const tc_option table[] = {
     {.help = "What is seen"},
     {0, "view", NULL, NULL, NULL, set_view, 0},
+    {0, "lookat", "LON,LAT[,HEIGHT]", "LON,LAT[,HEIGHT] in degrees and metres, |LON| up to 360, |LAT| up to 90",
+     "place to look at, of any map that says where it lies: degrees east and north, metres above the sea (on the "
+     "ground)",
+     read_look, offsetof(tc_options, look)},
+    {0, "distance", "M", "metres above 0, up to 1e12", "from the eye to that place (some km, or a share of the map)",
+     read_distance, offsetof(tc_options, look.distance)},
+    {0, "heading", "DEG", "-360..360 degrees", "in which the eye looks at it, clockwise from north (0)", read_heading,
+     offsetof(tc_options, look)},
+    {0, "pitch", "DEG", "-90..90 degrees", "upwards (-30)", read_pitch, offsetof(tc_options, look)},
     {0, "fov", "DEG", "1..170 degrees", "horizontal field of view (75)", read_fov, offsetof(tc_options, fov)},
     {0, "size", "WxH", "WxH of 1..16384", "of the picture or window, pixels (1280x720)", set_size, 0},
     {0, "colours", "FILE", "a file name", "of heights, as `gdaldem color-relief` reads them: HEIGHT RED GREEN BLUE",
@@ -255,6 +307,18 @@ static void make_rows(const tc_viewer_program *program, rows *r)
 
 /* ---- Parsing ------------------------------------------------------------------------------------------------ */
 
+static tc_status check_look(const tc_options *o, tc_error *error)
+{
+    const tc_look *l = &o->look;
+    const char *alone = l->distance > 0 ? "distance" : l->has_heading ? "heading" : l->has_pitch ? "pitch" : NULL;
+    if (l->given && (o->has_view || o->path))
+        return tc_fail(error, TC_ERR_USAGE, "--lookat: expected either it or --%s, found both",
+                       o->has_view ? "view" : "path");
+    if (!l->given && alone)
+        return tc_fail(error, TC_ERR_USAGE, "--%s: expected --lookat LON,LAT with it, found none", alone);
+    return TC_OK;
+}
+
 /* What only shows once all options are there. */
 static tc_status check_together(const tc_options *o, tc_error *error)
 {
@@ -285,13 +349,18 @@ static tc_status check_together(const tc_options *o, tc_error *error)
                        tc_scheme_by_error(o->program->schemes)->name, o->scheme->name);
     if (o->path && o->has_view)
         return tc_fail(error, TC_ERR_USAGE, "--view: expected either it or --path, found both");
-    return TC_OK;
+    return check_look(o, error);
 }
 
 tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **argv, tc_options *options_ret,
                            tc_error *error)
 {
-    tc_options o = {.width = 1280, .height = 720, .fov = 75 * DEGREE, .exaggeration = 1, .program = program};
+    tc_options o = {.width = 1280,
+                    .height = 720,
+                    .fov = 75 * DEGREE,
+                    .exaggeration = 1,
+                    .look = {.pitch = -30 * DEGREE},
+                    .program = program};
     tc_action action = TC_RUN;
     rows r;
     make_rows(program, &r);

@@ -16,6 +16,14 @@
 
 enum { TC_MOST_IMAGERY = 64 };
 
+/* A place to look at. */
+typedef struct tc_look {
+    bool given, has_height, has_heading, has_pitch;
+    double longitude, latitude, height; /* degrees; metres above the sea, else on the ground */
+    double distance;                    /* metres; 0: not given */
+    double heading, pitch;              /* radians; north and 30 degrees down unless given */
+} tc_look;
+
 /* What the command line asks for. Strings point into argv. */
 typedef struct tc_options {
     tc_action action;
@@ -24,6 +32,7 @@ typedef struct tc_options {
     int width, height;  /* pixels */
     bool has_view;
     tc_pose view;
+    tc_look look;        /* at a place, instead of a view */
     double fov;          /* horizontal, radians */
     const char *colours; /* file of a height ramp; NULL none */
     const char *imagery[TC_MOST_IMAGERY];

@@ -46,14 +46,6 @@ tc_flight_box tc_viewer_box(const tc_viewer *v)
                            .radius = v->map->body.radius};
 }
 
-/* Says once that the eye was under the ground; in a window it is kept above it as flying does. */
-static void say_lifted(tc_viewer *v, double below)
-{
-    if (!v->lifted && below > 0 && !tc_viewer_interactive(&v->options) && !v->options.quiet)
-        fprintf(stderr, "%s: warning: the eye was %.6g m under the ground: lifted above it\n", v->program->name, below);
-    v->lifted |= below > 0;
-}
-
 void tc_viewer_place(tc_viewer *v, const tc_pose *view)
 {
     tc_pose_to_camera(view, &v->camera);
@@ -64,7 +56,8 @@ void tc_viewer_place(tc_viewer *v, const tc_pose *view)
         z = v->ground.height(v->ground.context, view->x, view->y);
     else
         tc_map_height(v->map, view->x, view->y, &z);
-    say_lifted(v, z - v->camera.z);
+    if (!tc_viewer_interactive(&v->options) || v->path.count > 0) /* who flies is kept above it */
+        tc_viewer_say_lifted(v, z - v->camera.z);
     v->camera.z = fmax(v->camera.z, z + v->least_height);
 }
 
@@ -76,7 +69,7 @@ static bool lift(tc_viewer *v)
     const tc_view *view = tc_renderer_view(v->renderer);
     if (!view || !view->surface->height(view, c->x, c->y, &z) || c->z >= z + v->least_height)
         return false;
-    say_lifted(v, z - c->z);
+    tc_viewer_say_lifted(v, z - c->z);
     v->camera.z = z + 2 * v->least_height;
     return true;
 }
@@ -87,18 +80,11 @@ static tc_status place_camera(tc_viewer *v, tc_error *error)
     v->camera.fov = v->options.fov;
     v->camera.width = v->options.width;
     v->camera.height = v->options.height;
-    tc_pose view = v->options.view;
-    if (v->options.path) {
-        tc_status status = tc_flight_path_load(v->program->navigation, v->options.path, &v->path, error);
-        if (status != TC_OK)
-            return status;
-        view = v->path.keys[0];
-    } else if (!v->options.has_view) {
-        const tc_flight_box box = tc_viewer_box(v);
-        view = v->program->navigation->whole(&box, v->camera.fov, v->camera.width, v->camera.height);
-    }
-    tc_viewer_place(v, &view);
-    return TC_OK;
+    tc_pose view;
+    tc_status status = tc_viewer_first_view(v, &view, error);
+    if (status == TC_OK)
+        tc_viewer_place(v, &view);
+    return status;
 }
 
 static tc_status open_window(tc_viewer *v, tc_error *error)

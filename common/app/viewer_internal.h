@@ -64,6 +64,13 @@ void tc_viewer_place(tc_viewer *viewer, const tc_pose *view);
 /* The map as a whole, for navigation. */
 tc_flight_box tc_viewer_box(const tc_viewer *viewer);
 
+/* Says once that the eye was so many metres under the ground, where it was. */
+void tc_viewer_say_lifted(tc_viewer *viewer, double below);
+
+/* Where the eye starts, above the ground, once the terrain and the frame are there: by a path, which is read, a view, a
+ * place to look at, or with all of the terrain in sight. What looks like a mistake is said (viewer_look.c). */
+tc_status tc_viewer_first_view(tc_viewer *viewer, tc_pose *view_ret, tc_error *error);
+
 /* Whether there is to be a window that a person sees. */
 bool tc_viewer_interactive(const tc_options *options);
 

@@ -497,4 +497,5 @@ const struct tc_gdal_plugin tc_plugin = {.open = open_raster,
                                          .recognises = recognises,
                                          .write_tiff = tc_gdal_write_tiff,
                                          .ground = tc_gdal_ground,
-                                         .same_crs = same_crs};
+                                         .same_crs = same_crs,
+                                         .from_lonlat = tc_gdal_from_lonlat};

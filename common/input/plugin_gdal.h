@@ -76,6 +76,9 @@ double tc_gdal_turn(double degrees);
 bool tc_gdal_ground(const char *wkt, const double transform[6], int64_t width, int64_t height,
                     tc_ground_scale *ground_ret);
 
+/* Degrees east and north, of the system's own globe, in that system; false where it has no such place. */
+bool tc_gdal_from_lonlat(const char *wkt, const double degrees[2], double xy_ret[2]);
+
 /* ---- Longitude and latitude (plugin_gdal_warp.c) ------------------------------------------------------------------
  */
 

@@ -143,6 +143,28 @@ bool tc_gdal_place_of(const tc_gdal_places *places, double column, double row, d
     return true;
 }
 
+bool tc_gdal_from_lonlat(const char *wkt, const double degrees[2], double xy_ret[2])
+{
+    tc_gdal_start();
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    OGRSpatialReferenceH crs = OSRNewSpatialReference(wkt), lonlat = crs ? tc_gdal_lonlat_of(crs) : NULL;
+    OGRCoordinateTransformationH to = NULL;
+    if (lonlat) {
+        OSRSetAxisMappingStrategy(crs, OAMS_TRADITIONAL_GIS_ORDER);
+        to = OCTNewCoordinateTransformation(lonlat, crs);
+    }
+    double x = degrees[0], y = degrees[1];
+    const bool there = to && OCTTransform(to, 1, &x, &y, NULL) && isfinite(x) && isfinite(y);
+    if (there)
+        xy_ret[0] = x, xy_ret[1] = y;
+    OCTDestroyCoordinateTransformation(to);
+    OSRDestroySpatialReference(lonlat);
+    OSRDestroySpatialReference(crs);
+    tc_gdal_heard(&said);
+    return there;
+}
+
 double tc_gdal_turn(double degrees)
 {
     return degrees - 360 * round(degrees / 360);

@@ -94,6 +94,8 @@ struct tc_gdal_plugin {
                    tc_ground_scale *ground_ret);
     /* Whether two coordinate systems are the same, however they are written. */
     bool (*same_crs)(const char *wkt, const char *other_wkt);
+    /* Degrees east and north, of the system's own globe, in that system: x and y. False where it has no such place. */
+    bool (*from_lonlat)(const char *wkt, const double degrees[2], double xy_ret[2]);
 };
 
 /* terraclip-oiio.so */

@@ -136,6 +136,16 @@ void tc_map_extent(const tc_map *map, double lo[2], double hi[2])
         lo[0] = -M_PI, hi[0] = M_PI, lo[1] = -M_PI / 2, hi[1] = M_PI / 2;
 }
 
+void tc_map_georef_samples(const tc_map *map, double x, double y, double *u, double *v)
+{
+    const double *g = map->georef.transform;
+    const double determinant = g[1] * g[5] - g[2] * g[4];
+    x -= g[0];
+    y -= g[3];
+    *u = (x * g[5] - y * g[2]) / determinant - 0.5;
+    *v = (double)map->height - 0.5 - (y * g[1] - x * g[4]) / determinant;
+}
+
 tc_range tc_map_range(const tc_map *map)
 {
     tc_range all = {INFINITY, -INFINITY, 0, 0};

@@ -78,6 +78,10 @@ void tc_map_extent(const tc_map *map, double lo_ret[2], double hi_ret[2]);
 /* Bounds of all heights of all charts on all levels, metres above z_base; no steps are told. */
 tc_range tc_map_range(const tc_map *map);
 
+/* Samples of the source, of which there are width x height, east and north of its south-west one, at coordinates of its
+ * georeference, which is known. */
+void tc_map_georef_samples(const tc_map *map, double x, double y, double *u_ret, double *v_ret);
+
 /* Whether there is ground at a place: beside a flat terrain there is none. */
 bool tc_map_has_ground(const tc_map *map, double x, double y);
 

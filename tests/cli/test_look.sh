@@ -7,6 +7,7 @@ $make_file tiff metres.tif size=257x257 metres=30
 $make_file tiff degree.tif place=-112,37 size=121x121
 $make_file tiff holes.tif place=-112,37 heights=voids nodata=-32768 size=121x121
 $terraclip pack metres.tif -o metres.tclip -q || fail 'pack'
+$terraclip pack degree.tif -o degree.tclip -q --lossless || fail 'pack'
 $terraclip pack --planet globe.tif -o globe.tclip -q || fail 'pack --planet'
 printf '0%% 10 20 200\n100%% 250 240 30\n' >shares.txt
 
@@ -72,5 +73,89 @@ refuses 1 'exaggeration: expected one that leaves heights small beside the radiu
 # The ground that the eye is lifted above is the one drawn.
 accepts 'the eye was .* m under the ground' $viewer metres.tif $picture --view 3840,3840,3000,0,0 --exaggeration 10
 accepts '' $viewer metres.tif $picture --view 3840,3840,3000,0,0
+
+# ---- A place to look at
+
+# On a globe, straight down, and north from a distance.
+accepts '' $globe degree.tif $picture --lookat=-111.5,37.5,0 --distance 60000 --pitch -90 && mv last.png looked.png
+accepts '' $globe degree.tif $picture --view=-111.5,37.5,60000,0,-90
+same looked.png last.png 'a place from above, on a globe'
+accepts '' $globe degree.tif $picture --lookat 248.5,37.5,0 --distance 60000 --pitch -90
+same looked.png last.png 'once more around'
+accepts '' $globe degree.tclip $picture --lookat=-111.5,37.5,0 --distance 60000 --pitch -90
+same looked.png last.png 'a packed map'
+accepts '' $globe degree.tif $picture --lookat=-111.5,37.5 --distance 60000 && mv last.png north.png
+accepts '' $globe degree.tif $picture --lookat=-111.5,37.5 --distance 60000 --heading 360 --pitch -30
+same north.png last.png 'north, 30 degrees down'
+for file in globe.tif globe.tclip; do
+    for place in 0,0 -180,90 17.5,-90,3000 360,45; do
+        accepts '' $globe $file $picture --lookat=$place
+        accepts '' $globe $file $picture --lookat=$place --distance 1e7 --heading 120 --pitch -60
+    done
+done
+accepts '' $globe globe.tif $picture --lookat 10,20 --scheme hex
+# On a plane: in degrees, and in metres of a zone of UTM, whose middle meridian is 9 degrees east.
+down='--distance 20000 --pitch -90'
+spacing=$($viewer degree.tif -v -o out/picture.png --size 96x64 2>&1 | sed -n 's/.*samples every \([^ ]*\) x \([^ ]*\) m.*/\1 \2/p')
+rm -f out/*
+set -- $spacing
+middle=$(awk "BEGIN { printf \"%.6f,%.6f\", 60 * $1, 60 * $2 }")
+accepts '' $viewer degree.tif $picture --lookat=-111.5,37.5,0 $down --background 000000 && mv last.png looked.png
+accepts '' $viewer degree.tif $picture --view $middle,20000,0,-90 --background 000000
+cases=$((cases + 1))
+$make_picture differ looked.png last.png | awk '{ exit !($1 < 0.5) }' || fail "not the middle, $middle"
+accepts '' $viewer metres.tif $picture --lookat 9.05,46.91,0 $down && mv last.png looked.png
+accepts '' $viewer metres.tclip $picture --lookat 9.05,46.91,0 $down
+cases=$((cases + 1))
+$make_picture differ looked.png last.png | awk '{ exit !($1 < 1) }' || fail 'a packed map looks different'
+accepts '' $viewer metres.tif $picture --lookat 9.05,46.91 --exaggeration 3
+for end in 1 40; do # degrees east: near the side of the map; far outside of the zone
+    refuses 1 '--lookat: expected a place on metres.tif, found one beside it, at ' $viewer metres.tif $picture --lookat $end,46.91
+done
+refuses 1 '--lookat: expected a place on degree.tif, found one beside it, at 7,37.5' $globe degree.tif $picture --lookat 7,37.5
+refuses 1 '--lookat: expected a place on degree.tif, found one beside it, at -111.5,38.1' $viewer degree.tif $picture \
+    --lookat=-111.5,38.1
+$make_file tiff plain.tif size=65x65 metres=0
+refuses 2 '--lookat: expected a map that says where on a globe it lies, found plain.tif without a georeference' \
+    $viewer plain.tif $picture --lookat 1,2
+for place in 1 1, 1,91 361,0 1,2,3,4 1,2, nan,0 0,inf 0,0,1e13 ' 1,2' 1,2x ''; do
+    refuses 2 '--lookat: expected LON,LAT.,HEIGHT. in degrees' $globe globe.tif $picture --lookat "$place"
+done
+for distance in 0 -5 nan inf 1e13 5km ''; do
+    refuses 2 '--distance: expected metres above 0, up to 1e12' $globe globe.tif $picture --lookat 1,2 --distance "$distance"
+done
+refuses 2 '--heading: expected -360..360' $globe globe.tif $picture --lookat 1,2 --heading 361
+refuses 2 '--pitch: expected -90..90' $globe globe.tif $picture --lookat 1,2 --pitch 91
+refuses 2 '--lookat: expected either it or --view, found both' $globe globe.tif $picture --lookat 1,2 --view 1,2,3,4,5
+refuses 2 '--lookat: expected either it or --path, found both' $globe globe.tif --lookat 1,2 --path x --frames 2
+for alone in distance heading pitch; do
+    refuses 2 "--$alone: expected --lookat LON,LAT with it, found none" $globe globe.tif $picture --$alone 5
+done
+# Over what stands in its way the eye is lifted; and so it is, and told by how much, wherever it was asked to be.
+accepts 'the eye was .* m under the ground' $viewer metres.tif $picture --lookat 9.05,46.91,0 --distance 2000 --pitch -5
+for file in metres.tif metres.tclip; do
+    accepts 'the eye was [0-9.]+ m under the ground: lifted above it' $viewer $file $picture --view 3840,3840,10,0,0
+    accepts '' $viewer $file -q $picture --view 3840,3840,10,0,0
+done
+printf '3840,3840,9000,0,-50\n3840,3840,10,0,0\n' >down.txt
+for file in metres.tif metres.tclip; do
+    run $viewer $file --path down.txt --frames 4 --size 96x64
+    [ $rc = 0 ] && [ "$(grep -c 'm under the ground: lifted' stderr.txt)" = 1 ] || report 'a path under the ground' $viewer
+done
+
+# ---- Views that were meant otherwise
+
+refers='warning: --view: .* look like longitude and latitude, which are on the terrain: --lookat -111.5,37.5 looks at'
+accepts "$refers" $viewer degree.tif $picture --view=-111.5,37.5,9000,0,-30
+accepts 'warning: --view: .*: --lookat 9.05,46.91 looks' $viewer metres.tif $picture --view=9.05,46.91,9000,0,-30 \
+    --spacing 300 # within the terrain, in a corner of it
+accepts 'warning: --view: .* coordinates of its own system, .*: there it is --view 3000,3000,\.\.\.' \
+    $viewer metres.tif $picture --view 503000,5195320,9000,0,-30
+for view in 10,20,9000,0,-30 -111.5,30,9000,0,-30 3000,1000,6000,20,-40 -5000,-5000,9000,45,-30 1e6,5e6,1e6,0,-60; do
+    accepts '' $viewer metres.tif $picture "--view=$view"
+done
+accepts '' $viewer degree.tif -q $picture --view=-111.5,37.5,9000,0,-30
+accepts '^planar-viewer: warning: no georeference' $viewer plain.tif $picture --view=9,46,9000,0,-30
+accepts '' $globe degree.tif $picture --view=-111.5,37.5,9000,0,-30
 
 finish

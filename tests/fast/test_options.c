@@ -119,6 +119,15 @@ static void values_arrive(void **state)
     assert_ptr_equal(o.scene.shade, &tc_shades[TC_SHADE_ASPECT]);
     assert_true(o.scene.contours == 2.5 && o.scene.unlit);
 
+    o = good("t --lookat -118.5,37.25 --exaggeration 2.5");
+    assert_true(o.look.given && o.look.longitude == -118.5 && o.look.latitude == 37.25 && !o.look.has_height);
+    assert_true(o.look.distance == 0 && o.look.heading == 0 && o.exaggeration == 2.5 && !o.has_view);
+    assert_float_equal(o.look.pitch, -acos(-1) / 6, 1e-15);
+    o = good("t --lookat 1,2,-300 --distance 5e3 --heading 90 --pitch -90");
+    assert_true(o.look.has_height && o.look.height == -300 && o.look.distance == 5000 && o.exaggeration == 1);
+    assert_float_equal(o.look.heading, acos(-1) / 2, 1e-15);
+    assert_float_equal(o.look.pitch, -acos(-1) / 2, 1e-15);
+
     o = good("t --target-ms 16.7");
     assert_true(o.target_ms == 16.7 && o.scene.throttle && o.scene.frame.throttle == 0);
     assert_true(good("t --target-ms 1e-3 --path p --frames 3 -o f-%d.png").target_ms == 1e-3);
@@ -147,6 +156,9 @@ static void help_and_version(void **state)
     assert_non_null(strstr(text, "usage: viewer [OPTION]... TERRAIN"));
     static const char *const names[] = {"--view X,Y,Z,HEADING,PITCH",
                                         "-o, --output FILE.png",
+                                        "--lookat LON,LAT[,HEIGHT]",
+                                        "--distance M",
+                                        "--exaggeration FACTOR",
                                         "--size WxH",
                                         "--fov DEG",
                                         "--n N",
@@ -216,6 +228,16 @@ static void nonsense_is_refused(void **state)
         {"t --view 0x10,2,3,4,5", "--view: "},
         {"t --view 1;2;3;4;5", "--view: "},
         {"t --view ''", "--view: "},
+        {"t --lookat 1", "--lookat: expected LON,LAT[,HEIGHT] in degrees and metres"},
+        {"t --lookat 1,", "--lookat: "},
+        {"t --lookat 1,2,3,", "--lookat: "},
+        {"t --lookat 1,91", "--lookat: "},
+        {"t --lookat 1,2 --distance 0", "--distance: expected metres above 0, up to 1e12, found '0'"},
+        {"t --lookat 1,2 --distance nan", "--distance: "},
+        {"t --lookat 1,2 --view 1,2,3,4,5", "--lookat: expected either it or --view, found both"},
+        {"t --distance 5", "--distance: expected --lookat LON,LAT with it, found none"},
+        {"t --exaggeration 0", "--exaggeration: expected a factor of 0.01..1000, found '0'"},
+        {"t --exaggeration inf", "--exaggeration: "},
         {"t --fov 0.5", "--fov: expected 1..170 degrees, found '0.5'"},
         {"t --fov 171", "--fov: "},
         {"t --fov nan", "--fov: "},
