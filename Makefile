@@ -101,6 +101,8 @@ $(OBJ)/%.o: %.cpp | build/.packages
 GDAL_PLUGIN := $(wildcard common/input/plugin_gdal*.c)
 $(foreach part,$(notdir $(basename $(GDAL_PLUGIN))),$(eval CPPFLAGS_$(part) = $$(shell pkg-config --cflags gdal)))
 CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
+# Dear ImGui's headers are not held to our warnings.
+CPPFLAGS_plugin_display = $(CPPFLAGS_plugin_window) $(patsubst -I%,-isystem %,$(shell pkg-config --cflags imgui))
 CPPFLAGS_jpeg2000 = $(shell pkg-config --cflags libopenjp2)
 CPPFLAGS_coders = $(CPPFLAGS_plugin_gdal)
 CPPFLAGS_gdal_coders = $(CPPFLAGS_plugin_gdal)
@@ -169,9 +171,9 @@ $(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/input/say.o \
 $(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -lOpenImageIO -lOpenImageIO_Util
-$(O)/terraclip-window.so: $(OBJ)/common/app/plugin_window.o $(OBJ)/common/base/status.o
+$(O)/terraclip-window.so: $(addprefix $(OBJ)/common/,app/plugin_window.o app/plugin_display.o base/status.o)
 	@echo "  LINK  $@"
-	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs glfw3)
+	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -Wl,--exclude-libs,ALL $$(pkg-config --libs imgui glfw3)
 
 # ---- Tests -------------------------------------------------------------------------------------------------------
 
@@ -241,6 +243,12 @@ $(O)/tests/used: $(OBJ)/tests/cli/used.o $(OBJ)/tests/support/process.o
 	@mkdir -p $(@D)
 	$(LINK)
 
+# Lets files fall on a window.
+$(O)/tests/drop-file: $(OBJ)/tests/cli/drop_file.o
+	@mkdir -p $(@D)
+	@echo "  LINK  $@"
+	$(Q)$(CC) $(LDFLAGS_ALL) $^ -o $@ -lX11
+
 # Looks at a window.
 $(O)/tests/window-pixels: $(OBJ)/tests/cli/window_pixels.o
 	@mkdir -p $(@D)
@@ -261,7 +269,7 @@ check: all $(FAST)
 	@sh tests/run.sh $(O) $(FAST)
 
 test: all $(FAST) $(SLOW) $(EXTREME) $(O)/tests/make-file $(O)/tests/compare-heights \
-      $(O)/tests/make-picture $(O)/tests/used $(O)/tests/window-pixels $(O)/tests/gpu_figures $(COMPARED)
+      $(O)/tests/make-picture $(O)/tests/used $(O)/tests/window-pixels $(O)/tests/drop-file $(O)/tests/gpu_figures $(COMPARED)
 	@mkdir -p $(O)/extreme
 	@TERRACLIP_EXTREME=$(O)/extreme sh tests/run.sh $(O) $(SLOW) $(wildcard tests/cli/test_*.sh) $(EXTREME) $(FAST)
 

@@ -244,6 +244,7 @@ static const tc_option last_rows[] = {
     TC_SWITCH(tc_options, json, 0, "json", "print the same to standard output"),
     TC_SWITCH(tc_options, explain, 0, "explain",
               "print what the scene uses, and what it does not need and was left out"),
+    TC_SWITCH(tc_options, no_display, 0, "no-display", "no texts, compass and settings in the window"),
     TC_SWITCH(tc_options, quiet, 'q', "quiet", "neither warnings nor progress"),
     TC_SWITCH(tc_options, verbose, 'v', "verbose", "how the file was understood, what it is drawn with"),
     TC_HELP_AND_VERSION,

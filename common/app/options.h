@@ -43,7 +43,7 @@ typedef struct tc_options {
     const char *stats; /* JSON file; NULL none */
     int threads;       /* 0: as many as there are processors */
     double target_ms;  /* that a frame may take; 0: as long as it takes */
-    bool explain, json, quiet, verbose;
+    bool explain, json, quiet, verbose, no_display;
     tc_source_options source; /* without say */
     int synthesis;            /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     double exaggeration;      /* of heights */

@@ -2,6 +2,7 @@
  * neither GLFW nor X11 or Wayland. */
 #include "window.h"
 #include "common/base/status.h"
+#include "plugin_display.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -18,6 +19,8 @@ struct tc_window {
     double last_x, last_y;                /* where the captured pointer was */
     char *dropped[TC_WINDOW_MAX_DROPPED]; /* owned: of events.dropped */
     int x, y, width, height;              /* of the window before it filled the screen */
+    tc_overlay *overlay;                  /* its display, from the first on; NULL: none yet */
+    bool displays;                        /* one was asked for */
 };
 
 /* Fails with GLFW's own reason. */
@@ -48,6 +51,7 @@ static int translate(int key, int scancode)
     case GLFW_KEY_ESCAPE: return TC_KEY_ESCAPE;
     case GLFW_KEY_F1: return TC_KEY_F1;
     case GLFW_KEY_F11: return TC_KEY_F11;
+    case GLFW_KEY_TAB: return TC_KEY_TAB;
     default: break;
     }
     const char *label = glfwGetKeyName(key, scancode);
@@ -62,9 +66,8 @@ static int translate(int key, int scancode)
 
 static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int modifiers)
 {
-    (void)modifiers;
     tc_window *window = glfwGetWindowUserPointer(glfw);
-    if (action != GLFW_PRESS)
+    if (tc_overlay_key(window->overlay, key, scancode, action, modifiers) || action != GLFW_PRESS)
         return;
     if (key == GLFW_KEY_ESCAPE && window->captured) {
         window_capture(window, false);
@@ -102,12 +105,11 @@ static void add_event(tc_window *window, tc_pointer_event event)
 
 static void on_button(GLFWwindow *glfw, int button, int action, int modifiers)
 {
-    (void)modifiers;
     tc_window *window = glfwGetWindowUserPointer(glfw);
     static const tc_pointer_button buttons[] = {[GLFW_MOUSE_BUTTON_LEFT] = TC_POINTER_LEFT,
                                                 [GLFW_MOUSE_BUTTON_RIGHT] = TC_POINTER_RIGHT,
                                                 [GLFW_MOUSE_BUTTON_MIDDLE] = TC_POINTER_MIDDLE};
-    if (button <= GLFW_MOUSE_BUTTON_MIDDLE)
+    if (!tc_overlay_button(window->overlay, button, action, modifiers) && button <= GLFW_MOUSE_BUTTON_MIDDLE)
         add_event(window, (tc_pointer_event){.kind = action == GLFW_PRESS ? TC_POINTER_PRESS : TC_POINTER_RELEASE,
                                              .button = buttons[button]});
 }
@@ -127,7 +129,27 @@ static void on_motion(GLFWwindow *glfw, double x, double y)
 
 static void on_wheel(GLFWwindow *glfw, double x, double y)
 {
-    add_event(glfwGetWindowUserPointer(glfw), (tc_pointer_event){.kind = TC_POINTER_WHEEL, .wheel = y, .wheel_x = x});
+    tc_window *window = glfwGetWindowUserPointer(glfw);
+    if (!tc_overlay_wheel(window->overlay, x, y))
+        add_event(window, (tc_pointer_event){.kind = TC_POINTER_WHEEL, .wheel = y, .wheel_x = x});
+}
+
+static void on_character(GLFWwindow *glfw, unsigned int character)
+{
+    tc_window *window = glfwGetWindowUserPointer(glfw);
+    tc_overlay_character(window->overlay, character);
+}
+
+static void on_enter(GLFWwindow *glfw, int entered)
+{
+    tc_window *window = glfwGetWindowUserPointer(glfw);
+    tc_overlay_enter(window->overlay, entered);
+}
+
+static void on_focus(GLFWwindow *glfw, int focused)
+{
+    tc_window *window = glfwGetWindowUserPointer(glfw);
+    tc_overlay_focus(window->overlay, focused);
 }
 
 static void on_drop(GLFWwindow *glfw, int count, const char **paths)
@@ -153,6 +175,7 @@ static void window_close(tc_window *window)
 {
     if (!window)
         return;
+    tc_overlay_destroy(window->overlay);
     forget_events(window);
     glfwDestroyWindow(window->glfw);
     glfwTerminate();
@@ -189,6 +212,9 @@ static tc_status window_open(const tc_window_options *options, tc_window **windo
     glfwSetCursorPosCallback(window->glfw, on_motion);
     glfwSetScrollCallback(window->glfw, on_wheel);
     glfwSetDropCallback(window->glfw, on_drop);
+    glfwSetCharCallback(window->glfw, on_character);
+    glfwSetCursorEnterCallback(window->glfw, on_enter);
+    glfwSetWindowFocusCallback(window->glfw, on_focus);
     glfwMakeContextCurrent(window->glfw);
     glfwSwapInterval(1);
     *window_ret = window;
@@ -205,7 +231,7 @@ static void *window_get_proc(const char *name)
 
 static double held(const tc_window *window, int key)
 {
-    return glfwGetKey(window->glfw, key) == GLFW_PRESS ? 1 : 0;
+    return glfwGetKey(window->glfw, key) == GLFW_PRESS && !tc_overlay_typing(window->overlay) ? 1 : 0;
 }
 
 static void window_poll(tc_window *window, double wait_seconds, tc_window_input *input_ret)
@@ -215,6 +241,7 @@ static void window_poll(tc_window *window, double wait_seconds, tc_window_input 
         glfwWaitEventsTimeout(wait_seconds);
     else
         glfwPollEvents();
+    tc_overlay_next(window->overlay);
     tc_window_input *input = &window->events;
     input->right = held(window, GLFW_KEY_D) - held(window, GLFW_KEY_A);
     input->forward = held(window, GLFW_KEY_W) - held(window, GLFW_KEY_S);
@@ -231,6 +258,16 @@ static void window_poll(tc_window *window, double wait_seconds, tc_window_input 
     pixels_of(window, &input->x, &input->y);
     input->inside = !window->captured && glfwGetWindowAttrib(window->glfw, GLFW_HOVERED);
     *input_ret = *input;
+}
+
+static bool window_show(tc_window *window, const tc_display *display, tc_display_result *result_ret)
+{
+    if (!window->overlay && !window->displays)
+        window->overlay = tc_overlay_create(window->glfw);
+    window->displays = true;
+    if (window->overlay)
+        tc_overlay_show(window->overlay, display, result_ret);
+    return window->overlay != NULL;
 }
 
 static void window_swap(tc_window *window)
@@ -281,6 +318,7 @@ const struct tc_window_plugin tc_plugin = {
     .close = window_close,
     .get_proc = window_get_proc,
     .poll = window_poll,
+    .show = window_show,
     .swap = window_swap,
     .set_title = window_set_title,
     .toggle_full_screen = window_toggle_full_screen,

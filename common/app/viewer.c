@@ -46,6 +46,12 @@ tc_flight_box tc_viewer_box(const tc_viewer *v)
                            .radius = v->map->body.radius};
 }
 
+tc_pose tc_viewer_whole(const tc_viewer *v)
+{
+    const tc_flight_box box = tc_viewer_box(v);
+    return v->program->navigation->whole(&box, v->camera.fov, v->camera.width, v->camera.height);
+}
+
 void tc_viewer_place(tc_viewer *v, const tc_pose *view)
 {
     tc_pose_to_camera(view, &v->camera);
@@ -293,7 +299,9 @@ static tc_status check_writable(const char *path, tc_error *error)
 
 static tc_status run(tc_viewer *v, tc_error *error)
 {
-    tc_status status = list_outputs(v, error);
+    tc_status status = tc_viewer_display_open(v, error); /* which hears what is said from here on */
+    if (status == TC_OK)
+        status = list_outputs(v, error);
     if (status == TC_OK)
         status = check_writable(v->options.stats, error);
     if (status == TC_OK) /* of a flight, the pattern itself stands for the frames */
@@ -364,6 +372,8 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     tc_flight_path_free(&viewer.path);
     tc_outputs_free(&viewer.outputs);
     tc_stats_destroy(viewer.stats);
+    tc_viewer_display_close(&viewer);
+    tc_viewer_forget_kept(&viewer);
     free(viewer.colours.stop);
     return tc_exit_code(status);
 }

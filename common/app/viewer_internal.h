@@ -9,6 +9,7 @@
 #include "common/gl/context.h"
 #include "common/view/flight.h"
 #include "common/view/flight_path.h"
+#include "common/view/pick.h"
 #include "common/view/throttle.h"
 #include "load.h"
 #include "options.h"
@@ -16,6 +17,9 @@
 #include "stats.h"
 #include "viewer.h"
 #include "window.h"
+
+struct tc_kept_text;
+struct tc_viewer_display;
 
 typedef struct tc_viewer {
     const tc_viewer_program *program;
@@ -47,11 +51,40 @@ typedef struct tc_viewer {
     tc_flight_path path; /* no keys: none */
     tc_outputs outputs;  /* files to be written, none of which may be read */
     tc_stats *stats;
+    struct tc_viewer_display *display; /* NULL: the window has none */
+    struct tc_kept_text *kept;         /* that options point to, beside the command line's */
 } tc_viewer;
 
 /* The terrain, in the charts that the scheme draws, and its pictures; and what frees both (viewer_terrain.c). */
 tc_status tc_viewer_load(tc_viewer *viewer, tc_error *error);
 void tc_viewer_unload(tc_viewer *viewer);
+tc_status tc_viewer_load_terrain(tc_viewer *viewer, tc_error *error); /* of it only that, or */
+tc_status tc_viewer_load_imagery(tc_viewer *viewer, tc_error *error); /* only the pictures */
+
+/* ---- Changes while it runs (viewer_change.c, viewer_drop.c) ------------------------------------------------------ */
+
+/* What is asked for; its texts outlive the viewer's (tc_viewer_keep). */
+typedef struct tc_viewer_wish {
+    tc_options options;
+    tc_scene_options scene;
+} tc_viewer_wish;
+tc_viewer_wish tc_viewer_wish_now(const tc_viewer *viewer);
+
+/* Loads what has to be loaded for that, and draws it. On failure all is as it was; where not even that can be drawn any
+ * more there is no renderer. */
+tc_status tc_viewer_adopt(tc_viewer *viewer, const tc_viewer_wish *wish, tc_error *error);
+
+/* A copy of a text that lives as long as the viewer; NULL: no memory. */
+const char *tc_viewer_keep(tc_viewer *viewer, const char *text);
+void tc_viewer_forget_kept(tc_viewer *viewer);
+
+/* Shows a file, whatever it is: a terrain in place of the present one, seen as a whole (*opened_ret, *view_ret), or a
+ * picture laid over what there is. picture: it is rather to be a picture. *error says why it is neither. */
+tc_status tc_viewer_drop(tc_viewer *viewer, const char *path, bool picture, bool *opened_ret, tc_pose *view_ret,
+                         tc_error *error);
+
+/* The view that shows the whole of the terrain. */
+tc_pose tc_viewer_whole(const tc_viewer *viewer);
 
 /* The program's next scheme after one; and drawing by another one at the same view: reads the file anew where that
  * draws other charts. On failure all is as it was. */
@@ -70,6 +103,8 @@ void tc_viewer_say_lifted(tc_viewer *viewer, double below);
 /* Where the eye starts, above the ground, once the terrain and the frame are there: by a path, which is read, a view, a
  * place to look at, or with all of the terrain in sight. What looks like a mistake is said (viewer_look.c). */
 tc_status tc_viewer_first_view(tc_viewer *viewer, tc_pose *view_ret, tc_error *error);
+/* What is looked at, in frames of the camera's size (viewer_place.c). */
+tc_scenery tc_viewer_scenery(const tc_viewer *viewer);
 
 /* Whether there is to be a window that a person sees. */
 bool tc_viewer_interactive(const tc_options *options);
@@ -106,6 +141,54 @@ tc_status tc_viewer_write_frame(tc_viewer *viewer, const char *path, uint8_t *rg
 tc_status tc_viewer_picture(tc_viewer *viewer, tc_error *error);
 tc_status tc_viewer_flight(tc_viewer *viewer, tc_error *error);
 tc_status tc_viewer_window(tc_viewer *viewer, tc_error *error);
+
+/* ---- What is told (viewer_tell.c, viewer_display.c) -------------------------------------------------------------- */
+
+typedef enum tc_told {
+    TC_TOLD_DONE,    /* what a key did: the line alone */
+    TC_TOLD_WARNING, /* with the program's name; neither of them with -q */
+    TC_TOLD_FAILURE  /* likewise, always */
+} tc_told;
+
+/* Tells the user one line: on the terminal, and for some seconds in the window. */
+void tc_viewer_tell(tc_viewer *viewer, tc_told how, const char *format, ...) __attribute__((format(printf, 3, 4)));
+
+/* What is told after each frame: in the title, warnings of what cannot be read, and figures once a second. */
+typedef struct tc_telling {
+    bool figures; /* are told; on the terminal */
+    double title_since, figures_since;
+    int title_frames, figures_frames;
+} tc_telling;
+void tc_viewer_tell_figures(tc_telling *telling, bool on);
+void tc_viewer_tell_frame(tc_viewer *viewer, tc_telling *telling, const tc_frame_stats *frame);
+
+/* What a key's label and help are, by number (viewer_window.c); false: there are no more. */
+bool tc_viewer_key(int k, const char **label_ret, const char **help_ret);
+
+/* A display for the viewer's window, where the options have one. */
+tc_status tc_viewer_display_open(tc_viewer *viewer, tc_error *error);
+void tc_viewer_display_close(tc_viewer *viewer);
+
+/* A line for it, where there is one. */
+void tc_viewer_display_line(tc_viewer *viewer, bool warning, const char *text);
+
+/* Draws it over the frame just drawn, before it is shown. */
+void tc_viewer_display_show(tc_viewer *viewer, const tc_frame_stats *frame);
+
+/* Does what the user did in it and with files that fell on the window, once the frame is shown. True: there is another
+ * terrain, to be seen by *view_ret. *key_ret: the key of what was clicked (compass: N); 0: none. There may be no
+ * renderer any more. */
+bool tc_viewer_display_act(tc_viewer *viewer, const tc_window_input *input, tc_pose *view_ret, int *key_ret);
+
+/* Keys. Help: false where there is no display, and it is to be printed. Dismiss closes what is open, help first; false:
+ * nothing is. */
+bool tc_viewer_display_help(tc_viewer *viewer);
+void tc_viewer_display_panel(tc_viewer *viewer);
+void tc_viewer_display_toggle(tc_viewer *viewer);
+bool tc_viewer_display_dismiss(tc_viewer *viewer);
+
+/* Milliseconds that filling and drawing the last frame's display took on this thread. */
+double tc_viewer_display_ms(const tc_viewer *viewer);
 
 /* Prints what the keys and the mouse do (viewer_window.c). */
 void tc_viewer_print_keys(FILE *file);

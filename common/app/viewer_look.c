@@ -9,28 +9,26 @@
 
 void tc_viewer_say_lifted(tc_viewer *v, double below)
 {
-    if (!v->lifted && below > 0 && !v->options.quiet)
-        fprintf(stderr, "%s: warning: the eye was %.6g m under the ground: lifted above it\n", v->program->name, below);
+    if (!v->lifted && below > 0)
+        tc_viewer_tell(v, TC_TOLD_WARNING, "the eye was %.6g m under the ground: lifted above it", below);
     v->lifted |= below > 0;
 }
 
 /* ---- Views that were meant otherwise ------------------------------------------------------------------------------
  */
 
-static void warn(const tc_viewer *v, const char *meant, const char *instead)
+static void warn(tc_viewer *v, const char *meant, const char *instead)
 {
-    if (!v->options.quiet)
-        fprintf(
-            stderr,
-            "%s: warning: --view: %.9g,%.9g are metres from the south-west sample, and look like %s, which are on the "
-            "terrain: %s\n",
-            v->program->name, v->options.view.x, v->options.view.y, meant, instead);
+    tc_viewer_tell(
+        v, TC_TOLD_WARNING,
+        "--view: %.9g,%.9g are metres from the south-west sample, and look like %s, which are on the terrain: %s",
+        v->options.view.x, v->options.view.y, meant, instead);
 }
 
 /* Of a flat map: longitude and latitude, or coordinates of its own system, that are taken for metres from its
  * south-west sample. Such a place is beside the terrain; or degrees name a corner of it so small that no view is from
  * there. */
-static void check_view(const tc_viewer *v)
+static void check_view(tc_viewer *v)
 {
     const double corner = 100; /* times as wide as that is all of it */
     const tc_map *map = v->map;
@@ -119,8 +117,7 @@ tc_status tc_viewer_first_view(tc_viewer *v, tc_pose *view_ret, tc_error *error)
         *view_ret = v->options.view;
         check_view(v);
     } else {
-        const tc_flight_box box = tc_viewer_box(v);
-        *view_ret = navigation->whole(&box, v->camera.fov, v->camera.width, v->camera.height);
+        *view_ret = tc_viewer_whole(v);
     }
     if (status == TC_OK && tc_viewer_interactive(&v->options))
         lift_first(v, view_ret);

@@ -1,8 +1,7 @@
-/* viewer_terrain.c - what a viewer shows: the terrain in the charts that its scheme draws, with its pictures; and other
- * schemes at the same view. */
+/* viewer_terrain.c - what a viewer shows: the terrain in the charts that its scheme draws, with its pictures. What of
+ * it changes while it is shown: viewer_change.c. */
 #include "viewer_internal.h"
 #include "common/base/status.h"
-#include "common/chart/atlas.h"
 #include "interrupt.h"
 #include "load_imagery.h"
 
@@ -15,9 +14,11 @@ static const double LEAST_HEIGHT = 0.01; /* metres above the ground; less where 
 /* What the source has to say. */
 static void say(void *context, bool warning, const char *line)
 {
-    const tc_viewer *viewer = context;
-    if (warning ? !viewer->options.quiet : viewer->options.verbose)
-        fprintf(stderr, "%s: %s%s\n", viewer->program->name, warning ? "warning: " : "", line);
+    tc_viewer *viewer = context;
+    if (warning)
+        tc_viewer_tell(viewer, TC_TOLD_WARNING, "%s", line);
+    else if (viewer->options.verbose)
+        fprintf(stderr, "%s: %s\n", viewer->program->name, line);
 }
 
 static tc_status open_file(tc_viewer *v, tc_error *error)
@@ -68,7 +69,7 @@ static double ground_height(void *context, double x, double y)
     return shown ? fmax(z, drawn) : z;
 }
 
-static tc_status load_terrain(tc_viewer *v, tc_error *error)
+tc_status tc_viewer_load_terrain(tc_viewer *v, tc_error *error)
 {
     tc_status status = open_file(v, error);
     if (status != TC_OK)
@@ -120,7 +121,7 @@ static bool show_levels(void *context, double done)
     return !tc_interrupted();
 }
 
-static tc_status load_imagery(tc_viewer *v, tc_error *error)
+tc_status tc_viewer_load_imagery(tc_viewer *v, tc_error *error)
 {
     const tc_source_options source = {.say = say, .say_context = v, .outputs = &v->outputs};
     levels_line line = {.shown = !v->options.quiet && isatty(STDERR_FILENO)};
@@ -133,10 +134,10 @@ static tc_status load_imagery(tc_viewer *v, tc_error *error)
 
 tc_status tc_viewer_load(tc_viewer *v, tc_error *error)
 {
-    tc_status status = load_terrain(v, error);
+    tc_status status = tc_viewer_load_terrain(v, error);
     tc_watch_interrupts();
     if (status == TC_OK && v->options.imagery_count > 0)
-        status = load_imagery(v, error);
+        status = tc_viewer_load_imagery(v, error);
     return status;
 }
 
@@ -145,59 +146,4 @@ void tc_viewer_unload(tc_viewer *v)
     tc_imagery_destroy(v->imagery);
     tc_map_destroy(v->map);
     v->imagery = NULL, v->map = NULL;
-}
-
-/* ---- Other schemes ----------------------------------------------------------------------------------------------- */
-
-/* Loads anew what the scheme draws; what there was stays where that fails. */
-static tc_status load_for(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
-{
-    const tc_viewer before = *v;
-    v->options.scheme = scheme;
-    v->map = NULL, v->imagery = NULL, v->surface = NULL, v->renderer = NULL;
-    tc_status status = tc_viewer_load(v, error);
-    if (status == TC_OK) {
-        v->scene.imagery = v->imagery;
-        status = tc_viewer_make_surface(v, error);
-    }
-    tc_viewer gone = status == TC_OK ? before : *v;
-    tc_renderer_destroy(gone.renderer);
-    if (gone.surface)
-        gone.surface->destroy(gone.surface);
-    tc_viewer_unload(&gone);
-    if (status != TC_OK)
-        *v = before;
-    return status;
-}
-
-/* The same map drawn by another one. */
-static tc_status draw_by(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
-{
-    const tc_scheme *before = v->options.scheme;
-    v->options.scheme = scheme;
-    tc_status status = tc_viewer_make_surface(v, error);
-    tc_error unused;
-    if (status != TC_OK) {
-        v->options.scheme = before;
-        if (tc_viewer_make_surface(v, &unused) != TC_OK)
-            return tc_fail(error, status, "%s: cannot be drawn any more", v->options.terrain);
-    }
-    return status;
-}
-
-const tc_scheme *tc_viewer_scheme_after(const tc_viewer *v, const tc_scheme *scheme)
-{
-    const tc_scheme *const *lists = v->program->schemes, *next;
-    int k = 0;
-    while (tc_scheme_at(lists, NULL, k) != scheme)
-        k++;
-    next = tc_scheme_at(lists, NULL, k + 1);
-    return next ? next : tc_scheme_at(lists, NULL, 0);
-}
-
-tc_status tc_viewer_change_scheme(tc_viewer *v, const tc_scheme *scheme, tc_error *error)
-{
-    const bool same = tc_atlas_same(scheme->atlas, tc_viewer_scheme(v)->atlas);
-    v->halvings = 0;
-    return same ? draw_by(v, scheme, error) : load_for(v, scheme, error);
 }

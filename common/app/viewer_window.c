@@ -1,4 +1,4 @@
-/* viewer_window.c - the viewer's window: keys, flight, title.
+/* viewer_window.c - the viewer's window: keys and flight.
  *
  * What a key does is one line of the table; the help text comes from it. */
 #include "viewer_internal.h"
@@ -22,13 +22,10 @@ typedef struct session {
     tc_scenery scenery;  /* of the present frame */
     bool captured;       /* the mouse turns the view */
     tc_camera frozen;    /* culled for, while culling is frozen */
-    bool tell;           /* statistics once a second */
     bool picture_wanted; /* once the frame is drawn */
     bool quit;
     int picture_number; /* to try next */
-    /* Since the title was set last, and since statistics were told last. */
-    double title_since, tell_since;
-    int title_frames, tell_frames;
+    tc_telling telling;
 } session;
 
 /* ---- Keys --------------------------------------------------------------------------------------------------- */
@@ -37,14 +34,23 @@ typedef struct session {
 static void changed(session *s, const char *name, bool on)
 {
     tc_renderer_set_options(s->viewer->renderer, &s->viewer->scene);
-    if (!s->viewer->options.quiet)
-        fprintf(stderr, "%s %s\n", name, on ? "on" : "off");
+    tc_viewer_tell(s->viewer, TC_TOLD_DONE, "%s %s", name, on ? "on" : "off");
 }
 
 static void do_help(session *s)
 {
-    (void)s;
-    tc_viewer_print_keys(stderr);
+    if (!tc_viewer_display_help(s->viewer))
+        tc_viewer_print_keys(stderr);
+}
+
+static void do_panel(session *s)
+{
+    tc_viewer_display_panel(s->viewer);
+}
+
+static void do_display(session *s)
+{
+    tc_viewer_display_toggle(s->viewer);
 }
 
 static void do_wireframe(session *s)
@@ -88,10 +94,10 @@ static void do_scheme(session *s)
         tc_error error;
         status = tc_viewer_change_scheme(v, next, &error);
         if (status != TC_OK)
-            fprintf(stderr, "%s: %s: %s\n", v->program->name, next->name, error.text);
+            tc_viewer_tell(v, TC_TOLD_FAILURE, "%s: %s", next->name, error.text);
     }
-    if (status == TC_OK && !v->options.quiet)
-        fprintf(stderr, "%s\n", next->name);
+    if (status == TC_OK)
+        tc_viewer_tell(v, TC_TOLD_DONE, "%s", next->name);
     if (status != TC_OK)
         v->scene.frame.cull_camera = frozen;
     s->quit |= v->renderer == NULL;
@@ -99,9 +105,7 @@ static void do_scheme(session *s)
 
 static void do_tell(session *s)
 {
-    s->tell = !s->tell;
-    s->tell_frames = 0;
-    s->tell_since = tc_clock_ms();
+    tc_viewer_tell_figures(&s->telling, !s->telling.figures);
 }
 
 static void do_picture(session *s)
@@ -124,8 +128,7 @@ static void do_look(session *s)
 {
     tc_gestures_rest(&s->gestures);
     s->viewer->window_plugin->capture(s->viewer->window, !s->captured);
-    if (!s->viewer->options.quiet)
-        fprintf(stderr, "the mouse %s\n", s->captured ? "moves the ground" : "turns the view");
+    tc_viewer_tell(s->viewer, TC_TOLD_DONE, "the mouse %s", s->captured ? "moves the ground" : "turns the view");
 }
 
 static void do_view(session *s)
@@ -143,7 +146,7 @@ static void do_north(session *s)
 
 static void do_quit(session *s)
 {
-    s->quit = true;
+    s->quit = !tc_viewer_display_dismiss(s->viewer);
 }
 
 static const struct key {
@@ -168,8 +171,10 @@ static const struct key {
     {{'X'}, "X", "the next scheme, at the same view", do_scheme},
     {{'T'}, "T", "statistics on the terminal, every second", do_tell},
     {{TC_KEY_F11}, "F11", "full screen", do_full_screen},
-    {{'H', TC_KEY_F1}, "H, F1", "print this", do_help},
-    {{TC_KEY_ESCAPE}, "Esc", "let the mouse go; again: quit", do_quit},
+    {{TC_KEY_TAB}, "Tab", "settings", do_panel},
+    {{'O'}, "O", "texts, compass and settings in the window, or none", do_display},
+    {{'H', TC_KEY_F1}, "H, F1", "this help", do_help},
+    {{TC_KEY_ESCAPE}, "Esc", "let the mouse go; close help or settings; quit", do_quit},
 };
 
 void tc_viewer_print_keys(FILE *file)
@@ -179,12 +184,33 @@ void tc_viewer_print_keys(FILE *file)
         fprintf(file, "  %-14s%s\n", keys[i].label, keys[i].help);
 }
 
-static void handle_keys(session *s, const tc_window_input *input)
+bool tc_viewer_key(int k, const char **label_ret, const char **help_ret)
 {
-    for (int i = 0; i < input->pressed_count; i++)
-        for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
-            if (keys[k].action && (keys[k].keys[0] == input->pressed[i] || keys[k].keys[1] == input->pressed[i]))
-                keys[k].action(s);
+    if (k >= (int)(sizeof keys / sizeof *keys))
+        return false;
+    *label_ret = keys[k].label, *help_ret = keys[k].help;
+    return true;
+}
+
+static void handle_key(session *s, int key)
+{
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (keys[k].action && (keys[k].keys[0] == key || keys[k].keys[1] == key))
+            keys[k].action(s);
+}
+
+/* What the display was used for, and files that fell on the window. */
+static void use_display(session *s, const tc_window_input *input)
+{
+    int key;
+    tc_pose view;
+    if (tc_viewer_display_act(s->viewer, input, &view, &key)) {
+        tc_gestures_rest(&s->gestures);
+        s->start.view = s->flight.view = view;
+    }
+    if (key)
+        handle_key(s, key);
+    s->quit |= s->viewer->renderer == NULL;
 }
 
 /* ---- A frame ------------------------------------------------------------------------------------------------ */
@@ -202,61 +228,9 @@ static void write_picture(session *s)
     tc_status status = rgb ? tc_viewer_write_frame(v, name, rgb, &error) : TC_ERR_MEMORY;
     free(rgb);
     if (status != TC_OK)
-        fprintf(stderr, "%s: %s\n", v->program->name, error.text);
-    else if (!v->options.quiet)
-        fprintf(stderr, "%s\n", name);
-}
-
-/* Says once that a part of the terrain cannot be read, and again where it comes back. */
-static void tell_failure(session *s, const tc_frame_stats *frame)
-{
-    tc_viewer *v = s->viewer;
-    int64_t tiles = tc_map_unreadable(v->map);
-    bool failing = frame->failed || tiles > 0;
-    if (failing == v->failing)
-        return;
-    v->failing = failing;
-    if (v->options.quiet)
-        return;
-    fprintf(stderr, "%s: warning: %s: ", v->program->name, v->options.terrain);
-    if (!failing)
-        fprintf(stderr, "all of it can be read again\n");
-    else if (tiles > 0)
-        fprintf(stderr, "%" PRId64 " tiles cannot be read and are shown coarser; they will be tried again\n", tiles);
+        tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
     else
-        fprintf(stderr, "a part of it cannot be read and is shown coarser; it will be tried again\n");
-}
-
-/* Brings title and statistics up to date after a frame. */
-static void tell(session *s, const tc_frame_stats *frame)
-{
-    tc_viewer *v = s->viewer;
-    double now = tc_clock_ms();
-    s->title_frames++;
-    if (now - s->title_since >= 250) {
-        char title[256];
-        const char *slash = strrchr(v->options.terrain, '/');
-        snprintf(title, sizeof title, "%.100s - %.1f ms, %" PRId64 " triangles, %d levels - %s",
-                 slash ? slash + 1 : v->options.terrain, (now - s->title_since) / s->title_frames, frame->triangles,
-                 frame->levels_active, v->program->name);
-        v->window_plugin->set_title(v->window, title);
-        s->title_since = now;
-        s->title_frames = 0;
-    }
-    s->tell_frames++;
-    if (s->tell && now - s->tell_since >= 1000) {
-        fprintf(stderr,
-                "%.2f ms a frame (update %.2f, draw %.2f); %" PRId64 " of %" PRId64
-                " triangles, %d draws, %d levels; %" PRId64 " samples updated, %" PRId64 " bytes uploaded%s",
-                (now - s->tell_since) / s->tell_frames, frame->update_ms, frame->draw_ms, frame->triangles,
-                frame->triangles_unculled, frame->draws, frame->levels_active, frame->samples_updated,
-                frame->bytes_uploaded, frame->resident ? "" : "; loading");
-        if (v->options.target_ms > 0)
-            fprintf(stderr, "; %.2f octaves coarser", frame->throttle);
-        fputc('\n', stderr);
-        s->tell_since = now;
-        s->tell_frames = 0;
-    }
+        tc_viewer_tell(v, TC_TOLD_DONE, "%s", name);
 }
 
 /* Flies by keys, and by a captured mouse. */
@@ -296,31 +270,14 @@ static void move(session *s, const tc_window_input *input, double dt)
     fly(s, input, dt);
 }
 
-/* What is looked at in a frame of this size. */
-static tc_scenery scenery_of(const tc_viewer *v)
-{
-    const tc_flight_box box = tc_viewer_box(v);
-    double far = box.radius > 0 ? 15 * box.radius : 20 * hypot(box.east - box.west, box.north - box.south);
-    return (tc_scenery){.navigation = v->program->navigation,
-                        .ground = &v->ground,
-                        .highest = box.z_max,
-                        .far = far,
-                        .fov = v->camera.fov,
-                        .width = v->camera.width,
-                        .height = v->camera.height};
-}
-
 tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
 {
     const tc_camera *camera = &v->camera;
     const tc_pose start = {camera->x, camera->y, camera->z, camera->heading, camera->pitch};
     double now = tc_clock_ms();
-    session s = {.viewer = v,
-                 .flight = {start, tc_flight_speed},
-                 .start = {start, tc_flight_speed},
-                 .title_since = now,
-                 .tell_since = now};
-    if (!v->options.quiet && isatty(STDERR_FILENO))
+    session s = {
+        .viewer = v, .flight = {start, tc_flight_speed}, .start = {start, tc_flight_speed}, .telling.title_since = now};
+    if (!v->display && !v->options.quiet && isatty(STDERR_FILENO))
         fprintf(stderr, "%s: H prints the keys\n", v->program->name);
 
     tc_status status = TC_OK;
@@ -338,9 +295,12 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
             break;
         v->camera.width = input.width;
         v->camera.height = input.height;
-        s.scenery = scenery_of(v);
+        s.scenery = tc_viewer_scenery(v);
         s.captured = input.captured;
-        handle_keys(&s, &input);
+        for (int i = 0; i < input.pressed_count; i++)
+            handle_key(&s, input.pressed[i]);
+        if (s.quit)
+            break;
         now = tc_clock_ms();
         if (v->path.count > 0)
             s.flight.view = tc_flight_path_view(&v->path, frames, v->options.frames);
@@ -358,16 +318,17 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         if (status != TC_OK)
             break;
         tc_renderer_present(v->renderer, input.width, input.height);
+        tc_viewer_display_show(v, &frame);
         v->window_plugin->swap(v->window);
-        tc_stats_frame(v->stats, tc_clock_ms() - now, &frame);
+        tc_stats_frame(v->stats, tc_clock_ms() - now - tc_viewer_display_ms(v), &frame);
         while (throttled && tc_frame_timer_read(v->gl, &timer, &took))
             tc_viewer_throttle(v, took);
-        tell(&s, &frame);
-        tell_failure(&s, &frame);
+        tc_viewer_tell_frame(v, &s.telling, &frame);
         if (s.picture_wanted) {
             write_picture(&s);
             s.picture_wanted = false;
         }
+        use_display(&s, &input);
         frames++;
     }
     if (throttled)

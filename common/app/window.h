@@ -8,6 +8,7 @@
 
 #include "common/terraclip.h"
 #include "common/view/pointer.h"
+#include "display.h"
 
 typedef struct tc_window tc_window;
 
@@ -15,7 +16,8 @@ typedef struct tc_window tc_window;
 typedef enum tc_key {
     TC_KEY_ESCAPE = 256, /* reported only where it did not just let the mouse go */
     TC_KEY_F1,
-    TC_KEY_F11
+    TC_KEY_F11,
+    TC_KEY_TAB
 } tc_key;
 
 /* Zero is the default. */
@@ -56,6 +58,9 @@ struct tc_window_plugin {
     void *(*get_proc)(const char *name);
     /* Handles what is pending. wait_seconds > 0: first waits that long for something to happen. */
     void (*poll)(tc_window *window, double wait_seconds, tc_window_input *input_ret);
+    /* Draws a display over what was drawn, and tells what the user did in it. What he does in it, the input does not
+     * tell, as long as it is shown for each frame. False: it cannot be drawn here. */
+    bool (*show)(tc_window *window, const tc_display *display, tc_display_result *result_ret);
     /* Shows what was drawn, in step with the screen where the driver can. */
     void (*swap)(tc_window *window);
     void (*set_title)(tc_window *window, const char *title);

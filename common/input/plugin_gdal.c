@@ -498,4 +498,7 @@ const struct tc_gdal_plugin tc_plugin = {.open = open_raster,
                                          .write_tiff = tc_gdal_write_tiff,
                                          .ground = tc_gdal_ground,
                                          .same_crs = same_crs,
-                                         .from_lonlat = tc_gdal_from_lonlat};
+                                         .from_lonlat = tc_gdal_from_lonlat,
+                                         .places_open = tc_gdal_ground_open,
+                                         .place_of = tc_gdal_ground_at,
+                                         .places_close = tc_gdal_ground_close};

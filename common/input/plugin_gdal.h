@@ -70,6 +70,12 @@ void tc_gdal_places_close(tc_gdal_places *places);
 bool tc_gdal_place_of(const tc_gdal_places *places, double column, double row, double degrees[2]);
 /* Metres on the ground between samples along rows and along columns, taken over `half` of them to either side. */
 bool tc_gdal_spacing_at(const tc_gdal_places *places, double column, double row, double half, double *x, double *y);
+
+/* As the plugin's table has them: places_open, place_of, places_close. */
+void *tc_gdal_ground_open(const char *wkt, const double transform[6]);
+bool tc_gdal_ground_at(void *places, double column, double row, double degrees_ret[2]);
+void tc_gdal_ground_close(void *places);
+
 /* An angle as -180 .. 180 degrees. */
 double tc_gdal_turn(double degrees);
 

@@ -9,6 +9,7 @@
 #include <ogr_srs_api.h>
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Systems ---------------------------------------------------------------------------------------------------- */
@@ -239,4 +240,37 @@ bool tc_gdal_ground(const char *wkt, const double transform[6], int64_t width, i
     OSRDestroySpatialReference(crs);
     tc_gdal_heard(&said);
     return known;
+}
+
+void *tc_gdal_ground_open(const char *wkt, const double transform[6])
+{
+    tc_gdal_start();
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    OGRSpatialReferenceH crs = OSRNewSpatialReference(wkt);
+    OGRSpatialReferenceH lonlat = crs && OSRIsProjected(crs) ? tc_gdal_lonlat_of(crs) : NULL;
+    tc_gdal_places *places = lonlat ? calloc(1, sizeof *places) : NULL;
+    if (places && !tc_gdal_places_open(crs, lonlat, transform, places)) {
+        free(places);
+        places = NULL;
+    }
+    OSRDestroySpatialReference(lonlat);
+    OSRDestroySpatialReference(crs);
+    tc_gdal_heard(&said);
+    return places;
+}
+
+bool tc_gdal_ground_at(void *places, double column, double row, double degrees_ret[2])
+{
+    tc_gdal_messages said;
+    tc_gdal_listen(&said);
+    const bool there = tc_gdal_place_of(places, column, row, degrees_ret);
+    tc_gdal_heard(&said);
+    return there;
+}
+
+void tc_gdal_ground_close(void *places)
+{
+    tc_gdal_places_close(places);
+    free(places);
 }

@@ -96,6 +96,11 @@ struct tc_gdal_plugin {
     bool (*same_crs)(const char *wkt, const char *other_wkt);
     /* Degrees east and north, of the system's own globe, in that system: x and y. False where it has no such place. */
     bool (*from_lonlat)(const char *wkt, const double degrees[2], double xy_ret[2]);
+    /* Places of a projected map, by its coordinate system and its transform: longitude and latitude, degrees, of a
+     * column and row from its corner; false where there are none. NULL: the system is none of a globe, or unknown. */
+    void *(*places_open)(const char *wkt, const double transform[6]);
+    bool (*place_of)(void *places, double column, double row, double degrees_ret[2]);
+    void (*places_close)(void *places);
 };
 
 /* terraclip-oiio.so */

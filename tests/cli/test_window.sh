@@ -66,7 +66,7 @@ $make_file tiff hills.tif size=513x513 metres=30
 
 # ---- Keys
 
-if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.json; then
+if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.json --no-display; then
     title=$(xdotool getwindowname "$id")
     echo "$title" | grep -Eq '^hills.tif - [0-9.]+ ms, [0-9]+ triangles, [1-9][0-9]* levels - planar-viewer$' ||
         fail "the title is '$title'"
@@ -128,7 +128,7 @@ fills() { # WHAT WIDTH*HEIGHT
 resizing() { # PROGRAM FILE VIEW
     viewer_before=$viewer
     viewer=$1
-    if start "$2" --size 320x240 --background 20c040 --view "$3"; then
+    if start "$2" --size 320x240 --background 20c040 --view "$3" --no-display; then
         fills 'at first' '320*240'
         for size in '640 400' '200 500' '700 90' '320 240'; do
             xdotool windowsize "$id" $size

@@ -1,0 +1,318 @@
+/* viewer_display.c - what a viewer's window tells: fills a display (display.h) for each frame from what is shown and
+ * how, and does what the user did in it. */
+#include "viewer_internal.h"
+#include "common/base/status.h"
+#include "panel.h"
+#include "viewer_place.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double HINT_SECONDS = 10, HINT_FADING = 1.5;
+static const double LOADING_MS = 250; /* that it must have lasted to be told */
+static const double MEAN_MS = 500;    /* over which a frame's time is the mean */
+static const double SCALE_PIXELS = 160;
+
+struct tc_viewer_display {
+    tc_display display;
+    tc_display_result result;
+    tc_display_lines lines;
+    tc_panel panel;
+    tc_places *places; /* of the terrain of this name; NULL: none yet */
+    const tc_map *places_of;
+    bool off, help, panel_shown;
+    bool unable;       /* the window has none */
+    double begun;      /* milliseconds of tc_clock_ms(): of the first frame; 0: none yet */
+    double loading;    /* since when; 0: all is there */
+    double mean_since; /* of the frames' times */
+    int mean_frames;
+    double frame_ms; /* the last mean */
+    double ms;       /* that the last frame's display took */
+};
+
+void tc_viewer_display_line(tc_viewer *v, bool warning, const char *text)
+{
+    if (v->display)
+        tc_display_lines_add(&v->display->lines, warning, tc_clock_ms(), text);
+}
+
+/* ---- What is told ------------------------------------------------------------------------------------------------ */
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
+static void tell_hint(struct tc_viewer_display *d, double now)
+{
+    const double left = HINT_SECONDS - (now - d->begun) / 1e3;
+    if (left > 0 && !d->help)
+        tc_display_say(&d->display, TC_SIDE_TOP, false, fmin(1, left / HINT_FADING),
+                       "H: help   Tab: settings   O: display off");
+}
+
+/* The share of the levels that the view asks for which are up to date. */
+static void tell_loading(const tc_viewer *v, const tc_frame_stats *frame, double now)
+{
+    struct tc_viewer_display *d = v->display;
+    const tc_renderer_use use = tc_renderer_used(v->renderer);
+    int held = 0, ready = 0;
+    d->loading = frame->resident ? 0 : d->loading > 0 ? d->loading : now;
+    if (d->loading == 0 || now - d->loading < LOADING_MS)
+        return;
+    for (int chart = 0; chart < use.windows->charts; chart++)
+        held += use.textures->layers.held[chart], ready += use.textures->layers.ready[chart];
+    if (ready < held)
+        tc_display_say(&d->display, TC_SIDE_CORNER, false, 1, "loading: %d of %d levels", ready, held);
+    else
+        tc_display_say(&d->display, TC_SIDE_CORNER, false, 1, "loading ...");
+}
+
+static void tell_state(const tc_viewer *v, const tc_frame_stats *frame)
+{
+    tc_display *display = &v->display->display;
+    tc_display_say(display, TC_SIDE_CORNER, false, 1, "%.1f ms", v->display->frame_ms);
+    if (frame->throttle > 0.05)
+        tc_display_say(display, TC_SIDE_CORNER, true, 1, "coarser: too slow");
+    if (v->map->exaggeration != 1)
+        tc_display_say(display, TC_SIDE_CORNER, false, 1, "heights x %.4g", v->map->exaggeration);
+    if (v->scene.frame.cull_camera)
+        tc_display_say(display, TC_SIDE_CORNER, false, 1, "culling frozen");
+    if (v->failing || frame->imagery_failed)
+        tc_display_say(display, TC_SIDE_CORNER, true, 1, "a part cannot be read");
+}
+
+static void tell_files(const tc_viewer *v)
+{
+    tc_display *display = &v->display->display;
+    const tc_options *o = &v->options;
+    if (o->imagery_count > 0)
+        tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s%s", name_of(o->imagery[o->imagery_count - 1]),
+                       o->imagery_count > 1 ? " and others" : "");
+    tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s", name_of(o->terrain));
+}
+
+/* Digits of a place that are as fine as what is seen from this height. */
+static int digits_from(double above)
+{
+    return (int)fmax(2, fmin(6, round(8 - log10(fmax(above, 1)))));
+}
+
+static void tell_places(const tc_viewer *v)
+{
+    struct tc_viewer_display *d = v->display;
+    const tc_camera *eye = &v->camera;
+    char place[TC_WORDS], height[TC_WORDS], above[TC_WORDS];
+    double point[3], unused;
+    const double ground = v->ground.height(v->ground.context, eye->x, eye->y);
+    const int digits = digits_from(eye->z - ground);
+    if (d->result.pointed && tc_viewer_point(v, d->result.x, d->result.y, point, &unused)) {
+        tc_places_words(d->places, v->map, point[0], point[1], digits, place);
+        tc_words_metres(point[2] / v->map->exaggeration, height); /* the true one */
+        tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "pointer %s, %s", place, height);
+    }
+    tc_places_words(d->places, v->map, eye->x, eye->y, digits, place);
+    tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "eye %s", place);
+    tc_words_metres(eye->z, height);
+    tc_words_metres(eye->z - ground, above);
+    if (tc_map_has_ground(v->map, eye->x, eye->y))
+        tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "height %s, %s above ground", height, above);
+    else
+        tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "height %s", height);
+}
+
+/* Of the ground in the middle of the picture, across the view. */
+static void tell_scale(const tc_viewer *v)
+{
+    tc_display *display = &v->display->display;
+    double point[3], distance;
+    display->scale_pixels = 0;
+    if (!tc_viewer_point(v, v->camera.width / 2.0, v->camera.height / 2.0, point, &distance))
+        return;
+    display->scale_pixels = tc_words_scale(distance / tc_camera_pixel_scale(&v->camera),
+                                           fmin(SCALE_PIXELS, v->camera.width / 3.0), display->scale);
+}
+
+static void fill(tc_viewer *v, const tc_frame_stats *frame)
+{
+    struct tc_viewer_display *d = v->display;
+    const double now = tc_clock_ms();
+    if (d->begun == 0)
+        d->begun = now;
+    if (d->places_of != v->map) {
+        tc_places_close(d->places);
+        d->places = tc_places_open(v->map);
+        d->places_of = v->map;
+    }
+    d->display.texts = d->display.rows = 0;
+    d->display.heading = v->camera.heading;
+    d->display.help = d->help, d->display.panel = d->panel_shown;
+    tc_display_lines_show(&d->lines, now, &d->display);
+    tell_hint(d, now);
+    tell_files(v);
+    if (frame && v->renderer) {
+        tell_loading(v, frame, now);
+        tell_state(v, frame);
+        tell_places(v);
+        tell_scale(v);
+    }
+    if (d->panel_shown && v->renderer)
+        d->display.rows = tc_panel_rows(&d->panel, v, d->display.row);
+}
+
+static bool shown(const tc_viewer *v)
+{
+    return v->display && !v->display->off && !v->display->unable;
+}
+
+void tc_viewer_display_show(tc_viewer *v, const tc_frame_stats *frame)
+{
+    struct tc_viewer_display *d = v->display;
+    const double start = tc_clock_ms();
+    if (!d)
+        return;
+    d->mean_frames++;
+    if (start - d->mean_since >= MEAN_MS) {
+        d->frame_ms = d->mean_since > 0 ? (start - d->mean_since) / d->mean_frames : 0;
+        d->mean_since = start, d->mean_frames = 0;
+    }
+    d->ms = 0;
+    if (!shown(v))
+        return;
+    fill(v, frame);
+    d->unable = !v->window_plugin->show(v->window, &d->display, &d->result);
+    d->ms = tc_clock_ms() - start;
+}
+
+double tc_viewer_display_ms(const tc_viewer *v)
+{
+    return v->display ? v->display->ms : 0;
+}
+
+/* ---- What is done ------------------------------------------------------------------------------------------------ */
+
+/* Says what takes a while, before it does: over the picture that there is. */
+static void announce(tc_viewer *v, const tc_window_input *input, const char *what)
+{
+    if (!shown(v) || !v->renderer)
+        return;
+    tc_display_result unused;
+    tc_display_lines_add(&v->display->lines, false, tc_clock_ms(), what);
+    fill(v, NULL);
+    tc_renderer_present(v->renderer, input->width, input->height);
+    v->window_plugin->show(v->window, &v->display->display, &unused);
+    v->window_plugin->swap(v->window);
+}
+
+/* Shows a file; whether it is another terrain, seen by *view_ret. */
+static bool show_file(tc_viewer *v, const tc_window_input *input, const char *path, bool picture, tc_pose *view_ret)
+{
+    tc_error error;
+    bool opened = false;
+    char line[TC_DISPLAY_LENGTH];
+    if (!v->renderer)
+        return false;
+    snprintf(line, sizeof line, "loading %s ...", name_of(path));
+    announce(v, input, line);
+    const tc_status status = tc_viewer_drop(v, path, picture, &opened, view_ret, &error);
+    if (v->display)
+        tc_display_lines_drop(&v->display->lines, line);
+    if (status != TC_OK)
+        tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
+    else
+        tc_viewer_tell(v, TC_TOLD_DONE, "%s: %s", name_of(path), opened ? "opened" : "laid over the terrain");
+    return opened;
+}
+
+static bool change_row(tc_viewer *v, const tc_window_input *input, tc_pose *view_ret)
+{
+    const tc_display_result *r = &v->display->result;
+    bool picture, opened = false;
+    tc_error error;
+    const int row = r->changed;
+    if (tc_panel_is_file(row, &picture)) {
+        char path[TC_DISPLAY_ENTRY];
+        memcpy(path, r->entry, sizeof path);
+        opened = show_file(v, input, path, picture, view_ret);
+    } else if (tc_panel_set(&v->display->panel, v, row, r->value, &error) != TC_OK) {
+        tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
+    }
+    return opened;
+}
+
+bool tc_viewer_display_act(tc_viewer *v, const tc_window_input *input, tc_pose *view_ret, int *key_ret)
+{
+    struct tc_viewer_display *d = v->display;
+    bool opened = false;
+    *key_ret = 0;
+    if (shown(v)) {
+        *key_ret = d->result.north ? 'N' : 0;
+        d->help &= !d->result.help_closed;
+        d->panel_shown &= !d->result.panel_closed;
+        if (d->result.changed >= 0)
+            opened = change_row(v, input, view_ret);
+        d->result.changed = -1, d->result.north = d->result.help_closed = d->result.panel_closed = false;
+    }
+    for (int i = 0; i < input->dropped_count; i++)
+        opened |= show_file(v, input, input->dropped[i], input->fast, view_ret);
+    return opened;
+}
+
+/* ---- Keys -------------------------------------------------------------------------------------------------------- */
+
+bool tc_viewer_display_help(tc_viewer *v)
+{
+    if (!shown(v))
+        return false;
+    v->display->help = !v->display->help;
+    return true;
+}
+
+void tc_viewer_display_panel(tc_viewer *v)
+{
+    if (v->display) {
+        v->display->panel_shown = v->display->off || !v->display->panel_shown;
+        v->display->off = false;
+    }
+}
+
+void tc_viewer_display_toggle(tc_viewer *v)
+{
+    if (v->display)
+        v->display->off = !v->display->off;
+}
+
+bool tc_viewer_display_dismiss(tc_viewer *v)
+{
+    bool *open = !shown(v) ? NULL : v->display->help ? &v->display->help : &v->display->panel_shown;
+    const bool was = open && *open;
+    if (was)
+        *open = false;
+    return was;
+}
+
+/* ---- Beginning and end ------------------------------------------------------------------------------------------- */
+
+tc_status tc_viewer_display_open(tc_viewer *v, tc_error *error)
+{
+    if (v->options.no_display || v->options.path || !tc_viewer_interactive(&v->options))
+        return TC_OK;
+    struct tc_viewer_display *d = v->display = calloc(1, sizeof *d);
+    if (!d)
+        return tc_fail(error, TC_ERR_MEMORY, "display: not enough memory");
+    d->result.changed = -1;
+    tc_display_key *key = d->display.key;
+    for (int k = 0; k < TC_DISPLAY_KEYS && tc_viewer_key(k, &key[k].label, &key[k].help); k++)
+        d->display.keys = k + 1;
+    return TC_OK;
+}
+
+void tc_viewer_display_close(tc_viewer *v)
+{
+    if (v->display)
+        tc_places_close(v->display->places);
+    free(v->display);
+    v->display = NULL;
+}

@@ -1,0 +1,94 @@
+/* viewer_tell.c - what a viewer tells in lines: on the terminal, in the window's title, and for some seconds in its
+ * display. */
+#include "viewer_internal.h"
+#include "display.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <string.h>
+
+void tc_viewer_tell(tc_viewer *v, tc_told how, const char *format, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (how == TC_TOLD_DONE && !v->options.quiet)
+        fprintf(stderr, "%s\n", text);
+    else if (how == TC_TOLD_FAILURE || !v->options.quiet)
+        fprintf(stderr, "%s: %s%s\n", v->program->name, how == TC_TOLD_WARNING ? "warning: " : "", text);
+    tc_viewer_display_line(v, how != TC_TOLD_DONE, text);
+}
+
+/* ---- A frame ----------------------------------------------------------------------------------------------------- */
+
+/* Says once that a part of the terrain cannot be read, and again where it comes back. */
+static void tell_failure(tc_viewer *v, const tc_frame_stats *frame)
+{
+    int64_t tiles = tc_map_unreadable(v->map);
+    bool failing = frame->failed || tiles > 0;
+    if (failing == v->failing)
+        return;
+    v->failing = failing;
+    const char *name = v->options.terrain;
+    if (!failing)
+        tc_viewer_tell(v, TC_TOLD_WARNING, "%s: all of it can be read again", name);
+    else if (tiles > 0)
+        tc_viewer_tell(v, TC_TOLD_WARNING,
+                       "%s: %" PRId64 " tiles cannot be read and are shown coarser; they will be tried again", name,
+                       tiles);
+    else
+        tc_viewer_tell(v, TC_TOLD_WARNING,
+                       "%s: a part of it cannot be read and is shown coarser; it will be tried again", name);
+}
+
+static void tell_title(const tc_viewer *v, tc_telling *t, const tc_frame_stats *frame, double now)
+{
+    char title[256];
+    const char *slash = strrchr(v->options.terrain, '/');
+    t->title_frames++;
+    if (now - t->title_since < 250)
+        return;
+    snprintf(title, sizeof title, "%.100s - %.1f ms, %" PRId64 " triangles, %d levels - %s",
+             slash ? slash + 1 : v->options.terrain, (now - t->title_since) / t->title_frames, frame->triangles,
+             frame->levels_active, v->program->name);
+    v->window_plugin->set_title(v->window, title);
+    t->title_since = now;
+    t->title_frames = 0;
+}
+
+static void tell_figures(const tc_viewer *v, tc_telling *t, const tc_frame_stats *frame, double now)
+{
+    t->figures_frames++;
+    if (!t->figures || now - t->figures_since < 1000)
+        return;
+    fprintf(stderr,
+            "%.2f ms a frame (update %.2f, draw %.2f); %" PRId64 " of %" PRId64
+            " triangles, %d draws, %d levels; %" PRId64 " samples updated, %" PRId64 " bytes uploaded%s",
+            (now - t->figures_since) / t->figures_frames, frame->update_ms, frame->draw_ms, frame->triangles,
+            frame->triangles_unculled, frame->draws, frame->levels_active, frame->samples_updated,
+            frame->bytes_uploaded, frame->resident ? "" : "; loading");
+    if (v->options.target_ms > 0)
+        fprintf(stderr, "; %.2f octaves coarser", frame->throttle);
+    if (v->display)
+        fprintf(stderr, "; display %.2f ms", tc_viewer_display_ms(v));
+    fputc('\n', stderr);
+    t->figures_since = now;
+    t->figures_frames = 0;
+}
+
+void tc_viewer_tell_figures(tc_telling *telling, bool on)
+{
+    telling->figures = on;
+    telling->figures_frames = 0;
+    telling->figures_since = tc_clock_ms();
+}
+
+void tc_viewer_tell_frame(tc_viewer *v, tc_telling *telling, const tc_frame_stats *frame)
+{
+    const double now = tc_clock_ms();
+    tell_title(v, telling, frame, now);
+    tell_figures(v, telling, frame, now);
+    tell_failure(v, frame);
+}
