@@ -16,6 +16,9 @@
 static bool set_view(void *options, const char *value)
 {
     tc_options *o = options;
+    o->view_name = value[0] == '@' && value[1] ? value + 1 : NULL;
+    if (o->view_name)
+        return o->has_view = true;
     return o->has_view = tc_pose_parse(o->program->navigation, value, &o->view);
 }
 
@@ -178,6 +181,10 @@ static bool read_backend(void *backend, const char *value)
 static const tc_option table[] = {
     {.help = "What is seen"},
     {0, "view", NULL, NULL, NULL, set_view, 0},
+    {0, "views", "FILE", "a file name",
+     "of views, one a line as --view has it, with a name behind a #: --view @NAME is one of them, and V in the window "
+     "adds the present one",
+     tc_read_text, offsetof(tc_options, views)},
     {0, "lookat", "LON,LAT[,HEIGHT]", "LON,LAT[,HEIGHT] in degrees and metres, |LON| up to 360, |LAT| up to 90",
      "place to look at, of any map that says where it lies: degrees east and north, metres above the sea (on the "
      "ground)",
@@ -350,6 +357,8 @@ static tc_status check_together(const tc_options *o, tc_error *error)
                        tc_scheme_by_error(o->program->schemes)->name, o->scheme->name);
     if (o->path && o->has_view)
         return tc_fail(error, TC_ERR_USAGE, "--view: expected either it or --path, found both");
+    if (o->view_name && !o->views)
+        return tc_fail(error, TC_ERR_USAGE, "--view: expected --views FILE with @%s, found none", o->view_name);
     return check_look(o, error);
 }
 

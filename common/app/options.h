@@ -32,9 +32,11 @@ typedef struct tc_options {
     int width, height;  /* pixels */
     bool has_view;
     tc_pose view;
-    tc_look look;        /* at a place, instead of a view */
-    double fov;          /* horizontal, radians */
-    const char *colours; /* file of a height ramp; NULL none */
+    const char *views;     /* file of views; NULL none */
+    const char *view_name; /* of the view, which is in that file; NULL: the view itself was given */
+    tc_look look;          /* at a place, instead of a view */
+    double fov;            /* horizontal, radians */
+    const char *colours;   /* file of a height ramp; NULL none */
     const char *imagery[TC_MOST_IMAGERY];
     int imagery_count;
     const char *path; /* of a flight; NULL none */

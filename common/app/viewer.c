@@ -62,7 +62,7 @@ void tc_viewer_place(tc_viewer *v, const tc_pose *view)
         z = v->ground.height(v->ground.context, view->x, view->y);
     else
         tc_map_height(v->map, view->x, view->y, &z);
-    if (!tc_viewer_interactive(&v->options) || v->path.count > 0) /* who flies is kept above it */
+    if (!tc_viewer_interactive(&v->options)) /* who flies is kept above it */
         tc_viewer_say_lifted(v, z - v->camera.z);
     v->camera.z = fmax(v->camera.z, z + v->least_height);
 }
@@ -275,9 +275,14 @@ static tc_status list_outputs(tc_viewer *v, tc_error *error)
         }
     if (status == TC_OK && o->stats)
         status = tc_outputs_add(&v->outputs, o->stats, error);
+    const bool keeps = o->views && tc_viewer_interactive(o);
+    if (status == TC_OK && keeps)
+        status = tc_outputs_add(&v->outputs, o->views, error);
     if (status == TC_OK)
         status = tc_outputs_spare(&v->outputs, o->terrain, error);
-    if (status == TC_OK && o->path)
+    if (status == TC_OK && o->views && !keeps)
+        status = tc_outputs_spare(&v->outputs, o->views, error);
+    if (status == TC_OK && o->path && !(keeps && tc_same_place(o->path, o->views))) /* which is read before */
         status = tc_outputs_spare(&v->outputs, o->path, error);
     if (status == TC_OK && o->colours)
         status = tc_outputs_spare(&v->outputs, o->colours, error);
@@ -310,6 +315,8 @@ static tc_status run(tc_viewer *v, tc_error *error)
         status = tc_check_picture_name(v->options.output, error);
     if (status == TC_OK && v->options.colours)
         status = tc_colour_file_read(v->options.colours, &v->colours, error);
+    if (status == TC_OK)
+        status = tc_viewer_begin_views(v, error);
     if (status == TC_OK)
         status = tc_viewer_load(v, error);
     if (status == TC_OK)

@@ -106,6 +106,11 @@ tc_status tc_viewer_first_view(tc_viewer *viewer, tc_pose *view_ret, tc_error *e
 /* What is looked at, in frames of the camera's size (viewer_place.c). */
 tc_scenery tc_viewer_scenery(const tc_viewer *viewer);
 
+/* With --views: reads that file, and the view that --view @NAME asks for; and adds a view to it, or prints it where
+ * there is no such file or nothing can be added, which is said (viewer_views.c). */
+tc_status tc_viewer_begin_views(tc_viewer *viewer, tc_error *error);
+void tc_viewer_keep_view(tc_viewer *viewer, tc_pose *view);
+
 /* Whether there is to be a window that a person sees. */
 bool tc_viewer_interactive(const tc_options *options);
 

@@ -14,8 +14,7 @@ void tc_viewer_say_lifted(tc_viewer *v, double below)
     v->lifted |= below > 0;
 }
 
-/* ---- Views that were meant otherwise ------------------------------------------------------------------------------
- */
+/* ---- Views that were meant otherwise ----------------------------------------------------------------------------- */
 
 static void warn(tc_viewer *v, const char *meant, const char *instead)
 {
@@ -50,8 +49,7 @@ static void check_view(tc_viewer *v)
     }
 }
 
-/* ---- A place to look at -------------------------------------------------------------------------------------------
- */
+/* ---- A place to look at ------------------------------------------------------------------------------------------ */
 
 /* From where some kilometres around a place are seen, of a coarse map as many as a hundred samples, of a small one a
  * quarter of it. */
@@ -89,12 +87,11 @@ static tc_status look_at(tc_viewer *v, tc_pose *view_ret, tc_error *error)
     return TC_OK;
 }
 
-/* ---- The first view -----------------------------------------------------------------------------------------------
- */
+/* ---- The first view ---------------------------------------------------------------------------------------------- */
 
 /* Pictures find the ground below their eye themselves; in a window what flies is kept above the ground without a word,
- * so that the view asked for is looked at here. */
-static void lift_first(tc_viewer *v, tc_pose *view)
+ * so that views that were asked for are looked at here. */
+static void lift_asked(tc_viewer *v, tc_pose *view)
 {
     double z;
     if (!tc_map_has_ground(v->map, view->x, view->y) || tc_map_height(v->map, view->x, view->y, &z) != TC_OK)
@@ -119,7 +116,10 @@ tc_status tc_viewer_first_view(tc_viewer *v, tc_pose *view_ret, tc_error *error)
     } else {
         *view_ret = tc_viewer_whole(v);
     }
-    if (status == TC_OK && tc_viewer_interactive(&v->options))
-        lift_first(v, view_ret);
-    return status;
+    if (status != TC_OK || !tc_viewer_interactive(&v->options))
+        return status;
+    lift_asked(v, view_ret);
+    for (int k = 0; k < v->path.count; k++)
+        lift_asked(v, &v->path.keys[k]);
+    return TC_OK;
 }

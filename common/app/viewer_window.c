@@ -133,10 +133,7 @@ static void do_look(session *s)
 
 static void do_view(session *s)
 {
-    char text[TC_POSE_TEXT];
-    tc_pose_format(s->viewer->program->navigation, &s->flight.view, s->viewer->spacing, text);
-    printf("--view %s\n", text);
-    fflush(stdout);
+    tc_viewer_keep_view(s->viewer, &s->flight.view);
 }
 
 static void do_north(session *s)
@@ -160,7 +157,7 @@ static const struct key {
     {.label = "wheel", .help = "nearer to the ground under the pointer, or farther from it"},
     {.label = "right button", .help = "turn about the point in the middle, tilt"},
     {{'F'}, "F", "let the mouse turn the view, and the wheel set the speed; again, or Esc: no more", do_look},
-    {{'V'}, "V", "print the view as a --view option", do_view},
+    {{'V'}, "V", "print the view as a --view option, or add it to the file of --views", do_view},
     {{'P'}, "P", "write a picture: terraclip-0001.png and on", do_picture},
     {{'R'}, "R", "fly back to the first view", do_reset},
     {{'N'}, "N", "north up", do_north},

@@ -7,27 +7,12 @@
 #include "flight_path.h"
 #include "common/base/status.h"
 #include "flight_sphere.h"
+#include "views_file.h"
 
-#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define HALF_TURN 3.14159265358979323846
-
-enum { MAX_FILE = 16 << 20 }; /* bytes; more is no path file */
-
-/* What a line must be. */
-static const char *form_of(const tc_navigation *navigation)
-{
-    return navigation->x_period > 0 ? navigation->bounds : navigation->form;
-}
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t' || c == '\r';
-}
 
 /* Appends a key. */
 static bool add_key(tc_flight_path *path, int *capacity, tc_pose key)
@@ -53,71 +38,33 @@ tc_status tc_flight_path_parse(const tc_navigation *navigation, const char *name
                                tc_flight_path *path_ret, tc_error *error)
 {
     tc_flight_path path = {.navigation = navigation};
-    int capacity = 0, number = 0;
-    for (const char *line = text; *line;) {
-        const char *next = line + strcspn(line, "\n");
-        const char *begin = line, *end = line + strcspn(line, "#\n");
-        number++;
-        while (begin < end && is_blank(*begin))
-            begin++;
-        while (begin < end && is_blank(end[-1]))
-            end--;
-        if (begin < end) {
-            char content[256];
-            size_t length = (size_t)(end - begin);
-            tc_pose key;
-            bool fits = length < sizeof content;
-            snprintf(content, sizeof content, "%.*s", (int)(fits ? length : sizeof content - 1), begin);
-            if (!fits || !tc_pose_parse(navigation, content, &key)) {
-                tc_flight_path_free(&path);
-                return tc_fail(error, TC_ERR_FORMAT, "%s: line %d: expected %s, found '%.60s%s'", name, number,
-                               form_of(navigation), content, strlen(content) > 60 ? "..." : "");
-            }
-            if (!add_key(&path, &capacity, key)) {
-                tc_flight_path_free(&path);
-                return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for the path", name);
-            }
-        }
-        line = *next ? next + 1 : next;
+    tc_views views = tc_views_of(navigation, name, text);
+    int capacity = 0;
+    bool more = true;
+    tc_status status = TC_OK;
+    while (status == TC_OK && more) {
+        status = tc_views_next(&views, &more, error);
+        if (status == TC_OK && more && !add_key(&path, &capacity, views.view))
+            status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for the path", name);
     }
-    if (path.count == 0)
-        return tc_fail(error, TC_ERR_FORMAT, "%s: expected lines of %s, found none", name, form_of(navigation));
-    *path_ret = path;
-    return TC_OK;
+    if (status == TC_OK && path.count == 0)
+        status = tc_fail(error, TC_ERR_FORMAT, "%s: expected lines of %s, found none", name,
+                         navigation->x_period > 0 ? navigation->bounds : navigation->form);
+    if (status == TC_OK)
+        *path_ret = path;
+    else
+        tc_flight_path_free(&path);
+    return status;
 }
 
 tc_status tc_flight_path_load(const tc_navigation *navigation, const char *path, tc_flight_path *path_ret,
                               tc_error *error)
 {
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return tc_fail(error, TC_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
-    /* In pieces: a pipe has no size to ask for. */
-    char *text = NULL;
-    size_t length = 0, capacity = 0;
-    tc_status status = TC_OK;
-    while (status == TC_OK && !feof(file)) {
-        if (length + 4096 > capacity) {
-            capacity = capacity ? 2 * capacity : 1 << 14;
-            char *more = capacity <= MAX_FILE ? realloc(text, capacity) : NULL;
-            if (!more) {
-                status = tc_fail(error, TC_ERR_FORMAT, "%s: too long for a path file", path);
-                break;
-            }
-            text = more;
-        }
-        length += fread(text + length, 1, capacity - length - 1, file);
-        if (ferror(file))
-            status = tc_fail(error, TC_ERR_IO, "%s: cannot be read: %s", path, strerror(errno));
-    }
-    fclose(file);
-    if (status == TC_OK) {
-        text[length] = '\0';
-        if (strlen(text) != length)
-            status = tc_fail(error, TC_ERR_FORMAT, "%s: expected text, found zero bytes", path);
-    }
-    if (status == TC_OK)
-        status = tc_flight_path_parse(navigation, path, text, path_ret, error);
+    char *text;
+    tc_status status = tc_views_read(path, "a path file", &text, error);
+    if (status != TC_OK)
+        return status;
+    status = tc_flight_path_parse(navigation, path, text, path_ret, error);
     free(text);
     return status;
 }

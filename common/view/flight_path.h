@@ -1,8 +1,7 @@
 /* flight_path.h - a flight through given views, the same each time: for measurements and films. No GL.
  *
- * A path file is text: one X,Y,Z,HEADING,PITCH a line, or what the navigation has (as --view), each a key that is flown
- * through; empty lines and what follows a # are skipped. On a globe flights go from key to key about as great circles
- * do, over a pole too: its key's heading counts along its longitude. */
+ * A path file is one of views (views_file.h): each is a key that is flown through. On a globe flights go from key to
+ * key about as great circles do, over a pole too: its key's heading counts along its longitude. */
 #ifndef TC_FLIGHT_PATH_H
 #define TC_FLIGHT_PATH_H
 

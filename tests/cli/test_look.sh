@@ -48,12 +48,10 @@ $make_picture differ plain.png last.png | awk '{ exit !($1 < 1) }' || fail 'slop
 accepts '' $viewer metres.tif $picture && mv last.png plain.png
 accepts '' $viewer metres.tif $picture --exaggeration 1
 same plain.png last.png '--exaggeration 1'
-for factor in 0.01 0.5 3.5 1000; do
-    accepts '' $viewer metres.tif $picture --exaggeration $factor
+for factor in 0.01 1000; do
     accepts '' $viewer metres.tclip $picture --exaggeration $factor --error 2
 done
-for factor in 0.01 0.5 3.5 100; do
-    accepts '' $globe globe.tif $picture --exaggeration $factor
+for factor in 0.01 100; do
     accepts '' $globe globe.tclip $picture --exaggeration $factor --synthesis 2
     accepts '' $globe globe.tif $picture --exaggeration $factor --error 1
 done
@@ -65,7 +63,6 @@ run $viewer metres.tif --size 96x64 -o out/picture.png --explain --stats stats.j
     report 'no exaggeration is not told' $viewer
 rm -f out/*
 for factor in 0 -1 0.001 1001 nan inf 2x '' x; do
-    refuses 2 '--exaggeration: expected a factor of 0.01..1000, found' $viewer metres.tif $picture --exaggeration "$factor"
     refuses 2 '--exaggeration: expected a factor of 0.01..1000, found' $globe globe.tif $picture --exaggeration "$factor"
 done
 refuses 1 'exaggeration: expected one that leaves heights small beside the radius' $globe globe.tif $picture \
@@ -88,8 +85,7 @@ accepts '' $globe degree.tif $picture --lookat=-111.5,37.5 --distance 60000 && m
 accepts '' $globe degree.tif $picture --lookat=-111.5,37.5 --distance 60000 --heading 360 --pitch -30
 same north.png last.png 'north, 30 degrees down'
 for file in globe.tif globe.tclip; do
-    for place in 0,0 -180,90 17.5,-90,3000 360,45; do
-        accepts '' $globe $file $picture --lookat=$place
+    for place in -180,90 17.5,-90,3000; do
         accepts '' $globe $file $picture --lookat=$place --distance 1e7 --heading 120 --pitch -60
     done
 done
@@ -151,11 +147,42 @@ accepts 'warning: --view: .*: --lookat 9.05,46.91 looks' $viewer metres.tif $pic
     --spacing 300 # within the terrain, in a corner of it
 accepts 'warning: --view: .* coordinates of its own system, .*: there it is --view 3000,3000,\.\.\.' \
     $viewer metres.tif $picture --view 503000,5195320,9000,0,-30
-for view in 10,20,9000,0,-30 -111.5,30,9000,0,-30 3000,1000,6000,20,-40 -5000,-5000,9000,45,-30 1e6,5e6,1e6,0,-60; do
+for view in 10,20,9000,0,-30 -111.5,30,9000,0,-30 -5000,-5000,9000,45,-30 1e6,5e6,1e6,0,-60; do
     accepts '' $viewer metres.tif $picture "--view=$view"
 done
 accepts '' $viewer degree.tif -q $picture --view=-111.5,37.5,9000,0,-30
 accepts '^planar-viewer: warning: no georeference' $viewer plain.tif $picture --view=9,46,9000,0,-30
 accepts '' $globe degree.tif $picture --view=-111.5,37.5,9000,0,-30
+
+# ---- Files of views
+
+printf '%s\n' '# mine' '' '3000,1000,6000,20,-40 # over the hills' '100,100,9000,45,-60' \
+    '3000,3000,6000,20,-40 # over the hills' '4000,1000,6000,0,-40 # other' >views.txt
+accepts '' $viewer metres.tif $picture --views views.txt --view '@over the hills' && mv last.png named.png
+accepts '' $viewer metres.tif $picture --view 3000,1000,6000,20,-40
+same named.png last.png 'a view by its name'
+accepts '' $viewer metres.tif $picture --view @other --views views.txt
+different named.png last.png 'another view'
+accepts '' $viewer metres.tif $picture --views views.txt # which nobody asks for
+accepts '' $viewer metres.tif $picture --view @other --view 3000,1000,6000,20,-40 # the last one counts
+same named.png last.png 'a view that counts'
+run $viewer metres.tif --size 96x64 --path views.txt --frames 4 -o frame-%d.png
+same frame-0.png named.png 'the first view of a path'
+printf '10,20,2e6,30,-60 # there\n' >globe.txt
+accepts '' $globe globe.tif $picture --views globe.txt --view @there && mv last.png named.png
+accepts '' $globe globe.tif $picture --view 10,20,2e6,30,-60
+same named.png last.png 'a view of a globe by its name'
+cp views.txt before.txt
+refuses 2 '--view: expected --views FILE with @other, found none' $viewer metres.tif $picture --view @other
+refuses 2 "views.txt: expected a view named 'lake', found none" $viewer metres.tif $picture --views views.txt --view @lake
+refuses 2 '--view: expected X,Y,Z' $viewer metres.tif $picture --views views.txt --view @
+refuses 1 'missing.txt: cannot be opened' $viewer metres.tif $picture --views missing.txt --view @other
+refuses 1 'views.txt: line 3: expected LON,LAT,ALT' $globe globe.tif $picture --views views.txt --view @other
+refuses 1 'metres.tif: expected text, found zero bytes' $viewer metres.tif $picture --views metres.tif --view @other
+cp views.txt views.png
+refuses 2 'views.png' $viewer metres.tif -o views.png --views views.png --view @other
+refuses 2 'views.txt' $viewer metres.tif $picture --stats views.txt --views views.txt --view @other
+cases=$((cases + 1))
+cmp -s views.txt before.txt || fail 'a file of views has changed'
 
 finish

@@ -115,6 +115,63 @@ if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.jso
     grep -q '"backend": "window"' stats.json || fail '--stats of a window'
 fi
 
+# ---- Views that are kept: a file of views, which the flight is read from, too; whatever becomes of it, none is lost
+
+rm -f views.txt
+printf '2000,1500,2500,30,-15 # view 1\n2500,1500,2500,30,-15' >views.txt
+if start hills.tif --size 320x240 --views views.txt --view '@view 1'; then
+    key v '^views.txt: view 2$'
+    key v '^views.txt: view 3$'
+    cases=$((cases + 1))
+    cat >expected.txt <<VIEWS
+2000,1500,2500,30,-15 # view 1
+2500,1500,2500,30,-15
+2000.000,1500.000,2500.000,30.0000,-15.0000 # view 2
+2000.000,1500.000,2500.000,30.0000,-15.0000 # view 3
+VIEWS
+    cmp -s views.txt expected.txt || fail "kept views: $(cat views.txt)"
+    echo 'nonsense' >>views.txt
+    key v '^planar-viewer: warning: views.txt: line 5: expected X,Y,Z,HEADING,PITCH, found .nonsense.$'
+    key v '^views.txt: view 5$'
+    rm views.txt
+    key v '^views.txt: view 1$'
+    rm views.txt && mkdir views.txt
+    key v '^planar-viewer: views.txt: cannot be'
+    key v '^--view 2000(\.000)?,1500(\.000)?,2500(\.000)?,30(\.0000)?,-15(\.0000)?$'
+    rmdir views.txt && cp hills.tif views.txt
+    key v '^planar-viewer: views.txt: expected text, found zero bytes'
+    cases=$((cases + 1))
+    cmp -s views.txt hills.tif || fail 'a view was added to what is no text'
+    xdotool key Escape
+    ends 'after keeping views'
+fi
+# A file that does not exist yet; and an eye that was put under the ground, which is said once.
+rm -f views.txt
+if start hills.tif --size 320x240 --views views.txt --view 2000,1500,10,30,-15; then
+    key v '^views.txt: view 1$'
+    xdotool key Escape
+    ends 'after keeping a view'
+    cases=$((cases + 1))
+    [ "$(grep -c 'the eye was [0-9.]* m under the ground: lifted above it' stderr.txt)" = 1 ] ||
+        report 'an eye under the ground in a window'
+fi
+printf '2000,1500,9000,30,-35\n2000,1500,10,30,-35\n' >views.txt
+if start hills.tif --size 320x240 --views views.txt --path views.txt --frames 400 --backend window; then
+    key v '^views.txt: view 1$'
+    xdotool key Escape
+    ends 'after a flight through kept views'
+    cases=$((cases + 1))
+    [ "$(grep -c 'the eye was [0-9.]* m under the ground: lifted above it' stderr.txt)" = 1 ] ||
+        report 'a path under the ground in a window'
+fi
+refuses 2 'views.txt' $viewer views.txt --views views.txt
+ln -s hills.tif link.tif
+refuses 2 'hills.tif' $viewer hills.tif --views link.tif
+printf '2000,1500,9000,30,-35\nnonsense\n' >views.txt
+refuses 1 'views.txt: line 2: expected X,Y,Z,HEADING,PITCH, found .nonsense' $viewer hills.tif --views views.txt
+refuses 1 'nowhere/views.txt: ' $viewer hills.tif --views nowhere/views.txt
+refuses 2 'stats.json' $viewer hills.tif --views stats.json --stats stats.json
+
 # ---- Sizes: the picture fills the window on the next frames, whichever way its size changes. Looking at the sky all of it
 # is background.
 
