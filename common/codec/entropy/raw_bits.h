@@ -62,15 +62,20 @@ typedef struct tc_raw_reader {
     const uint8_t *next, *next_end; /* what follows behind `end`; NULL: nothing, or reading has gone on there */
 } tc_raw_reader;
 
+/* Four bytes more, which must be there; at most 32 bits are held. */
+static inline __attribute__((always_inline)) void tc_raw_load(tc_raw_reader *r)
+{
+    const uint8_t *p = r->at;
+    uint32_t bits = (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+    r->held |= (uint64_t)bits << r->count;
+    r->at += 4, r->count += 32;
+}
+
 /* 0 <= n <= 32 */
 static inline __attribute__((always_inline)) uint32_t tc_raw_take(tc_raw_reader *r, int n)
 {
-    if (r->count < n && r->end - r->at >= 4) {
-        r->held |= (uint64_t)((uint32_t)r->at[0] | (uint32_t)r->at[1] << 8 | (uint32_t)r->at[2] << 16 |
-                              (uint32_t)r->at[3] << 24)
-                   << r->count;
-        r->at += 4, r->count += 32;
-    }
+    if (r->count < n && r->end - r->at >= 4)
+        tc_raw_load(r);
     while (r->count < n) {
         if (r->at == r->end && r->next)
             r->at = r->next, r->end = r->next_end, r->next = NULL;
@@ -88,8 +93,16 @@ static inline __attribute__((always_inline)) uint32_t tc_raw_take(tc_raw_reader 
 static inline __attribute__((always_inline)) uint32_t tc_raw_take_escape(tc_raw_reader *r)
 {
     int n = 0;
-    while (n < TC_ESCAPE_LENGTH && !r->overrun && tc_raw_take(r, 1))
-        n++;
+    if (r->count < 32 && r->end - r->at >= 4)
+        tc_raw_load(r);
+    /* All ones and the zero at once, where they are held: bits beyond are zero. */
+    if (~r->held && (n = __builtin_ctzll(~r->held)) < r->count && n < TC_ESCAPE_LENGTH) {
+        r->held >>= n + 1, r->count -= n + 1;
+    } else {
+        n = 0;
+        while (n < TC_ESCAPE_LENGTH && !r->overrun && tc_raw_take(r, 1))
+            n++;
+    }
     return (1u << n) - 1 + tc_raw_take(r, n);
 }
 

@@ -101,29 +101,59 @@ TC_TARGET_AVX2 static inline void add_8_avx2(__m128i value, __m256i step, int32_
     _mm256_storeu_si256((__m256i *)out, _mm256_add_epi32(load_avx2(out), v));
 }
 
-/* Signed multiples of one phase of a row, as 16-bit numbers; false, and nothing taken, where an escape is among them.
- */
+/* Low bits of the magnitudes of a run, as bytes: as many of each as its byte of mask has ones; and what escapes add,
+ * the low byte and the high one. False where that is too much for 16 bits. */
+TC_TARGET_AVX2 static inline bool take_lows_avx2(tc_raw_reader *raw, uint32_t escapes, const uint64_t mask[HALF / 8],
+                                                 uint64_t low[HALF / 8], uint8_t more[2][HALF])
+{
+    enum { MOST = INT16_MAX / 16 - TC_RANS_SYMBOLS };
+    for (int n = 0; n < HALF / 8; n++) { /* 4 bits each at most, which makes 32 */
+        uint64_t rest = mask[n];
+        low[n] = 0;
+        for (uint32_t e = escapes >> 8 * n & 0xff; e; e &= e - 1) { /* an escape, and the low bits before it */
+            int k = __builtin_ctz(e);
+            uint64_t before = rest & (((uint64_t)1 << 8 * k) - 1);
+            low[n] |= _pdep_u64(tc_raw_take(raw, __builtin_popcountll(before)), before);
+            rest ^= before;
+            uint32_t beyond = tc_raw_take_escape(raw);
+            if (beyond > MOST)
+                return false;
+            more[0][8 * n + k] = (uint8_t)beyond, more[1][8 * n + k] = (uint8_t)(beyond >> 8);
+        }
+        low[n] |= _pdep_u64(tc_raw_take(raw, __builtin_popcountll(rest)), rest);
+    }
+    return true;
+}
+
+/* Signed multiples of one phase of a row, as 16-bit numbers; false, and nothing taken, where one may be larger. */
 TC_TARGET_AVX2 static inline bool decode_values_avx2(tc_raw_reader *raw, int band, int j, int phase,
                                                      const tc_tile_work *w, __m256i value[2])
 {
     __m256i symbol = load_avx2(w->symbol[band][j][phase]), last = _mm256_set1_epi8(TC_RANS_SYMBOLS - 1);
-    __m256i zero = _mm256_setzero_si256(), low = zero;
-    if (_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, last)))
-        return false;
-    __m256i by = _mm256_set1_epi8(1);
-    if (!w->plain[band][j][phase]) {
+    __m256i zero = _mm256_setzero_si256(), low = zero, by = _mm256_set1_epi8(1);
+    uint32_t escapes = (uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(symbol, last));
+    value[0] = _mm256_unpacklo_epi8(symbol, zero), value[1] = _mm256_unpackhi_epi8(symbol, zero);
+    if (escapes || !w->plain[band][j][phase]) {
         uint64_t masks[HALF / 8], bits[HALF / 8];
+        uint8_t more[2][HALF] = {0};
+        const tc_raw_reader before = *raw;
         by = power_avx2(load_avx2(w->bin[band][j][phase]));
         _mm256_storeu_si256((__m256i *)masks, _mm256_sub_epi8(by, _mm256_set1_epi8(1)));
-        for (int n = 0; n < HALF / 8; n++) /* 4 bits each at most, which makes 32 */
-            bits[n] = _pdep_u64(tc_raw_take(raw, __builtin_popcountll(masks[n])), masks[n]);
+        if (!take_lows_avx2(raw, escapes, masks, bits, more)) {
+            *raw = before;
+            return false;
+        }
         low = load_avx2(bits);
+        __m256i more_low = load_avx2(more[0]), more_high = load_avx2(more[1]);
+        value[0] = _mm256_add_epi16(value[0], _mm256_unpacklo_epi8(more_low, more_high));
+        value[1] = _mm256_add_epi16(value[1], _mm256_unpackhi_epi8(more_low, more_high));
     }
-    value[0] = _mm256_mullo_epi16(_mm256_unpacklo_epi8(symbol, zero), _mm256_unpacklo_epi8(by, zero));
-    value[1] = _mm256_mullo_epi16(_mm256_unpackhi_epi8(symbol, zero), _mm256_unpackhi_epi8(by, zero));
+    value[0] = _mm256_mullo_epi16(value[0], _mm256_unpacklo_epi8(by, zero));
+    value[1] = _mm256_mullo_epi16(value[1], _mm256_unpackhi_epi8(by, zero));
     value[0] = _mm256_or_si256(value[0], _mm256_unpacklo_epi8(low, zero));
     value[1] = _mm256_or_si256(value[1], _mm256_unpackhi_epi8(low, zero));
-    uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(_mm256_cmpeq_epi8(_mm256_packus_epi16(value[0], value[1]), zero));
+    __m256i none = _mm256_packs_epi16(_mm256_cmpeq_epi16(value[0], zero), _mm256_cmpeq_epi16(value[1], zero));
+    uint32_t mask = ~(uint32_t)_mm256_movemask_epi8(none);
     if (mask == 0)
         return true;
     __m256i minus = take_signs_avx2(raw, mask);
@@ -156,7 +186,7 @@ TC_TARGET_AVX2 static inline bool add_plain_row_avx2(const tc_codec *c, tc_raw_r
     return true;
 }
 
-/* Adds one phase of a row; false where it has escapes. */
+/* Adds one phase of a row; false where decode_values_avx2() is. */
 TC_TARGET_AVX2 static inline bool add_phase_avx2(const tc_codec *c, tc_raw_reader *raw, int band, int j, int phase,
                                                  const tc_tile_work *w, int32_t out[TC_TILE])
 {

@@ -6,6 +6,7 @@
  * bit stream of logarithms of frequencies, each as the difference from those of built-in set 0. */
 #include "detail_model.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Powers of 3/2, from 1/128 of a step on. */
@@ -27,16 +28,21 @@ static uint32_t weight_of(int code)
 
 enum { WEIGHT_CODES = 13 * 16 + 2, LOG_CODES = 12 * 8 + 1 };
 
-/* The code, of `codes`, whose value is nearest; the lowest of equals. */
+/* The code, of `codes`, whose value is nearest; the lowest of equals. Values never fall from code to code. */
 static int nearest_code(uint32_t (*value_of)(int code), int codes, uint32_t value)
 {
-    int best = 0;
-    for (int c = 1; c < codes; c++) {
-        int64_t now = (int64_t)value_of(c) - value, old = (int64_t)value_of(best) - value;
-        if (now * now < old * old)
-            best = c;
+    int low = 0, high = codes - 1; /* the first code that is not below, or the last */
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (value_of(middle) < value)
+            low = middle + 1;
+        else
+            high = middle;
     }
-    return best;
+    int below = low > 0 ? low - 1 : low;
+    while (below > 0 && value_of(below - 1) == value_of(below))
+        below--;
+    return (int64_t)value - value_of(below) <= llabs((int64_t)value_of(low) - value) ? below : low;
 }
 
 static int weight_code(uint32_t weight)
