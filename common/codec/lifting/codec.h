@@ -73,8 +73,8 @@ typedef struct tc_tile_job {
  * after the other: decoding a symbol waits for the one before it in the same tile. */
 void tc_codec_decode_tiles(const tc_codec *codec, tc_tile_job job[], int count, const tc_plane *coarse, tc_simd simd);
 
-/* Details of empty tiles over `part`, at most TC_TILE positions either way: what tc_codec_decode_tile() gives there,
- * whatever tiles it touches. coarse covers at least tc_codec_tile_needs(part), the planes of band `part`. */
+/* Details of empty tiles over `part`: what tc_codec_decode_tile() gives there, whatever tiles it touches. coarse covers
+ * at least tc_codec_tile_needs(part), the planes of band `part`. */
 void tc_codec_predict(const tc_codec *codec, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
                       tc_tile_work *work, tc_simd simd);
 
@@ -108,6 +108,23 @@ tc_status tc_codec_encode_tile(const tc_codec *codec, int64_t tx, int64_t ty, co
                                size_t *size_ret, tc_tile_work *work);
 
 /* ---- Rectangles of the fine level ---------------------------------------------------------------------------- */
+
+/* Where the details of a rectangle come from, one row of tiles after the other: puts those of row ty into the bands,
+ * which hold the rows of them that are wanted. */
+typedef struct tc_assembly {
+    tc_status (*details)(void *context, int64_t ty, const tc_plane band[TC_BANDS]);
+    /* Where not NULL, takes fine rows that are made, whose memory is then used again. */
+    void (*made)(void *context, const tc_plane *part);
+    void *context;
+} tc_assembly;
+
+/* Makes fine->rect from the coarser level, which covers what tc_lifting_needs() names, and from details, so that both
+ * are in the nearer caches when heights are made of them. Where `made` takes the rows, fine->z has room for
+ * tc_codec_strip() of the rectangle. scratch: tc_codec_assemble_scratch() bytes, aligned as malloc does. */
+tc_rect tc_codec_strip(tc_rect rect);
+size_t tc_codec_assemble_scratch(const tc_codec *codec, tc_rect rect);
+tc_status tc_codec_assemble(const tc_codec *codec, const tc_plane *coarse, const tc_assembly *from,
+                            const tc_plane *fine, void *scratch, tc_simd simd);
 
 /* Where tiles' bytes come from: sets *bytes and *size (0: empty tile), which stay valid until the next call. */
 typedef tc_status (*tc_tile_source)(void *context, int64_t tx, int64_t ty, const uint8_t **bytes, size_t *size);

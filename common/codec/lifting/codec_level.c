@@ -28,51 +28,28 @@ tc_rect tc_codec_read_needs(const tc_codec *c, tc_rect rect)
 /* Details are held for one row of tiles and the rows before it that the next fine rows still need. */
 enum { KEPT = 2 * TC_LIFTING_REACH, STRIP = TC_TILE + KEPT };
 
-/* The most fine rows that come of one row of tiles. */
-static tc_rect strip_rect(tc_rect rect)
+tc_rect tc_codec_strip(tc_rect rect)
 {
     rect.y1 = tc_min64(rect.y1, rect.y0 + 2 * STRIP);
     return rect;
 }
 
-size_t tc_codec_read_scratch(const tc_codec *c, tc_rect rect)
+size_t tc_codec_assemble_scratch(const tc_codec *c, tc_rect rect)
 {
     if (tc_rect_empty(rect))
         return 0;
     tc_rect d = detail_rect(c, rect);
-    return sizeof(tc_tile_work) + sizeof(int32_t) * (TC_BANDS * STRIP * (size_t)(d.x1 - d.x0) +
-                                                     tc_lifting_synthesise_scratch(&c->level, strip_rect(rect)));
+    return sizeof(int32_t) *
+           (TC_BANDS * STRIP * (size_t)(d.x1 - d.x0) + tc_lifting_synthesise_scratch(&c->level, tc_codec_strip(rect)));
 }
 
-/* Decodes the tiles of row ty that reach into the bands. */
-static tc_status decode_row(const tc_codec *c, int64_t ty, const tc_plane *coarse, const tc_plane band[TC_BANDS],
-                            tc_tile_source source, void *context, tc_tile_work *work, int64_t *damaged, tc_simd simd)
-{
-    tc_rect d = band[0].rect;
-    for (int64_t shift = floor_div(d.x0, c->cw) * c->cw; shift < d.x1; shift += c->cw) {
-        int64_t tx0 = tc_max64(d.x0 - shift, 0) / TC_TILE, tx1 = (tc_min64(d.x1 - shift, c->cw) - 1) / TC_TILE;
-        for (int64_t tx = tx0; tx <= tx1; tx++) {
-            const uint8_t *bytes = NULL;
-            size_t size = 0;
-            tc_status status = source(context, tx, ty, &bytes, &size);
-            if (status)
-                return status;
-            status = tc_codec_decode_tile(c, tx, ty, shift, bytes, size, coarse, band, work, simd);
-            if (status == TC_ERR_FORMAT && damaged)
-                ++*damaged;
-        }
-    }
-    return TC_OK;
-}
-
-tc_status tc_codec_read(const tc_codec *c, const tc_plane *coarse, tc_tile_source source, void *context,
-                        const tc_plane *fine, void *scratch, int64_t *damaged, tc_simd simd)
+tc_status tc_codec_assemble(const tc_codec *c, const tc_plane *coarse, const tc_assembly *from, const tc_plane *fine,
+                            void *scratch, tc_simd simd)
 {
     if (tc_rect_empty(fine->rect))
         return TC_OK;
     tc_rect d = detail_rect(c, fine->rect);
-    tc_tile_work *work = scratch;
-    int32_t *at = (int32_t *)(work + 1);
+    int32_t *at = scratch;
     int64_t columns = d.x1 - d.x0, y = fine->rect.y0, have = d.y0; /* fine rows and rows of details done */
     tc_plane band[TC_BANDS];
     for (int b = 0; b < TC_BANDS; b++, at += STRIP * columns)
@@ -85,19 +62,69 @@ tc_status tc_codec_read(const tc_codec *c, const tc_plane *coarse, tc_tile_sourc
             /* The tiles write what is new only: rows from `have` on. */
             band[b].z += (have - first) * columns, band[b].rect = (tc_rect){d.x0, have, d.x1, end};
         }
-        tc_status status = decode_row(c, ty, coarse, band, source, context, work, damaged, simd);
+        tc_status status = from->details(from->context, ty, band);
         if (status)
             return status;
         for (int b = 0; b < TC_BANDS; b++)
             band[b].z -= (have - first) * columns, band[b].rect.y0 = first;
         have = end;
         int64_t ready = have == d.y1 ? fine->rect.y1 : tc_min64(fine->rect.y1, 2 * (have - TC_LIFTING_REACH));
-        if (ready > y) {
-            tc_plane part = {tc_plane_at(fine, fine->rect.x0, y), fine->stride, fine->rect};
-            part.rect.y0 = y, part.rect.y1 = ready;
-            tc_lifting_synthesise(&c->level, coarse, band, &part, at, simd);
-            y = ready;
+        if (ready <= y)
+            continue;
+        tc_plane part = {from->made ? fine->z : tc_plane_at(fine, fine->rect.x0, y), fine->stride, fine->rect};
+        part.rect.y0 = y, part.rect.y1 = ready;
+        tc_lifting_synthesise(&c->level, coarse, band, &part, at, simd);
+        if (from->made)
+            from->made(from->context, &part);
+        y = ready;
+    }
+    return TC_OK;
+}
+
+/* ---- Of tiles from anywhere -------------------------------------------------------------------------------------- */
+
+size_t tc_codec_read_scratch(const tc_codec *c, tc_rect rect)
+{
+    return tc_rect_empty(rect) ? 0 : sizeof(tc_tile_work) + tc_codec_assemble_scratch(c, rect);
+}
+
+/* What reading goes by. */
+typedef struct reading {
+    const tc_codec *codec;
+    const tc_plane *coarse;
+    tc_tile_source source;
+    void *context;
+    tc_tile_work *work;
+    int64_t *damaged;
+    tc_simd simd;
+} reading;
+
+/* Decodes the tiles of row ty that reach into the bands. */
+static tc_status decode_row(void *context, int64_t ty, const tc_plane band[TC_BANDS])
+{
+    const reading *r = context;
+    const tc_codec *c = r->codec;
+    tc_rect d = band[0].rect;
+    for (int64_t shift = floor_div(d.x0, c->cw) * c->cw; shift < d.x1; shift += c->cw) {
+        int64_t tx0 = tc_max64(d.x0 - shift, 0) / TC_TILE, tx1 = (tc_min64(d.x1 - shift, c->cw) - 1) / TC_TILE;
+        for (int64_t tx = tx0; tx <= tx1; tx++) {
+            const uint8_t *bytes = NULL;
+            size_t size = 0;
+            tc_status status = r->source(r->context, tx, ty, &bytes, &size);
+            if (status)
+                return status;
+            status = tc_codec_decode_tile(c, tx, ty, shift, bytes, size, r->coarse, band, r->work, r->simd);
+            if (status == TC_ERR_FORMAT && r->damaged)
+                ++*r->damaged;
         }
     }
     return TC_OK;
+}
+
+tc_status tc_codec_read(const tc_codec *c, const tc_plane *coarse, tc_tile_source source, void *context,
+                        const tc_plane *fine, void *scratch, int64_t *damaged, tc_simd simd)
+{
+    tc_tile_work *work = scratch;
+    reading r = {c, coarse, source, context, work, damaged, simd};
+    return tc_codec_assemble(c, coarse, &(tc_assembly){decode_row, NULL, &r}, fine, work + 1, simd);
 }

@@ -89,31 +89,8 @@ TC_INLINE tc_status end_tile(const tc_codec *c, const tc_plane band[TC_BANDS], t
     }
 }
 
-/* tc_codec_predict() */
-TC_INLINE void predict_part(const tc_codec *c, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
-                            tc_tile_work *w)
-{
-    int columns = (int)(part.x1 - part.x0 + 7) / 8 * 8, rows = (int)(part.y1 - part.y0);
-    size_t size = (size_t)(part.x1 - part.x0) * sizeof(int32_t);
-    tc_tile_load(c, part, rows, coarse, w);
-    tc_predict_hl(c, w, columns, rows);
-    tc_predict_lh(c, w, columns, rows);
-    for (int j = 0; j < rows; j++) {
-        memcpy(tc_plane_at(&band[TC_HL], part.x0, part.y0 + j), &w->hl[j + 1][HL_X], size);
-        memcpy(tc_plane_at(&band[TC_LH], part.x0, part.y0 + j), w->pred[j], size);
-        memset(tc_plane_at(&band[TC_HH], part.x0, part.y0 + j), 0, size);
-    }
-}
-
 /* The same code for processors with AVX2 and without. */
 #if TC_AVX2
-TC_TARGET_AVX2 static __attribute__((noinline)) void predict_part_avx2(const tc_codec *c, tc_rect part,
-                                                                       const tc_plane *coarse,
-                                                                       const tc_plane band[TC_BANDS], tc_tile_work *w)
-{
-    predict_part(c, part, coarse, band, w);
-}
-
 TC_TARGET_AVX2 static __attribute__((noinline)) void begin_tile_avx2(const tc_codec *c, const tc_tile_job *job,
                                                                      const tc_plane *coarse, tc_tile_state *t)
 {
@@ -169,17 +146,4 @@ tc_status tc_codec_decode_tile(const tc_codec *codec, int64_t tx, int64_t ty, in
     tc_tile_job job = {tx, ty, shift, bytes, size, band, work, TC_OK};
     tc_codec_decode_tiles(codec, &job, 1, coarse, simd);
     return job.status;
-}
-
-void tc_codec_predict(const tc_codec *codec, tc_rect part, const tc_plane *coarse, const tc_plane band[TC_BANDS],
-                      tc_tile_work *work, tc_simd simd)
-{
-#if TC_AVX2
-    if (simd == TC_SIMD_AUTO && tc_have_avx2()) {
-        predict_part_avx2(codec, part, coarse, band, work);
-        return;
-    }
-#endif
-    (void)simd;
-    predict_part(codec, part, coarse, band, work);
 }

@@ -29,12 +29,14 @@ ALWAYS_INLINE uint32_t u(int32_t a)
 
 ALWAYS_INLINE int32_t predict(int32_t a, int32_t b, int32_t c, int32_t d)
 {
-    return (int32_t)(9 * (u(b) + u(c)) - (u(a) + u(d)) + 8) >> 4;
+    uint32_t near = u(b) + u(c);
+    return (int32_t)(8 * near + (near - (u(a) + u(d))) + 8) >> 4;
 }
 
 ALWAYS_INLINE int32_t update(int32_t a, int32_t b, int32_t c, int32_t d)
 {
-    return (int32_t)(19 * (u(b) + u(c)) - 3 * (u(a) + u(d)) + 32) >> 6;
+    uint32_t near = u(b) + u(c), more = near - (u(a) + u(d)); /* 19 near - 3 far */
+    return (int32_t)(16 * near + (2 * more + more) + 32) >> 6;
 }
 
 ALWAYS_INLINE int32_t plus(int32_t a, int32_t b)
@@ -189,30 +191,61 @@ void tc_lifting_analyse(const tc_lifting_level *level, const tc_plane *fine, int
 
 /* ---- Synthesis ----------------------------------------------------------------------------------------------- */
 
-/* Columns of the evens of either half: of rows j - 1 .. j + 2 those last made, row j in ring[j & 3]. */
+/* Columns of the evens of either half: of rows j - 1 .. j + 2 those last made, row j in even[j & 3]. Rows of details
+ * that are nothing but zeros, as those of HH where tiles are empty, change no even: where they are, the low rows stand
+ * in for evens. */
 typedef struct even_rows {
     const tc_plane *low, *high;
     int64_t x0, count, evens, odds;
     const int32_t *zero;
-    int32_t *ring[4];
+    const int32_t *even[4];
+    int32_t *memory[4];
+    int64_t known[4]; /* [j & 3]: row of details, whose pointer is detail[j & 3] */
+    const int32_t *detail[4];
 } even_rows;
 
+ALWAYS_INLINE bool is_zero(const int32_t *row, int64_t count)
+{
+    enum { SOME = 64 };
+    int32_t any = 0;
+    for (int64_t i = 0; i < count && !any; i += SOME) {
+        const int32_t *from = row + (i + SOME <= count ? i : tc_max64(count - SOME, 0));
+        for (int64_t k = 0; k < tc_min64(SOME, count); k++)
+            any |= from[k];
+    }
+    return !any;
+}
+
+/* Details of row j, r->zero where they are zeros. */
+ALWAYS_INLINE const int32_t *detail_row(even_rows *r, int64_t j)
+{
+    if (j < 0 || j >= r->odds)
+        return r->zero;
+    if (r->known[j & 3] != j) {
+        const int32_t *d = tc_plane_at(r->high, r->x0, j);
+        r->known[j & 3] = j, r->detail[j & 3] = is_zero(d, r->count) ? r->zero : d;
+    }
+    return r->detail[j & 3];
+}
+
 /* Evens of row j, which lies within the level. */
-ALWAYS_INLINE void restore_inner(const even_rows *r, int64_t j)
+ALWAYS_INLINE void restore_inner(even_rows *r, int64_t j)
 {
     const int32_t *d[4];
-    for (int k = 0; k < 4; k++) {
-        int64_t row = j - 2 + k;
-        d[k] = row >= 0 && row < r->odds ? tc_plane_at(r->high, r->x0, row) : r->zero;
-    }
+    bool none = true;
+    for (int k = 0; k < 4; k++)
+        none &= (d[k] = detail_row(r, j - 2 + k)) == r->zero;
     const int32_t *restrict s = tc_plane_at(r->low, r->x0, j);
-    int32_t *restrict e = r->ring[j & 3];
+    int32_t *restrict e = r->memory[j & 3];
+    r->even[j & 3] = none ? s : e;
+    if (none)
+        return;
     for (int64_t i = 0; i < r->count; i++)
         e[i] = minus(s[i], update(d[0][i], d[1][i], d[2][i], d[3][i]));
 }
 
 /* Evens of row j; beyond a border from the two rows on its inner side, which must be there. */
-ALWAYS_INLINE void restore_even(const even_rows *r, int64_t j)
+ALWAYS_INLINE void restore_even(even_rows *r, int64_t j)
 {
     if (j >= 0 && j < r->evens) {
         restore_inner(r, j);
@@ -220,14 +253,15 @@ ALWAYS_INLINE void restore_even(const even_rows *r, int64_t j)
     }
     int64_t edge = j < 0 ? 0 : r->evens - 1, inner = j < 0 ? r->evens > 1 : edge - (r->evens > 1);
     int steps = (int)(j < 0 ? -j : j - edge);
-    const int32_t *r0 = r->ring[edge & 3], *r1 = r->ring[inner & 3];
-    int32_t *e = r->ring[j & 3];
+    const int32_t *r0 = r->even[edge & 3], *r1 = r->even[inner & 3];
+    int32_t *e = r->memory[j & 3];
+    r->even[j & 3] = e;
     for (int64_t i = 0; i < r->count; i++)
         e[i] = beyond(r0[i], r1[i], steps);
 }
 
 /* Rows j0 - 1 .. j0 + 1. */
-ALWAYS_INLINE void restore_first(const even_rows *r, int64_t j0)
+ALWAYS_INLINE void restore_first(even_rows *r, int64_t j0)
 {
     if (j0 > 0)
         restore_even(r, j0 - 1);
@@ -238,12 +272,12 @@ ALWAYS_INLINE void restore_first(const even_rows *r, int64_t j0)
 }
 
 /* Row 2 j + odd of the columns: an even itself, or its prediction plus the detail. */
-ALWAYS_INLINE const int32_t *restore_row(const even_rows *r, int64_t j, int odd, int32_t *restrict row)
+ALWAYS_INLINE const int32_t *restore_row(even_rows *r, int64_t j, int odd, int32_t *restrict row)
 {
     if (!odd)
-        return r->ring[j & 3];
-    const int32_t *a = r->ring[(j - 1) & 3], *b = r->ring[j & 3], *c = r->ring[(j + 1) & 3], *e = r->ring[(j + 2) & 3];
-    const int32_t *restrict d = tc_plane_at(r->high, r->x0, j);
+        return r->even[j & 3];
+    const int32_t *a = r->even[(j - 1) & 3], *b = r->even[j & 3], *c = r->even[(j + 1) & 3], *e = r->even[(j + 2) & 3];
+    const int32_t *restrict d = detail_row(r, j);
     for (int64_t i = 0; i < r->count; i++)
         row[i] = plus(d[i], predict(a[i], b[i], c[i], e[i]));
     return row;
@@ -338,10 +372,14 @@ ALWAYS_INLINE void synthesise(const tc_lifting_level *level, const tc_plane *ll,
     int32_t *zero = scratch, *row_low = zero + columns, *row_high = row_low + columns, *e = row_high + columns + 4;
     int32_t *d = e + columns + 4, *out = d + columns + 4, *ring = out + 2 * columns;
     memset(zero, 0, (size_t)count * sizeof *zero);
-    even_rows of_low = {ll, &bands[TC_LH], need.x0, count, evens, odds, zero, {NULL}};
-    even_rows of_high = {&bands[TC_HL], &bands[TC_HH], need.x0, count, evens, odds, zero, {NULL}};
-    for (int k = 0; k < 4; k++, ring += 2 * columns)
-        of_low.ring[k] = ring, of_high.ring[k] = ring + columns;
+    even_rows of_low = {
+        .low = ll, .high = &bands[TC_LH], .x0 = need.x0, .count = count, .evens = evens, .odds = odds, .zero = zero};
+    even_rows of_high = of_low;
+    of_high.low = &bands[TC_HL], of_high.high = &bands[TC_HH];
+    for (int k = 0; k < 4; k++, ring += 2 * columns) {
+        of_low.memory[k] = ring, of_high.memory[k] = ring + columns;
+        of_low.known[k] = of_high.known[k] = -1;
+    }
     restore_first(&of_low, j0);
     restore_first(&of_high, j0);
     for (int64_t y = r.y0; y < r.y1; y++) {

@@ -25,20 +25,23 @@ TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void metres_avx2(double
     metres(origin, unit, k, count, z);
 }
 
+void tc_packed_metres(const packed_field *p, const tc_plane *units, const packed_target *to)
+{
+    const tc_container *c = &p->file.container;
+    tc_rect r = units->rect;
+    for (int64_t y = r.y0; y < r.y1; y++)
+        (tc_have_avx2() ? metres_avx2 : metres)(c->z_origin, c->z_unit, tc_plane_at(units, r.x0, y), r.x1 - r.x0,
+                                                to->z + (y - to->rect.y0) * to->stride + (r.x0 - to->rect.x0));
+}
+
 tc_status tc_packed_read_block(packed_field *p, int l, tc_rect rect, const packed_target *to, scratch *s)
 {
     const tc_container *c = &p->file.container;
     ptrdiff_t stride = to->stride, at = (ptrdiff_t)(rect.y0 - to->rect.y0) * stride + (rect.x0 - to->rect.x0);
     float *z = to->z ? to->z + at : NULL;
     uint8_t *voids = to->voids ? to->voids + at : NULL;
-    tc_plane units;
     mark m = tc_scratch_here(s);
-    tc_status status = z ? tc_scratch_plane(s, rect, &units) : TC_OK;
-    if (!status && z)
-        status = tc_packed_units(p, l, &units, s);
-    for (int64_t j = 0; j < rect.y1 - rect.y0 && z && !status; j++)
-        (tc_have_avx2() ? metres_avx2 : metres)(c->z_origin, c->z_unit, units.z + j * units.stride, rect.x1 - rect.x0,
-                                                z + j * stride);
+    tc_status status = z ? tc_packed_heights(p, l, &(packed_target){rect, z, NULL, stride}, s) : TC_OK;
     bool flat = z && p->voids == TC_VOIDS_CONSTANT;
     if (!status && c->voids > 0 && (voids || flat)) {
         tc_mask_plane mask = {voids, stride, rect};

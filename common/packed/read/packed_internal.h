@@ -1,6 +1,7 @@
 /* packed_internal.h - a pyramid read from a packed file: what the files that read it share.
  *
- *     packed_heights.c   heights in height units, from tiles and the coarser level
+ *     packed_heights.c   heights, from tiles and the coarser level
+ *     packed_tiles.c     the tiles of a rectangle
  *     packed_masks.c     masks of voids, likewise
  *     packed_ready.c     whether they need no waiting, and reading ahead
  *     packed_range.c     bounds of heights
@@ -100,6 +101,18 @@ tc_status tc_scratch_plane(scratch *s, tc_rect rect, tc_plane *plane_ret);
 /* Heights of level l over to->rect, in height units. */
 tc_status tc_packed_units(packed_field *p, int l, const tc_plane *to, scratch *s);
 
+/* Where the samples of a rectangle go; z or voids may be NULL. */
+typedef struct packed_target {
+    tc_rect rect;
+    float *z;
+    uint8_t *voids;
+    ptrdiff_t stride;
+} packed_target;
+/* The same in metres, without voids. */
+tc_status tc_packed_heights(packed_field *p, int l, const packed_target *to, scratch *s);
+/* Part of them, from height units. */
+void tc_packed_metres(const packed_field *p, const tc_plane *units, const packed_target *to);
+
 /* Mask of level l over to->rect. */
 tc_status tc_packed_mask(packed_field *p, int l, const tc_mask_plane *to, scratch *s);
 
@@ -118,13 +131,6 @@ static inline uint64_t tc_packed_page_key(const packed_field *p, int l, int64_t 
 /* Whether a level is small enough to be held whole. */
 bool tc_packed_is_whole(const packed_field *p, int l);
 
-/* Where the samples of a rectangle go; z or voids may be NULL. */
-typedef struct packed_target {
-    tc_rect rect;
-    float *z;
-    uint8_t *voids;
-    ptrdiff_t stride;
-} packed_target;
 tc_status tc_packed_read_block(packed_field *p, int l, tc_rect block, const packed_target *to, scratch *s);
 /* The block at which *rest begins; *rest goes on behind it, and is empty at the end. */
 tc_rect tc_packed_next_block(tc_rect rect, tc_rect *rest);
@@ -162,6 +168,34 @@ typedef struct tile_columns {
 tile_columns tc_packed_columns(const tc_level_coder *c, int64_t x0, int64_t x1);
 wanted_tile tc_packed_column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty);
 uint64_t tc_packed_tile_key(const packed_field *p, int l, int64_t across, const wanted_tile *t);
+
+/* Copies `from`, which holds `rect` of a level `width` wide, to a plane that may stick out of the level, on every turn
+ * that it reaches into. */
+void tc_packed_copy_round(const int32_t *from, ptrdiff_t stride, tc_rect rect, int64_t width, const tc_plane *to);
+
+/* Where tiles go: those of the planes that the coder makes use of. */
+typedef struct tile_planes {
+    tc_plane band[TC_BANDS], sample, correction;
+} tile_planes;
+
+/* The tiles that some positions touch, row by row. Those that nobody was making are this thread's to make. Who waits
+ * for another thread's has made all of its own in that row and before, and holds unmade ones behind it alone, or of
+ * finer levels: so somebody always goes on. */
+typedef struct gathering {
+    packed_field *field;
+    int level;
+    scratch *scratch;
+    tc_plane coarse; /* the coarser level around them */
+    int64_t across;
+    wanted_tile *tile;
+    int count, begun, done; /* begun: made as far as they are this thread's; done: given out */
+} gathering;
+
+/* Takes the tiles, and reads at least `need` of the coarser level. tc_gather_end() has to follow in any case. */
+tc_status tc_gather_begin(packed_field *p, int l, tc_rect positions, tc_rect need, scratch *s, gathering *g);
+/* Copies tiles down to row ty, of which rows before were given out already. Empty ones are worked out. */
+tc_status tc_gather_row(gathering *g, int64_t ty, const tile_planes *to);
+void tc_gather_end(gathering *g);
 
 /* Whether a tile is known to be empty, from what is at hand of the index. */
 bool tc_packed_known_empty(packed_field *p, int l, const wanted_tile *t);
