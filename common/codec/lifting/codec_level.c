@@ -28,7 +28,8 @@ tc_rect tc_codec_read_needs(const tc_codec *c, tc_rect rect)
 /* Details are held for one row of tiles and the rows before it that the next fine rows still need. */
 enum { KEPT = 2 * TC_LIFTING_REACH, STRIP = TC_TILE + KEPT };
 
-tc_rect tc_codec_strip(tc_rect rect)
+/* The most fine rows that come of one row of tiles. */
+static tc_rect strip_rect(tc_rect rect)
 {
     rect.y1 = tc_min64(rect.y1, rect.y0 + 2 * STRIP);
     return rect;
@@ -40,7 +41,7 @@ size_t tc_codec_assemble_scratch(const tc_codec *c, tc_rect rect)
         return 0;
     tc_rect d = detail_rect(c, rect);
     return sizeof(int32_t) *
-           (TC_BANDS * STRIP * (size_t)(d.x1 - d.x0) + tc_lifting_synthesise_scratch(&c->level, tc_codec_strip(rect)));
+           (TC_BANDS * STRIP * (size_t)(d.x1 - d.x0) + tc_lifting_synthesise_scratch(&c->level, strip_rect(rect)));
 }
 
 tc_status tc_codec_assemble(const tc_codec *c, const tc_plane *coarse, const tc_assembly *from, const tc_plane *fine,
@@ -71,12 +72,14 @@ tc_status tc_codec_assemble(const tc_codec *c, const tc_plane *coarse, const tc_
         int64_t ready = have == d.y1 ? fine->rect.y1 : tc_min64(fine->rect.y1, 2 * (have - TC_LIFTING_REACH));
         if (ready <= y)
             continue;
-        tc_plane part = {from->made ? fine->z : tc_plane_at(fine, fine->rect.x0, y), fine->stride, fine->rect};
-        part.rect.y0 = y, part.rect.y1 = ready;
-        tc_lifting_synthesise(&c->level, coarse, band, &part, at, simd);
-        if (from->made)
-            from->made(from->context, &part);
-        y = ready;
+        for (int64_t last; y < ready; y = last) {
+            last = from->made ? tc_min64(y + TC_MADE_ROWS, ready) : ready;
+            tc_plane part = {from->made ? fine->z : tc_plane_at(fine, fine->rect.x0, y), fine->stride, fine->rect};
+            part.rect.y0 = y, part.rect.y1 = last;
+            tc_lifting_synthesise(&c->level, coarse, band, &part, at, simd);
+            if (from->made)
+                from->made(from->context, &part);
+        }
     }
     return TC_OK;
 }

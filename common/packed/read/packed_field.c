@@ -70,10 +70,10 @@ static int64_t next_cut(int64_t x, int64_t end, int64_t most)
     return cut - x < most / 4 ? cut + most : cut;
 }
 
-tc_rect tc_packed_next_block(tc_rect rect, tc_rect *rest)
+tc_rect tc_packed_next_block(tc_rect rect, block_size most, tc_rect *rest)
 {
-    tc_rect block = {rest->x0, rest->y0, next_cut(rest->x0, rect.x1, BLOCK_WIDTH),
-                     next_cut(rest->y0, rect.y1, BLOCK_HEIGHT)};
+    tc_rect block = {rest->x0, rest->y0, next_cut(rest->x0, rect.x1, most.width),
+                     next_cut(rest->y0, rect.y1, most.height)};
     if (block.x1 < rect.x1)
         rest->x0 = block.x1;
     else
@@ -86,7 +86,7 @@ static tc_status read_blocks(packed_field *p, int l, const packed_target *to, sc
 {
     tc_status status = TC_OK;
     for (tc_rect rest = to->rect; !tc_rect_empty(rest) && !status;)
-        status = tc_packed_read_block(p, l, tc_packed_next_block(to->rect, &rest), to, s);
+        status = tc_packed_read_block(p, l, tc_packed_next_block(to->rect, block_waited, &rest), to, s);
     return status;
 }
 

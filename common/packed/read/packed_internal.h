@@ -22,9 +22,6 @@
 enum {
     WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
     MASK_SIDE = 2 * TC_TILE,
-    /* Samples that are read at once; about so many, next_cut(). */
-    BLOCK_WIDTH = 512,
-    BLOCK_HEIGHT = 256,
     CHUNK_BYTES = 1 << 20,
     AT_ONCE = TC_TOGETHER /* tiles that are decoded */
 };
@@ -132,8 +129,14 @@ static inline uint64_t tc_packed_page_key(const packed_field *p, int l, int64_t 
 bool tc_packed_is_whole(const packed_field *p, int l);
 
 tc_status tc_packed_read_block(packed_field *p, int l, tc_rect block, const packed_target *to, scratch *s);
+/* About how many samples are read at once: by who waits for all of them, and ahead, where something more urgent may
+ * come. */
+typedef struct block_size {
+    int64_t width, height;
+} block_size;
+static const block_size block_waited = {1024, 1024}, block_ahead = {512, 256};
 /* The block at which *rest begins; *rest goes on behind it, and is empty at the end. */
-tc_rect tc_packed_next_block(tc_rect rect, tc_rect *rest);
+tc_rect tc_packed_next_block(tc_rect rect, block_size most, tc_rect *rest);
 
 extern const tc_field_class tc_packed_class;
 

@@ -112,7 +112,7 @@ void tc_packed_overtaken(const tc_field *field, int l, tc_rect rect)
 /* Once around at most, since no more is needed, and on the level. */
 static tc_piece read_samples(packed_field *p, tc_wish *wish)
 {
-    tc_rect block = tc_packed_next_block(wish->rect, &wish->rest), piece[2];
+    tc_rect block = tc_packed_next_block(wish->rect, block_ahead, &wish->rest), piece[2];
     int pieces = tc_rect_round(block, p->head.level[wish->level - 1].width, piece);
     bool last = tc_rect_empty(wish->rest);
     if (survey_rect(p, wish->level, block).failed)
