@@ -113,6 +113,7 @@ typedef struct tc_terrain_info {
     int64_t void_count; /* of the finest level */
     bool other_body;    /* georeferenced on a body that is not the Earth */
     bool wraps_x;       /* the finest level wraps; tc_field_wraps() says which coarser ones do */
+    double semi_major;  /* metres, of the body that it is georeferenced on; 0: not known */
 } tc_terrain_info;
 
 /* Builds the pyramid of *grid in memory and takes the grid over (it is zeroed, also on failure freed).

@@ -49,6 +49,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                                            .outside = "outside the view or behind nearer ground"};
     static const char *const vertex_parts[] = {"square_wide.glsl", "square.glsl", NULL};
     static const char *const fragment_parts[] = {"shown.glsl", "square.frag", NULL};
+    static const char *const wall_parts[] = {"square_walls.frag", NULL};
     static const char *const sky_parts[] = {"sky.frag", NULL};
     if (options->n && tc_clipmap_check_n(options->n, error) != TC_OK)
         return TC_ERR_USAGE;
@@ -72,6 +73,7 @@ tc_status tc_square_create(const tc_field *field, const tc_ground_options *optio
                      .words = &words,
                      .vertex_parts = s->wide ? vertex_parts : vertex_parts + 1,
                      .fragment_parts = blocks ? fragment_parts : fragment_parts + 1,
+                     .wall_parts = wall_parts,
                      .sky_parts = sky_parts,
                      .closers = true,
                      .instances = true,

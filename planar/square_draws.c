@@ -46,8 +46,7 @@ static void height_bounds(const square_draws *a, int level, tc_rect cells, doubl
     }
 }
 
-/* Bounds of everything drawn over the cells, metres from the eye culled for. */
-static void box_of(const square_draws *a, int level, tc_rect cells, double lo[3], double hi[3])
+void tc_square_box(const square_draws *a, int level, tc_rect cells, double lo[3], double hi[3])
 {
     double z_lo, z_hi;
     height_bounds(a, level, cells, &z_lo, &z_hi);
@@ -60,7 +59,7 @@ static void box_of(const square_draws *a, int level, tc_rect cells, double lo[3]
     hi[0] = x1 - a->eye[0], hi[1] = y1 - a->eye[1], hi[2] = z_hi - a->eye[2];
 }
 
-static bool in_view(const square_draws *a, const double box_lo[3], const double box_hi[3])
+bool tc_square_in_view(const square_draws *a, const double box_lo[3], const double box_hi[3])
 {
     double lo[3], hi[3];
     for (int i = 0; i < 3; i++) { /* what float makes of it */
@@ -84,7 +83,7 @@ static wide_place split(int64_t place)
 
 /* What map_vertex() of square.glsl reads: the block's first vertex in finest samples from the viewer's, its place in
  * the normal map, which is twice as large as the heights' window, and the level. */
-static tc_instance instance(const square_draws *a, int level, int64_t x, int64_t y, const float corners[4])
+tc_instance tc_square_instance(const square_draws *a, int level, int64_t x, int64_t y, const float corners[4])
 {
     int k = tc_clipmap_level(a->clipmap, level)->shift, torus = 2 * (tc_clipmap_n(a->clipmap) + 1);
     int64_t rx = (x << k) - a->viewer.snap_x, ry = (y << k) - a->viewer.snap_y;
@@ -107,20 +106,22 @@ void tc_square_add_block(square_draws *a, int level, tc_rect cells, const float 
 {
     if (tc_rect_empty(cells))
         return;
+    if (a->view->options.walls)
+        tc_square_add_walls(a, level, cells, corners);
     int64_t w = cells.x1 - cells.x0, h = cells.y1 - cells.y0;
     a->triangles_unculled += 2 * w * h;
     a->blocks++;
     if (!a->view->options.no_cull) {
         double lo[3], hi[3];
-        box_of(a, level, cells, lo, hi);
-        if (!in_view(a, lo, hi))
+        tc_square_box(a, level, cells, lo, hi);
+        if (!tc_square_in_view(a, lo, hi))
             return;
         tc_square_horizon_add(a, level, cells, lo, hi);
     }
     a->triangles += 2 * w * h;
     a->frame->blocks[level - 1]++;
     assert(a->strips < a->s->strips);
-    a->frame->instances[a->strips] = instance(a, level, cells.x0, cells.y0, corners);
+    a->frame->instances[a->strips] = tc_square_instance(a, level, cells.x0, cells.y0, corners);
     a->frame->draws[a->strips++] =
         (tc_draw){.count = tc_block_strip_count(w, h), 1, .first_index = a->s->index.strip_first[w - 1]};
 }
@@ -132,15 +133,15 @@ void tc_square_add_closers(square_draws *a, int level, int64_t x, int64_t y, int
         int64_t run = tc_min64(cells - done, a->s->index.block), sx = row ? x + done : x, sy = row ? y : y + done;
         if (!a->view->options.no_cull) {
             double lo[3], hi[3];
-            box_of(a, level, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}, lo, hi);
-            if (!in_view(a, lo, hi))
+            tc_square_box(a, level, (tc_rect){sx, sy, row ? sx + run : sx, row ? sy : sy + run}, lo, hi);
+            if (!tc_square_in_view(a, lo, hi))
                 continue;
         }
         if (a->lists == a->s->lists)
             return;
         /* From the end of the room on backwards, until all strips are known. */
         int at = a->s->head.draw_capacity - 1 - a->lists++;
-        a->frame->instances[at] = instance(a, level, sx, sy, coarse);
+        a->frame->instances[at] = tc_square_instance(a, level, sx, sy, coarse);
         a->frame->draws[at] = (tc_draw){.count = (uint32_t)(3 * (run / 2)),
                                         1,
                                         .first_index = row ? a->s->index.row_first : a->s->index.column_first};
@@ -207,6 +208,7 @@ void tc_square_end_draws(square_draws *a, const square_view *v, bool all)
     }
     for (int i = 0; i < a->strips + a->lists; i++)
         frame->draws[i].base_instance = (uint32_t)i;
+    tc_square_end_walls(a);
     set_uniforms(a);
     frame->strip_draws = a->strips, frame->list_draws = a->lists;
     frame->triangles = a->triangles, frame->triangles_unculled = a->triangles_unculled;

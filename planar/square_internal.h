@@ -101,14 +101,23 @@ typedef struct square_draws {
     double eye[3];        /* of the camera culled for; x, y relative to viewer's snapped sample, z above z_base */
     double spacing[2];    /* of the finest level */
     square_horizon *horizon;
-    int strips, lists, blocks;
+    int strips, lists, walls, blocks;
     int64_t triangles, triangles_unculled;
 } square_draws;
 
+/* Bounds of everything drawn over cells, metres from the eye culled for; whether that sees any of such bounds. */
+void tc_square_box(const square_draws *d, int level, tc_rect cells, double lo[3], double hi[3]);
+bool tc_square_in_view(const square_draws *d, const double lo[3], const double hi[3]);
+/* What the vertex stage reads of a block. */
+tc_instance tc_square_instance(const square_draws *d, int level, int64_t x, int64_t y, const float corners[4]);
 square_draws tc_square_begin_draws(const square_view *view, tc_frame *frame);
 /* A block of a level, of at most as many cells as the geometry has a side; what is not visible is left out. corners:
  * alpha of a whole block's at the first cell, south-west, south-east, north-west, north-east; NULL: by the morph. */
 void tc_square_add_block(square_draws *d, int level, tc_rect cells, const float corners[4]);
+/* What of the edge of the terrain a block has goes down to the foot (square_walls.c). */
+void tc_square_add_walls(square_draws *d, int level, tc_rect cells, const float corners[4]);
+/* Puts them behind all other draws. */
+void tc_square_end_walls(square_draws *d);
 /* Closers of a level along a row or a column, from (x, y) `cells` cells east or north. */
 void tc_square_add_closers(square_draws *d, int level, int64_t x, int64_t y, int64_t cells, bool row);
 /* Tells of the block that is drawn next, and its bounds, metres from the eye culled for. */

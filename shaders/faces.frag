@@ -115,6 +115,9 @@ Ground surface_ground()
     float radius = body_radius();
     g.fall = -fall * (radius / (radius + g.height));
 #endif
+#ifdef ZONES
+    g.sine = sine;
+#endif
 #if defined(LIT) && defined(CLIMATE)
     g.day = smoothstep(-0.22, 0.3, dot(up, sun.xyz));
     // About that of the Earth's mountains at the equator, the sea near the poles.

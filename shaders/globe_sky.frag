@@ -15,6 +15,11 @@ void main()
     float s = max(dot(d, sun.xyz), 0.0), day = smoothstep(-0.22, 0.3, dot(up, sun.xyz));
     s *= s, s *= s, s *= s;
     c += thick * haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
-    c = c * day * AIR + vec3(0.00015, 0.00018, 0.00025);
+    c *= day * AIR;
+#ifdef STARS
+    // Where the sky is black.
+    c += stars_at(d) * exp(-0.4 * depth * AIR) * (1.0 - smoothstep(0.002, 0.03, max(c.r, max(c.g, c.b))));
+#endif
+    c += vec3(0.00015, 0.00018, 0.00025);
     colour = encoded(sqrt(c) + step_noise());
 }

@@ -19,6 +19,9 @@ struct Ground {
     float day;       // share of daylight: the sun sets
     float snow_line; // height from which snow stays, metres above the sea
 #endif
+#ifdef ZONES
+    float sine; // of the latitude
+#endif
 #ifdef LEVEL_COLOURS
     float level; // that is seen, from 0 on
 #endif
@@ -26,6 +29,28 @@ struct Ground {
     bool hole;
 #endif
 };
+
+#ifdef ZONES
+// Height from which snow stays into the summer, metres above the sea: about that of the Earth's mountains at the equator,
+// the sea near the poles.
+float snow_line(float sine)
+{
+    return 5100.0 * (1.0 - pow(abs(sine) / 0.965, 3.0));
+}
+
+// Land by latitude and height: the greens of a land that is warm and wet enough, steppe and desert in the belts of dry
+// air, meadows, tundra and rock where it is too cold for trees. All of it is about that of the Earth's means.
+vec3 zoned(vec3 green, float height, float sine)
+{
+    const vec3 STEPPE = vec3(0.315, 0.27, 0.135), DESERT = vec3(0.56, 0.375, 0.2), TUNDRA = vec3(0.235, 0.21, 0.125),
+               ROCK = vec3(0.255, 0.22, 0.18);
+    float s = abs(sine), warm = 27.0 - 44.0 * pow(s, 2.8) - 0.0065 * max(height, 0.0); // degrees Celsius
+    float belt = (asin(s) - 0.45) / 0.22, dry = exp(-belt * belt) * (1.0 - 0.75 * smoothstep(1300.0, 2600.0, height));
+    vec3 c = mix(green, mix(STEPPE, DESERT, smoothstep(0.25, 0.75, dry)), smoothstep(0.06, 0.36, dry));
+    c = mix(c, TUNDRA, smoothstep(-0.5, -4.5, warm));
+    return mix(c, ROCK, smoothstep(-4.5, -9.0, warm) * smoothstep(600.0, 2000.0, height));
+}
+#endif
 
 #ifdef LIT
 // The sun, light of the sky from above and of the ground around from the side (softer than Lambert's law alone), on
@@ -38,7 +63,7 @@ vec3 daylight(float facing, float upright, float day)
     direct *= day;
     ambient *= 0.06 + 0.94 * day;
 #endif
-#ifndef NATURAL_LAND
+#ifndef UNDER_AIR
     // Without air there is no light from the sky.
     direct *= 1.5;
     ambient *= 0.18;

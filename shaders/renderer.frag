@@ -22,12 +22,24 @@ void main()
     bool sea = h <= heights.w;
     at = sea ? 0.5 - clamp(-h * heights.y, 0.001, 0.999) * 0.5 : at;
 #endif
+#ifdef ZONES
+    at = min(at, 0.62); // the ramp's greens
+#endif
 #endif
     vec3 c = textureLod(ramp_map, at, 0.0).rgb;
+#ifdef ZONES
+#ifdef WATER
+    if (!sea)
+#endif
+        c = zoned(c, h / beyond.y + around[4].z, ground.sine);
+#endif
 #ifdef SHADE_ASPECT
     c = shade_flat(c, ground);
 #endif
     c = mix(c, ground.colour.rgb, ground.colour.a);
+#if defined(WALLS) && defined(WATER)
+    sea = sea && ground.colour.a < 1.0; // else it is the wall
+#endif
 #ifdef LIT
     vec3 up = ground.up, n = ground.normal;
     float upright = dot(n, up);
@@ -43,8 +55,13 @@ void main()
     steep = sea ? 0.0 : steep;
 #endif
     c = mix(c, vec3(0.135, 0.115, 0.095), steep * (1.0 - ground.colour.a));
-#ifdef CLIMATE
-    float snow = smoothstep(-250.0, 450.0, true_height - ground.snow_line) * clamp((lying - 0.6) * 4.0, 0.0, 1.0);
+#if defined(CLIMATE) || defined(ZONES)
+#ifdef ZONES
+    float line = snow_line(ground.sine) - around[4].z;
+#else
+    float line = ground.snow_line;
+#endif
+    float snow = smoothstep(-250.0, 450.0, true_height - line) * clamp((lying - 0.6) * 4.0, 0.0, 1.0);
 #ifdef WATER
     snow = sea ? 0.0 : snow;
 #endif
@@ -55,10 +72,14 @@ void main()
     n = sea ? up + 0.2 * (n - upright * up) : n; // the bottom just shows through
 #endif
 #ifdef CLIMATE
-    c *= daylight(dot(n, sun.xyz), dot(n, up), ground.day);
+    vec3 light = daylight(dot(n, sun.xyz), dot(n, up), ground.day);
 #else
-    c *= daylight(dot(n, sun.xyz), dot(n, up), 1.0);
+    vec3 light = daylight(dot(n, sun.xyz), dot(n, up), 1.0);
 #endif
+#ifdef WALLS
+    light = max(light, vec3(0.33)); // a model's, not a cliff's
+#endif
+    c *= light;
 #endif
 #ifdef HILLSHADE
     c *= hillshade(ground);

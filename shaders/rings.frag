@@ -176,6 +176,21 @@ vec3 eye_axes(vec3 p)
 }
 #endif
 
+#ifdef PLAIN
+// Beside a part of a globe: the body, at the height that it has there, as land or as a sea that deepens; between, the mesh
+// comes down to it.
+void show_plain(vec3 s, inout Ground g)
+{
+    float outside = surface[2].w + surface[1].z;
+    g.height = max(mesh_height(), outside - around[1].w);
+#ifdef WATER
+    vec2 place = map_lonlat(s, 0.0), beyond = bring_inside(place), size = surface[11].zw - surface[11].xy;
+    if (mesh_height() - heights.x <= heights.w)
+        g.height = heights.x - around[1].w - 0.85 / heights.y * (1.0 - exp(-2.5 * length(beyond) / max(size.x, size.y)));
+#endif
+}
+#endif
+
 // Charts are gone through in a loop, which is run as often as one of the fragments next to each other needs it
 // (stack.glsl); conditions one after the other are all run by a renderer that does not branch.
 Ground surface_ground()
@@ -219,7 +234,13 @@ Ground surface_ground()
 #endif
         chart = chart == 0 && rest < 1.0 ? cap : 3;
     } while (chart < 3);
+#ifdef PLAIN
+    g.colour = vec4(0.0);
+    if (!known)
+        show_plain(s, g);
+#else
     g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the body
+#endif
 #ifdef NORMALS
     g.up = eye_axes(p);
     slope = body_slope(p, slope);
@@ -227,6 +248,9 @@ Ground surface_ground()
     // Slopes are along the body, places along the ground.
     float radius = body_radius();
     g.fall = fall_of(p, slope) * (radius / (radius + g.height));
+#endif
+#ifdef ZONES
+    g.sine = p.z;
 #endif
 #if defined(LIT) && defined(CLIMATE)
     g.day = smoothstep(-0.22, 0.3, dot(g.up, sun.xyz));

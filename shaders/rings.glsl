@@ -78,6 +78,23 @@ vec2 map_cap(int chart, vec3 s, float w)
 }
 #endif
 
+// Brings a place on chart 0 to the side of a part of a globe; how far it was beyond it, radians.
+vec2 bring_inside(inout vec2 place)
+{
+    vec4 side = surface[11];
+    bool wraps = surface[12].x > 0.0;
+    if (!wraps)
+        place.x += 6.2831853 * round((0.5 * (side.x + side.z) - place.x) / 6.2831853);
+    vec2 inside = clamp(place, side.xy, side.zw);
+    if (wraps)
+        inside.x = place.x;
+    vec2 beyond = (place - inside) * vec2(surface[0].y, 1.0);
+    if ((beyond.y > 0.0 ? surface[12].z : surface[12].y) > 0.0)
+        beyond.y = 0.0;
+    place = inside;
+    return beyond;
+}
+
 // Place on a chart relative to the viewer's. share: of the height there; beside a part of a globe, where the place is
 // brought to its side, less than 1, and 0 from about a cell of the mesh on.
 vec2 map_chart(int chart, vec3 s, float w, out float share)
@@ -87,17 +104,7 @@ vec2 map_chart(int chart, vec3 s, float w, out float share)
         return map_cap(chart, s, w);
     vec2 place = map_lonlat(s, w);
     if (surface[3].w > 0.0) {
-        vec4 side = surface[11];
-        bool wraps = surface[12].x > 0.0;
-        if (!wraps)
-            place.x += 6.2831853 * round((0.5 * (side.x + side.z) - place.x) / 6.2831853);
-        vec2 inside = clamp(place, side.xy, side.zw);
-        if (wraps)
-            inside.x = place.x;
-        vec2 beyond = (place - inside) * vec2(surface[0].y, 1.0);
-        if ((beyond.y > 0.0 ? surface[12].z : surface[12].y) > 0.0)
-            beyond.y = 0.0;
-        place = inside;
+        vec2 beyond = bring_inside(place);
         share = beyond == vec2(0.0) ? 1.0 : max(0.0, 1.0 - length(beyond) / (APRON * sqrt(2.0 * s.z)));
     }
     return place;

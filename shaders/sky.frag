@@ -9,5 +9,9 @@ void main()
     vec3 c = mix(haze.rgb, zenith.rgb, up * (up + 1.2) / (up * up + 1.2 * up + 0.25));
     s *= s, s *= s, s *= s;
     c += haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
-    colour = encoded(sqrt(c * (1.0 + 0.25 * min(d.z, 0.0))) + step_noise());
+    c *= 1.0 + 0.25 * min(d.z, 0.0);
+#ifdef STARS
+    c += stars_at(d);
+#endif
+    colour = encoded(sqrt(c) + step_noise());
 }

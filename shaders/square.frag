@@ -178,6 +178,10 @@ Ground surface_ground()
 #endif
     g.colour = image_colour(image_at(0, plane, f.longer.xy, f.shorter.xy));
 #endif
+#ifdef ZONES
+    g.sine = sin(around[4].x + around[4].y * ((pixel[2].y + dot(gl_FragCoord.xy * lens.xy - lens.zw,
+                                                                vec2(pixel[0].y, pixel[1].y))) / gl_FragCoord.w));
+#endif
 #ifdef LEVEL_COLOURS
     g.level = level();
 #endif

@@ -9,7 +9,22 @@
 // viewer beyond its sample, finest samples; surface[2] x: samples that a level's normals reach; y: 1 / those in which they pass
 // over; whole[1] x: shift of the coarsest level; y: last layer that is up to date; z: least shift whose normals are seen;
 // layer[3 l] x, y: the viewer's sample from the window's first, in samples; z: least alpha of normals; [3 l + 2] y: 2^-shift
+#ifdef WALLS
+// Of a strip along a side of the block: every other vertex is at the foot (planar/square_walls.c).
+bool at_foot()
+{
+    return (gl_VertexID & 1) != 0;
+}
+
+ivec2 wall_vertex()
+{
+    ivec2 place = ivec2(gl_VertexID >> 10 & 1023, gl_VertexID >> 1 & 511);
+    return gl_VertexID < 1 << 20 ? place : place.yx;
+}
+#define in_vertex wall_vertex()
+#else
 layout(location = 0) in ivec2 in_vertex; // of the static geometry
+#endif
 layout(location = 1) in ivec4 in_instance; // its block: instance() in square_draws.c
 #ifdef TOLERANCE
 layout(location = 2) in vec4 in_corners; // alpha at its corners: south-west, south-east, north-west, north-east
@@ -21,6 +36,10 @@ out float v_void;
 #endif
 // What is interpolated is relative to the eye, and small near it: drivers have little more than half of a float's digits
 // left of it where a triangle begins at the near plane and ends at a skyline.
+#ifdef WALLS
+INTERPOLATED out float v_height; // above the eye
+flat out vec3 v_wall;            // x, y: outwards; z: level
+#else
 #if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED) || defined(TOLERANCE)
 #define PLACED
 INTERPOLATED out vec4 v_terrain; // x: metres above the eye; y, z: place in the normal map; w: 2 level + 0.5 + alpha
@@ -29,10 +48,11 @@ INTERPOLATED out vec4 v_terrain; // x: metres above the eye; y, z: place in the 
 #else
 INTERPOLATED out float v_height; // above the eye
 #endif
+#endif
 #if defined(IMAGERY) && !defined(MULTISAMPLED)
 INTERPOLATED out vec2 v_plane; // metres east and north of the eye
 #endif
-#ifdef MULTISAMPLED
+#if defined(MULTISAMPLED) && !defined(WALLS)
 flat out vec4 v_corner; // x, y, z: v_terrain's at a corner; w: level
 flat out vec3 v_more;   // x, y: the viewer's place in samples from the window's first; z: NEARNESS at the corner
 #endif
@@ -96,6 +116,13 @@ vec3 surface_vertex()
     vec2 z = texelFetch(heights_map, at, 0).rg;
     precise float height = (1.0 - alpha) * z.x + alpha * z.y;
     precise float above = (height - eye.x) - eye.y;
+#ifdef WALLS
+    if (at_foot())
+        above = ((height > around[1].y ? around[1].z : around[1].y) - eye.x) - eye.y;
+    v_height = above;
+    bool row = gl_VertexID >= 1 << 20, first = (gl_VertexID >> 10 & 1023) == 0;
+    v_wall = vec3((first ? -1.0 : 1.0) * (row ? vec2(0.0, 1.0) : vec2(1.0, 0.0)), float(block_layer()));
+#endif
     float told = ((1.0 - alpha) * (z.x - eye.x) + alpha * (z.y - eye.x)) - eye.y;
 #ifdef HOLES
     v_void = texelFetch(voids_map, at, 0).r;
@@ -115,7 +142,9 @@ vec3 surface_vertex()
     v_terrain = vec4(told, c, level);
 #endif
 #else
+#ifndef WALLS
     v_height = told;
+#endif
 #endif
 #if defined(IMAGERY) && !defined(MULTISAMPLED)
     v_plane = plane;

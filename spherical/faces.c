@@ -453,6 +453,7 @@ tc_status tc_faces_create(const tc_map *map, const tc_faces_options *options, tc
                            .own_haze = true,
                            .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
                            .extent = 2 * map->body.radius,
+                           .body = map->body,
                            .field = map->chart[0].field,
                            .n = n,
                            .most_throttle = 3,

@@ -396,7 +396,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
     s->map = map;
     s->parts = parts;
     s->scheme = options->scheme;
-    s->outside = -tc_field_info(map->chart[0].field)->z_base;
+    s->outside = options->outside - tc_field_info(map->chart[0].field)->z_base;
     s->geometry = (rings_geometry){
         .levels = ring_levels(s), .n_phi = n_phi, .m = m, .fill = m / 2, .throttled = options->throttle};
     /* Ring i spans Q / 2 to Q samples of the level that it reads, Q = n_phi / 4: steps around are up to pi / 2 samples
@@ -413,6 +413,7 @@ tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc
                            .own_haze = true,
                            .near_plane = 1e-4 * fmin(1, map->body.radius * 1e-3),
                            .extent = 2 * map->body.radius,
+                           .body = map->body,
                            .field = map->chart[0].field,
                            .n = window_size(s, options->n),
                            .shaded_n = options->n,

@@ -28,6 +28,7 @@ typedef struct tc_rings_options {
     int max_levels;                    /* of each chart; 0: all */
     bool normals, fine_normals, holes; /* as in tc_ground_options */
     bool throttle;                     /* frames may be throttled */
+    double outside;                    /* metres above the body: its height where no chart is */
 } tc_rings_options;
 
 /* Steps outwards that at a level's outer edge are about as long as those around, n_phi / (4 pi): 40 for 512; 58 for

@@ -34,7 +34,8 @@ static tc_status create(const tc_scheme *scheme, const tc_map *map, const tc_sur
                                       .normals = request->needs->normals,
                                       .fine_normals = request->needs->fine_normals,
                                       .holes = request->needs->holes,
-                                      .throttle = request->needs->throttle};
+                                      .throttle = request->needs->throttle,
+                                      .outside = request->needs->plain ? request->needs->around.level : 0};
     return tc_rings_create(map, &options, surface_ret, error);
 }
 

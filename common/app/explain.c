@@ -128,6 +128,10 @@ static void print_frame(const tc_renderer_use *use, FILE *file)
     fprintf(file, "uses: %s: %d of %d drawn\n", words->blocks, f->blocks, f->blocks_unculled);
     if (f->draws > f->blocks)
         fprintf(file, "uses: crack closers: %d draws\n", f->draws - f->blocks);
+    if (f->wall_draws > 0)
+        fprintf(file, "uses: walls: %d draws, %" PRId64 " triangles\n", f->wall_draws, f->wall_triangles);
+    if (use->needs->sea)
+        fprintf(file, "uses: sea around: one draw, 8 triangles\n");
     if (f->tolerance > 0 && isfinite(f->error_bound))
         fprintf(file, "uses: error: at most %.3g pixels, of %.3g asked for\n", f->error_bound, f->tolerance);
     else if (f->tolerance > 0)

@@ -215,6 +215,8 @@ static const tc_option table[] = {
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
      offsetof(tc_options, scene)},
+    TC_SWITCH(tc_options, alone, 0, "no-surroundings",
+              "the map alone: no walls and no sea around a flat terrain, no land around a part of a globe, no stars"),
     TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces"),
     TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail"),
     TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),

@@ -46,6 +46,7 @@ typedef struct tc_options {
     int threads;       /* 0: as many as there are processors */
     double target_ms;  /* that a frame may take; 0: as long as it takes */
     bool explain, json, quiet, verbose, no_display;
+    bool alone;               /* nothing is shown around the map */
     tc_source_options source; /* without say */
     int synthesis;            /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     double exaggeration;      /* of heights */

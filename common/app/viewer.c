@@ -41,7 +41,7 @@ tc_flight_box tc_viewer_box(const tc_viewer *v)
                            .south = lo[1],
                            .east = hi[0],
                            .north = hi[1],
-                           .z_min = info->z_base + info->z_min,
+                           .z_min = v->around.walls && !v->around.sea ? v->around.foot : info->z_base + info->z_min,
                            .z_max = info->z_base + info->z_max,
                            .radius = v->map->body.radius};
 }
@@ -141,6 +141,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
     v->scene.colours = v->colours.count > 0 ? &v->colours : NULL;
     v->scene.imagery = v->imagery;
+    v->scene.around = v->around;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
     if (v->options.output && !v->scene.budget)
         v->scene.budget = -1;

@@ -82,6 +82,7 @@ static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool ma
         status = tc_viewer_load_imagery(v, error);
     if (status == TC_OK) {
         v->scene.imagery = v->imagery;
+        v->scene.around = v->around;
         v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
         status = tc_viewer_make_surface(v, error);
     }

@@ -47,6 +47,7 @@ typedef struct tc_viewer {
     tc_throttle throttle;   /* of --target-ms */
     tc_colour_ramp colours; /* of the options; count 0: none */
     tc_imagery *imagery;    /* likewise; NULL: none */
+    tc_surroundings around; /* of the map */
     tc_camera camera;
     tc_flight_path path; /* no keys: none */
     tc_outputs outputs;  /* files to be written, none of which may be read */
@@ -124,6 +125,9 @@ const tc_scheme *tc_viewer_scheme(const tc_viewer *viewer);
 /* Draws a frame of viewer->camera. Where the frame has become so much larger or smaller that another size of the mesh
  * is called for, or the driver has no memory for it, the surface is made anew. finish: as in tc_renderer_frame(). */
 tc_status tc_viewer_frame(tc_viewer *viewer, bool finish, tc_frame_stats *frame_ret, tc_error *error);
+
+/* What is shown around the map as it is: sets viewer->around. */
+tc_status tc_viewer_look_around(tc_viewer *viewer, tc_error *error);
 
 /* Draws heights so many times as high as they are, from now on, at the same view, which is lifted where it would be
  * below the ground. Where that cannot be, all is as it was; but where viewer->renderer is then NULL, nothing can be

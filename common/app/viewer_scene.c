@@ -77,6 +77,9 @@ tc_status tc_viewer_exaggerate(tc_viewer *v, double factor, tc_error *error)
     drop(v); /* which looks at the fields that there are */
     tc_status status = tc_map_exaggerate(v->map, factor, error);
     v->options.exaggeration = v->scene.exaggeration = v->map->exaggeration;
+    if (status == TC_OK)
+        status = tc_viewer_look_around(v, error);
+    v->scene.around = v->around;
     v->halvings = 0;
     tc_status made = tc_viewer_make_surface(v, status == TC_OK ? error : &unused);
     if (status == TC_OK && made == TC_OK) {

@@ -132,10 +132,18 @@ tc_status tc_viewer_load_imagery(tc_viewer *v, tc_error *error)
     return status;
 }
 
+tc_status tc_viewer_look_around(tc_viewer *v, tc_error *error)
+{
+    v->around = (tc_surroundings){0};
+    return v->options.alone ? TC_OK : tc_surroundings_of(v->map, &v->around, error);
+}
+
 tc_status tc_viewer_load(tc_viewer *v, tc_error *error)
 {
     tc_status status = tc_viewer_load_terrain(v, error);
     tc_watch_interrupts();
+    if (status == TC_OK)
+        status = tc_viewer_look_around(v, error);
     if (status == TC_OK && v->options.imagery_count > 0)
         status = tc_viewer_load_imagery(v, error);
     return status;

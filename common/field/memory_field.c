@@ -260,6 +260,7 @@ static void take_grid(memory_field *p, tc_grid *grid)
     info->void_count = grid->void_count;
     info->wraps_x = grid->wraps_x;
     info->other_body = tc_is_other_body(&grid->georef);
+    info->semi_major = grid->georef.semi_major;
     p->head.georef = grid->georef;
     p->level[info->levels - 1].z = grid->z;
     p->level[info->levels - 1].voids = grid->void_count > 0 ? grid->voids : NULL;

@@ -96,7 +96,7 @@ tc_status tc_frame_slots_fill(const tc_gl *gl, tc_frame_slots *slots, const tc_f
 {
     slots->now = (slots->now + 1) % TC_FRAME_SLOTS;
     tc_frame_slot *s = &slots->slot[slots->now];
-    size_t count = (size_t)(frame->strip_draws + frame->list_draws);
+    size_t count = (size_t)(frame->strip_draws + frame->list_draws + frame->wall_draws);
     tc_status status = wait_for(gl, s, error);
     if (status == TC_OK)
         status = reserve(gl, slots, s, count, error);

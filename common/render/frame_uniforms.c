@@ -67,9 +67,48 @@ static void set_contours(tc_frame_uniforms *u, double eye, double metres)
     u->contours[2] = (float)metres;
 }
 
+/* Beside a flat terrain: its rectangle from the eye; heights of the sea and of the walls' foot. */
+static void set_around(tc_frame_uniforms *u, const tc_view *view, const tc_scene_needs *needs,
+                       const tc_palette *palette, double exaggeration)
+{
+    const double NOWHERE = -3e38, FARTHEST = 1e6; /* of what is seen: on the horizon by less than a pixel */
+    memset(u->around, 0, sizeof u->around);
+    if (!needs->walls && !needs->sea && !needs->plain && !needs->climate)
+        return;
+    const tc_field *field = view->surface->field;
+    const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    const tc_surroundings *a = &needs->around;
+    const tc_camera *c = &view->camera;
+    const double z_base = tc_field_info(field)->z_base;
+    const double east = (double)(finest.width - 1) * finest.spacing_x - c->x,
+                 north = (double)(finest.height - 1) * finest.spacing_y - c->y;
+    /* A little below shores of just that height, which it would lie in. */
+    const double below = fmin(fmax(1e-5 * view->surface->extent, 1e-3), 0.5), sea = a->level - below;
+    const double foot = needs->sea ? fmin(sea - below, a->foot) : a->foot;
+    tc_set4(u->around[0], -c->x, -c->y, east, north);
+    tc_set4(u->around[1], needs->sea ? sea - c->z : NOWHERE, needs->sea ? sea - z_base : NOWHERE, foot - z_base,
+            a->depth);
+    tc_set4(u->around[2], FARTHEST * (view->surface->extent + fabs(c->z)), 1 / view->surface->extent,
+            0.1 * fmin(finest.spacing_x, finest.spacing_y),
+            1 / fmax(z_base + (double)tc_field_info(field)->z_max - foot, 1e-3));
+    const double by_metre = (a->north - a->south) / fmax(north + c->y, 1e-3);
+    tc_set4(u->around[4], a->south + by_metre * c->y, by_metre, ((double)palette->heights[0] + z_base) / exaggeration,
+            0);
+    memcpy(u->around[3], palette->wall, sizeof palette->wall);
+}
+
+static void set_space(tc_frame_uniforms *u, const tc_body *body, const tc_camera *camera)
+{
+    double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    if (body->class)
+        body->class->axes(body, (const double[3]){camera->x, camera->y, camera->z}, axes);
+    for (int i = 0; i < 3; i++)
+        tc_set4(u->space[i], axes[i][0], axes[i][1], axes[i][2], 0);
+}
+
 void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_palette *palette, const tc_sight *sight,
                            const tc_target_place *place, const tc_frame *frame, const tc_layers *layers,
-                           double contours, double exaggeration)
+                           const tc_scene_needs *needs, double contours, double exaggeration)
 {
     const tc_terrain_info *info = tc_field_info(view->surface->field);
     double eye = sight->camera.z - info->z_base;
@@ -87,4 +126,7 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
     u->beyond[1] = (float)exaggeration;
     set_contours(u, sight->camera.z, contours * exaggeration);
+    set_around(u, view, needs, palette, exaggeration);
+    if (needs->stars)
+        set_space(u, &view->surface->body, &sight->camera);
 }

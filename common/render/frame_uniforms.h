@@ -4,6 +4,7 @@
 
 #include "level_textures.h"
 #include "palette.h"
+#include "scene_needs.h"
 #include "sight.h"
 #include "surface.h"
 #include "target.h"
@@ -24,6 +25,8 @@ typedef struct tc_frame_uniforms {
     float pixel[3][4];
     float beyond[4];
     float contours[4];
+    float around[5][4]; /* of what a map that ends is shown with */
+    float space[3][4];  /* axes of the eye that stars are seen by */
     float body[TC_BODY_VECTORS][4];
     int32_t whole[TC_SURFACE_INTEGERS][4];
     int32_t image_stack[TC_MAX_CHARTS][4];
@@ -34,6 +37,6 @@ typedef struct tc_frame_uniforms {
  * equal height, of the true ones; 0: none. exaggeration: heights over those. */
 void tc_frame_uniforms_set(tc_frame_uniforms *uniforms, const tc_view *view, const tc_palette *palette,
                            const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
-                           const tc_layers *layers, double contours, double exaggeration);
+                           const tc_layers *layers, const tc_scene_needs *needs, double contours, double exaggeration);
 
 #endif

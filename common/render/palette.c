@@ -2,6 +2,7 @@
 #include "palette.h"
 
 #include <math.h>
+#include <string.h>
 
 typedef struct stop {
     double at;      /* 0 .. 1 of its range */
@@ -14,6 +15,39 @@ static const stop land[] = {{0.00, {124, 134, 92}},  {0.06, {104, 124, 74}},  {0
                             {0.75, {154, 150, 146}}, {0.82, {230, 232, 235}}, {1.00, {252, 253, 254}}};
 static const stop dust[] = {
     {0.0, {88, 84, 80}}, {0.35, {128, 123, 116}}, {0.7, {164, 158, 150}}, {1.0, {204, 199, 192}}};
+/* Dark basins, bright highlands: most of either lies in the middle of all heights. */
+static const stop moon[] = {{0.0, {62, 61, 60}},     {0.28, {84, 83, 81}},    {0.42, {122, 120, 117}},
+                            {0.54, {164, 161, 157}}, {0.72, {200, 197, 192}}, {1.0, {236, 234, 230}}};
+static const stop mars[] = {{0.0, {92, 58, 44}},   {0.2, {134, 80, 54}},   {0.4, {176, 108, 68}},
+                            {0.6, {200, 132, 86}}, {0.8, {220, 170, 124}}, {1.0, {240, 222, 202}}};
+
+/* Bodies by their radius: what they are made of, and what is above it. The last one is all others. */
+static const struct body {
+    double least, most; /* metres; a radius that is not known is 0 */
+    bool natural, air;
+    const stop *land;
+    float horizon[3], zenith[3], wall[3]; /* squares, as in tc_palette */
+} bodies[] = {
+    {0, 0, true, true, land, {0.56f, 0.66f, 0.78f}, {0.055f, 0.17f, 0.45f}, {0.36f, 0.255f, 0.165f}},
+    {6.3e6, 6.45e6, true, true, land, {0.56f, 0.66f, 0.78f}, {0.055f, 0.17f, 0.45f}, {0.36f, 0.255f, 0.165f}},
+    {3.36e6, 3.42e6, false, true, mars, {0.60f, 0.45f, 0.31f}, {0.27f, 0.17f, 0.105f}, {0.26f, 0.12f, 0.065f}},
+    {1.73e6,
+     1.745e6,
+     false,
+     false,
+     moon,
+     {0.0012f, 0.0012f, 0.0015f},
+     {0.001f, 0.001f, 0.002f},
+     {0.17f, 0.165f, 0.16f}},
+    {0, INFINITY, false, false, dust, {0.004f, 0.004f, 0.005f}, {0.001f, 0.001f, 0.002f}, {0.16f, 0.15f, 0.14f}}};
+
+static const struct body *body_of(const tc_terrain_info *info)
+{
+    const struct body *b = bodies;
+    while (info->semi_major < b->least || info->semi_major > b->most || b->natural == info->other_body)
+        b++;
+    return b;
+}
 
 enum { HALF = TC_RAMP_SIZE / 2 };
 
@@ -38,20 +72,18 @@ tc_palette tc_palette_make(const tc_terrain_info *info)
 {
     const double SUMMITS = 2600; /* metres above the lowest land, at least, where the ramp ends: no snow on hills */
     const double SHORE = 0.0008; /* of the land's height */
-    tc_palette p = {.natural = !info->other_body};
-    static const float sky[2][2][3] = {{{0.004f, 0.004f, 0.005f}, {0.001f, 0.001f, 0.002f}},
-                                       {{0.56f, 0.66f, 0.78f}, {0.055f, 0.17f, 0.45f}}};
-    for (int c = 0; c < 3; c++) {
-        p.horizon[c] = sky[p.natural][0][c];
-        p.zenith[c] = sky[p.natural][1][c];
-    }
+    const struct body *body = body_of(info);
+    tc_palette p = {.natural = body->natural, .air = body->air};
+    memcpy(p.horizon, body->horizon, sizeof p.horizon);
+    memcpy(p.zenith, body->zenith, sizeof p.zenith);
+    memcpy(p.wall, body->wall, sizeof p.wall);
     double lo = info->z_min + info->z_base, hi = info->z_max + info->z_base;
     /* What lies wholly below 0 is a sea's bottom where it is deep, else a dry depression. */
     p.water = p.natural && lo <= 0 && (hi > 0 || lo < -1000);
     double bottom = !p.natural ? lo : p.water ? 0 : hi > 0 ? fmax(lo, 0) : lo;
     double top = p.natural ? fmax(hi, bottom + SUMMITS) : fmax(hi, lo + 1e-3);
-    fill(p.ramp, p.natural ? sea : dust);
-    fill(p.ramp + HALF, p.natural ? land : dust);
+    fill(p.ramp, p.natural ? sea : body->land);
+    fill(p.ramp + HALF, body->land);
     p.heights[0] = (float)(bottom - info->z_base);
     p.heights[1] = (float)(1 / fmax(-lo, 100));
     p.heights[2] = (float)(1 / (top - bottom));

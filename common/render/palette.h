@@ -13,12 +13,14 @@ typedef struct tc_palette {
                                     * of given colours the latter two: 1 / relief, lowest height above sea level, or
                                     * 1 / degrees, 0 */
     bool water;                    /* some of the terrain lies below the sea */
-    bool natural;                  /* a land with soil, rock and snow under air, not another body's dust under space */
+    bool natural;                  /* a land with soil, rock and snow, not another body's dust */
+    bool air;                      /* else there is space above it */
     float horizon[3], zenith[3];   /* squared colours of the sky */
+    float wall[3];                 /* likewise of ground that is cut */
 } tc_palette;
 
 /* Colours for a terrain: an Earth-like land gets water below zero, green lowlands, rock and snow by absolute height;
- * another body shades of its dust from its lowest to its highest point. */
+ * another body, by its radius, shades of its own ground from its lowest to its highest point. */
 tc_palette tc_palette_make(const tc_terrain_info *info);
 
 /* What a palette is made for where heights are drawn so many times as high as they are: the true ones. And what makes

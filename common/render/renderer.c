@@ -43,7 +43,9 @@ struct tc_renderer {
 static tc_status make_own(tc_renderer *r, tc_error *error)
 {
     r->view = tc_view_allocate(r->surface);
-    if (!r->view || !tc_frame_allocate(r->surface, &r->frame))
+    bool (*const allocate)(const tc_surface *, tc_frame *) =
+        r->needs.walls ? tc_frame_allocate_walled : tc_frame_allocate;
+    if (!r->view || !allocate(r->surface, &r->frame))
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
     return r->surface->make_windows(r->surface, &r->windows, error);
 }
@@ -199,11 +201,11 @@ static void bind_textures(const tc_renderer *r)
             r->gl->BindTextureUnit(i, textures[i]);
 }
 
-static void draw_terrain(const tc_renderer *r, const GLuint programs[2], const tc_frame *frame)
+static void draw_terrain(const tc_renderer *r, const GLuint programs[TC_PROGRAM_KINDS], const tc_frame *frame)
 {
     const tc_gl *gl = r->gl;
     const GLenum index = r->objects->index_type;
-    gl->UseProgram(programs[0]);
+    gl->UseProgram(programs[TC_DRAWS_BLOCKS]);
     gl->PolygonMode(GL_FRONT_AND_BACK, r->options.wireframe ? GL_LINE : GL_FILL);
     if (frame->one_sided && !r->options.wireframe)
         gl->Enable(GL_CULL_FACE);
@@ -211,11 +213,26 @@ static void draw_terrain(const tc_renderer *r, const GLuint programs[2], const t
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, index, NULL, frame->strip_draws, 0);
     gl->Disable(GL_CULL_FACE);
     if (frame->list_draws && !r->options.wireframe) {
-        gl->UseProgram(programs[1]);
+        gl->UseProgram(programs[TC_DRAWS_CLOSERS]);
         gl->MultiDrawElementsIndirect(GL_TRIANGLES, index, (const void *)((size_t)frame->strip_draws * sizeof(tc_draw)),
                                       frame->list_draws, 0);
     }
+    if (frame->wall_draws) {
+        const size_t first = (size_t)(frame->strip_draws + frame->list_draws);
+        gl->UseProgram(programs[TC_DRAWS_WALLS]);
+        gl->MultiDrawArraysIndirect(GL_TRIANGLE_STRIP, (const void *)(first * sizeof(tc_draw)), frame->wall_draws,
+                                    sizeof(tc_draw));
+    }
     gl->PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+/* Around a flat terrain, to the horizon: shaders/sea.glsl. */
+static void draw_sea(const tc_renderer *r, GLuint program)
+{
+    enum { VERTICES = 10 };
+    r->gl->BindVertexArray(r->slots.sky_vertex_array);
+    r->gl->UseProgram(program);
+    r->gl->DrawArrays(GL_TRIANGLE_STRIP, 0, VERTICES);
 }
 
 static void draw(const tc_renderer *r, const tc_scene_needs *needs, const tc_target_place *place,
@@ -230,6 +247,8 @@ static void draw(const tc_renderer *r, const tc_scene_needs *needs, const tc_tar
     gl->BindVertexArray(slot->vertex_array);
     gl->BindBuffer(GL_DRAW_INDIRECT_BUFFER, slot->draws);
     draw_terrain(r, programs->terrain[tc_program_variant(needs)], frame);
+    if (needs->sea)
+        draw_sea(r, programs->terrain[tc_program_variant(needs)][TC_DRAWS_SEA]);
     if (needs->sky) { /* where nothing was drawn */
         gl->DepthFunc(tc_depth_convention_of(place->depth)->not_beyond);
         gl->BindVertexArray(r->slots.sky_vertex_array);
@@ -287,6 +306,8 @@ static tc_status update(tc_renderer *r, const tc_sight *sight, bool finish, tc_f
                       .until = until(&time, FILLING * own)};
     tc_frame_options options = r->options.frame;
     options.two_sided |= r->options.wireframe;
+    options.walls = r->needs.walls;
+    options.foot = r->needs.around.foot, options.shore = r->needs.sea ? r->needs.around.level : -INFINITY;
     if (!options.cull_camera && !sight->through)
         options.cull_camera = &sight->around;
     surface->look(surface, &r->windows, &sight->camera, &options, finish, r->view);
@@ -369,6 +390,7 @@ static void count(const tc_frame *frame, tc_frame_stats *stats)
     stats->triangles = frame->triangles;
     stats->triangles_unculled = frame->triangles_unculled;
     stats->draws = frame->strip_draws + frame->list_draws;
+    stats->wall_draws = frame->wall_draws, stats->wall_triangles = frame->wall_triangles;
     stats->blocks = frame->strip_draws;
     stats->blocks_unculled = frame->draws_unculled;
     memcpy(stats->blocks_of, frame->blocks, sizeof stats->blocks_of);
@@ -399,9 +421,10 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     const tc_frame_slot *slot;
     memset(r->frame.blocks, 0, sizeof r->frame.blocks);
     r->frame.error_bound = INFINITY;
+    r->frame.wall_draws = 0, r->frame.wall_triangles = 0;
     r->surface->draws(r->view, &r->textures.layers, &r->frame);
     tc_frame_uniforms_set(&r->values, r->view, &r->objects->palette, sight, &target->place, &r->frame,
-                          &r->textures.layers, r->options.contours, tc_scene_exaggeration(&r->options));
+                          &r->textures.layers, &needs, r->options.contours, tc_scene_exaggeration(&r->options));
     if (needs.imagery)
         tc_drape_uniforms(&r->drape, r->view, &r->values);
     status = tc_frame_slots_fill(gl, &r->slots, &r->values, &r->frame, &slot, error);

@@ -15,7 +15,9 @@
 typedef struct tc_frame_stats {
     double update_ms, draw_ms; /* CPU time of filling windows and uploading; of drawing (until finished, offscreen) */
     int64_t triangles, triangles_unculled;
-    int draws;
+    int draws; /* of the terrain */
+    int wall_draws;
+    int64_t wall_triangles;                        /* below a flat terrain's edge */
     int blocks, blocks_unculled;                   /* of the draws those that cover area; with those outside the view */
     int levels_active, levels_fine, levels_beyond; /* drawn; too fine for the view; beyond the horizon */
     int64_t samples_updated, bytes_uploaded;

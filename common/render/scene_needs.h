@@ -5,6 +5,7 @@
 
 #include "shade.h"
 #include "surface.h"
+#include "surroundings.h"
 #include "common/imagery/imagery.h"
 #include "common/terraclip.h"
 
@@ -26,8 +27,9 @@ typedef struct tc_scene_options {
     const tc_imagery *imagery;     /* over the map; outlives the renderer. NULL: none */
     const tc_shade *shade;         /* NULL: natural colours */
     double contours;               /* metres between lines of equal height; 0: none */
-    double exaggeration; /* of the map's heights over the true ones, which colours and contours tell; 0: none */
-    bool level_colours;  /* may be switched while running, as may the next two */
+    double exaggeration;    /* of the map's heights over the true ones, which colours and contours tell; 0: none */
+    tc_surroundings around; /* what a map that ends is shown with; zero: nothing */
+    bool level_colours;     /* may be switched while running, as may the next two */
     bool wireframe;
     tc_frame_options frame;
 } tc_scene_options;
@@ -38,27 +40,33 @@ typedef struct tc_scene_needs {
     bool fine_normals;     /* to a hundredth of a degree */
     bool light;            /* the sun of natural colours; else colours as they are, or a map's hillshade */
     bool hillshade;
-    bool sky;           /* else a flat background */
-    bool air;           /* of the body: its sky */
-    bool haze;          /* air before the terrain */
-    bool land;          /* rock and snow, not another body's dust */
-    bool water;         /* some of it lies below the sea */
-    bool given;         /* colours from a ramp over all values: a user's heights, a shade's degrees */
-    bool imagery;       /* colours of pictures over those of heights */
-    bool contours;      /* lines of equal height */
-    bool exaggerated;   /* heights are not the true ones */
-    bool holes;         /* the mask of voids */
-    bool detail;        /* levels finer than the data */
-    bool throttle;      /* frames may be throttled */
-    bool level_colours; /* may be switched, as may the next */
-    bool morph;         /* else levels meet abruptly */
-    bool multisampled;  /* of the target, as are the next two */
-    bool linear;        /* light is written, not what is shown */
-    bool by_w;          /* the distance cannot be told by depth */
-    bool throttled;     /* of the frame: and vertices have to do with it */
-    int image_n;        /* size of the windows of imagery; and how many times as long as wide a pixel's area on it is */
-    int image_taps;     /* taken to be, by so many of the shader's own readings, */
-    int image_filter;   /* or by the textures' filter, where that is above 1 */
+    bool sky;               /* else a flat background */
+    bool air;               /* of the body: its sky */
+    bool haze;              /* air before the terrain */
+    bool land;              /* rock and snow, not another body's dust */
+    bool water;             /* some of it lies below the sea */
+    bool given;             /* colours from a ramp over all values: a user's heights, a shade's degrees */
+    bool imagery;           /* colours of pictures over those of heights */
+    bool contours;          /* lines of equal height */
+    bool exaggerated;       /* heights are not the true ones */
+    bool holes;             /* the mask of voids */
+    bool walls;             /* below a flat terrain's edge */
+    bool sea;               /* around it */
+    bool plain;             /* the body around a part of a globe is shown as land or sea */
+    bool stars;             /* where the sky is black */
+    bool climate;           /* land by latitude */
+    tc_surroundings around; /* of all five */
+    bool detail;            /* levels finer than the data */
+    bool throttle;          /* frames may be throttled */
+    bool level_colours;     /* may be switched, as may the next */
+    bool morph;             /* else levels meet abruptly */
+    bool multisampled;      /* of the target, as are the next two */
+    bool linear;            /* light is written, not what is shown */
+    bool by_w;              /* the distance cannot be told by depth */
+    bool throttled;         /* of the frame: and vertices have to do with it */
+    int image_n;      /* size of the windows of imagery; and how many times as long as wide a pixel's area on it is */
+    int image_taps;   /* taken to be, by so many of the shader's own readings, */
+    int image_filter; /* or by the textures' filter, where that is above 1 */
 } tc_scene_needs;
 
 /* Heights over the true ones: 1 where there is no exaggeration. */
@@ -74,7 +82,7 @@ enum { TC_SCENE_DEFINES = 512 };
 void tc_scene_needs_defines(const tc_scene_needs *needs, char text[TC_SCENE_DEFINES]);
 
 /* What is not needed and why, one short line each ("void mask: no holes to show"); returns how many. */
-enum { TC_SCENE_LEFT_OUT = 16 };
+enum { TC_SCENE_LEFT_OUT = 24 };
 int tc_scene_needs_left_out(const tc_scene_needs *needs, const char *lines[TC_SCENE_LEFT_OUT]);
 
 #endif

@@ -11,10 +11,19 @@
 /* By what may differ from frame to frame: level colours, the target's samples, encoding and depth, and throttling. */
 enum { TC_PROGRAM_VARIANTS = 32 };
 
+/* What is drawn with the scene's light and colours. */
+typedef enum tc_program_kind {
+    TC_DRAWS_BLOCKS,
+    TC_DRAWS_CLOSERS,
+    TC_DRAWS_WALLS,
+    TC_DRAWS_SEA,
+    TC_PROGRAM_KINDS
+} tc_program_kind;
+
 /* 0: not built, since not needed so far. */
 typedef struct tc_scene_programs {
-    GLuint terrain[TC_PROGRAM_VARIANTS][2]; /* [variant][closers] */
-    GLuint sky[2];                          /* [linear] */
+    GLuint terrain[TC_PROGRAM_VARIANTS][TC_PROGRAM_KINDS];
+    GLuint sky[2]; /* [linear] */
 } tc_scene_programs;
 
 static inline int tc_program_variant(const tc_scene_needs *needs)

@@ -94,6 +94,8 @@ typedef struct tc_frame {
     tc_draw *draws;         /* blocks first, then crack closers; the surface's draw_capacity of them */
     tc_instance *instances; /* one a draw, where the surface has them */
     int strip_draws, list_draws;
+    int wall_draws; /* behind those, where the scene has walls: of arrays, first an instance's number for base_vertex */
+    int64_t wall_triangles;
     bool one_sided;             /* no back of a block's triangle (counter-clockwise from the eye) can be seen */
     int64_t triangles;          /* that cover area: without joints and without crack closers */
     int64_t triangles_unculled; /* the same if nothing had been outside the view or hidden */
@@ -118,6 +120,9 @@ typedef struct tc_frame_options {
     bool no_stitch;               /* edges of levels where they are as well: for the tests that look for cracks */
     bool no_cull;                 /* draws what is outside the view or hidden, too */
     bool two_sided;               /* draws backs of triangles, too, even where none can be seen */
+    bool walls;                   /* below the edge of a flat terrain, for surfaces with wall_parts: */
+    double foot, shore;           /* metres, absolute: down to this height; and they are seen from within where
+                                   * ground is below that: -INFINITY: nowhere */
     double error;                 /* pixels that what is drawn may be off the finest level's mesh, as far as windows
                                    * reach; 0: levels by distance alone. For surfaces by_error */
     double throttle;              /* octaves by which all is drawn coarser, 0 to the surface's most_throttle */
@@ -163,6 +168,8 @@ struct tc_surface {
     /* GLSL files, NULL-terminated, that map a vertex and know the ground at a fragment; the functions that they define
      * are named in renderer.vert and ground.glsl. */
     const char *const *vertex_parts, *const *fragment_parts, *const *sky_parts;
+    const char *const *wall_parts;      /* instead of fragment_parts, of walls below its edge (surroundings.h), which it
+                                         * then draws; NULL: it has none */
     const struct tc_shader_file *texts; /* of parts that are no files, {name, text}, ended by a NULL name; NULL: none */
     const char *const *defines;         /* for both, NULL-terminated; NULL: none */
     bool closers;                       /* draws triangle lists, too, where levels meet */
@@ -172,11 +179,13 @@ struct tc_surface {
     double extent;     /* metres, of all that there is to see */
     tc_geometry geometry;
     const tc_field *field; /* of chart 0 */
+    tc_body body;          /* of the map; without a class: a plane */
     int refined;           /* of the levels drawn those finer than the map's, on its mesh */
     int n;                 /* size of the windows */
     int shaded_n;          /* of those that shading alone would call for; 0: n */
     bool by_error;         /* heeds tc_frame_options.error */
-    int draw_capacity;     /* the most draws that a frame can have */
+    int draw_capacity;     /* the most draws that a frame can have, */
+    int wall_capacity;     /* and of walls */
     double most_throttle;  /* that frames can have; 0: none. With more of it there are never more triangles, and heights
                             * pass over evenly */
     bool throttled_stage;  /* its vertex stage has more to do in throttled frames: THROTTLED is defined */
@@ -215,6 +224,7 @@ tc_view tc_view_of(const tc_surface *surface, const tc_windows *windows, const t
  * not enough. */
 tc_view *tc_view_allocate(const tc_surface *surface);
 bool tc_frame_allocate(const tc_surface *surface, tc_frame *frame);
+bool tc_frame_allocate_walled(const tc_surface *surface, tc_frame *frame); /* where frames have walls */
 void tc_frame_free(tc_frame *frame);
 
 /* The layer of a chart's level 1; of the chart behind the last: how many layers there are. */

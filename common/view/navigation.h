@@ -50,7 +50,7 @@ typedef struct tc_navigation {
     /* Brings a view that was moved or computed within bounds. */
     void (*settle)(tc_pose *view);
     /* The view whose frame of fov (horizontal, radians) and width x height shows the whole well: of a plane from the
-     * south, down to the north, as large as can be. From above its highest point. */
+     * south, beside a corner, as large as can be. From above its highest point. */
     tc_pose (*whole)(const tc_flight_box *box, double fov, int width, int height);
     /* Turns and moves the view. The speed follows the height above ground; the eye stays above ground by the clearance.
      */

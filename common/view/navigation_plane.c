@@ -65,13 +65,18 @@ static tc_pose whole(const tc_flight_box *box, double fov, int width, int height
     b.east = fmax(b.east, b.west + 1e-3 * size);
     b.north = fmax(b.north, b.south + 1e-3 * size);
     tc_pose view = {0};
-    /* Steeper where the relief is so tall for its area that the eye would sit below its top. Straight down it never
-     * does, so the loop ends. */
-    for (double pitch = -35; pitch >= -90; pitch -= 5) {
-        const tc_camera camera = {.pitch = pitch * DEGREE, .fov = fov, .width = width, .height = height};
+    /* From a corner, so that two sides are seen. The flatter the terrain, the flatter one looks at it: relief is seen
+     * against what is behind it. Steeper where it is so tall for its area that the eye would sit below its top.
+     * Straight down it never does, so the loop ends. */
+    const double HEADING = 24, FLATTEST = -21, STEEPEST = -31, TALL = 0.06; /* degrees; of the size */
+    const double tall = fmin((b.z_max - b.z_min) / size / TALL, 1);
+    for (double pitch = FLATTEST + (STEEPEST - FLATTEST) * tall; pitch >= -90;
+         pitch = pitch > -90 ? fmax(pitch - 5, -90) : -91) {
+        const tc_camera camera = {
+            .heading = HEADING * DEGREE, .pitch = pitch * DEGREE, .fov = fov, .width = width, .height = height};
         double eye[3];
         eye_for(&b, &camera, eye);
-        view = (tc_pose){eye[0], eye[1], eye[2], 0, pitch * DEGREE};
+        view = (tc_pose){eye[0], eye[1], eye[2], HEADING * DEGREE, pitch * DEGREE};
         if (view.z > b.z_max + 0.05 * size)
             break;
     }

@@ -3,6 +3,7 @@
  * Ways along the ground are great circles: heading turns on them with the meridians, so that who flies straight on over
  * a pole looks straight on behind it. Keys fly as over a flat map, the higher the faster. Places are normals: a way of
  * metres turns them by what the body's curvature says. */
+#include "camera.h"
 #include "flight.h"
 
 #include <math.h>
@@ -100,6 +101,66 @@ static tc_pose between(const tc_pose *a, const tc_pose *b, double share)
     return view;
 }
 
+/* ---- The whole --------------------------------------------------------------------------------------------------- */
+
+/* A view of the middle of a part of a globe, from so far, which looks so steeply down on it: the eye is on the meridian
+ * of the middle, south of it or, where it would be beyond the pole, so near to it as can be. */
+static tc_pose view_of(double longitude, double latitude, double radius, double distance, double pitch)
+{
+    /* In the plane of the meridian, from the middle: north and up. */
+    const double north = -distance * cos(pitch), up = radius + distance * sin(-pitch), turned = atan2(north, up);
+    return (tc_pose){.x = longitude,
+                     .y = latitude + turned,
+                     .z = hypot(north, up) - radius,
+                     .pitch = fmax(pitch + turned, -M_PI / 2)};
+}
+
+/* Whether all of the part's sides are in the frame, and none beyond the horizon. */
+static bool shows(const tc_pose *view, const tc_flight_box *box, const double t[2])
+{
+    enum { STEPS = 16 };
+    const tc_basis axes = tc_camera_basis(&(tc_camera){.heading = view->heading, .pitch = view->pitch});
+    const double eye = box->radius + view->z, sy = sin(view->y), cy = cos(view->y);
+    for (int k = 0; k < 4 * STEPS; k++) {
+        const double share = (double)(k % STEPS) / STEPS, side = k / STEPS % 2 ? 1 : 0;
+        const double u = k < 2 * STEPS ? share : side, v = k < 2 * STEPS ? side : share;
+        const double longitude = box->west + u * (box->east - box->west) - view->x,
+                     latitude = box->south + v * (box->north - box->south), radius = box->radius + box->z_max;
+        /* From the eye: east, north, up. */
+        const double x = cos(latitude) * sin(longitude), meridian = cos(latitude) * cos(longitude), z = sin(latitude);
+        const double p[3] = {radius * x, radius * (z * cy - meridian * sy), radius * (z * sy + meridian * cy) - eye};
+        double right = 0, up = 0, forward = 0;
+        for (int i = 0; i < 3; i++)
+            right += p[i] * axes.right[i], up += p[i] * axes.up[i], forward += p[i] * axes.forward[i];
+        if (!(forward > 0) || fabs(right) > t[0] * forward || fabs(up) > t[1] * forward ||
+            (p[2] + eye) * eye < 0.98 * box->radius * box->radius)
+            return false;
+    }
+    return true;
+}
+
+/* A part of a globe from the south of its middle, near enough to fill the frame. The smaller, the flatter one looks. */
+static tc_pose whole_part(const tc_flight_box *box, double fov, int width, int height)
+{
+    const double MARGIN = 0.96, FLATTEST = -30 * DEGREE, CURVED = -60 * DEGREE; /* a radian across */
+    const double tx = tan(fov / 2), t[2] = {MARGIN * tx, MARGIN * tx * height / width};
+    const double middle = 0.5 * (box->south + box->north), longitude = 0.5 * (box->west + box->east);
+    const double size = fmax((box->east - box->west) * cos(middle), box->north - box->south);
+    const double pitch = FLATTEST + (CURVED - FLATTEST) * fmin(size, 1);
+    double near = 0.2 * size * box->radius + fmax(box->z_max, 0), far = near;
+    tc_pose view = view_of(longitude, middle, box->radius, far, pitch);
+    for (int i = 0; i < 20 && !shows(&view, box, t); i++, far *= 1.5)
+        view = view_of(longitude, middle, box->radius, far, pitch);
+    for (int i = 0; i < 20; i++) {
+        const double between = 0.5 * (near + far);
+        const tc_pose nearer = view_of(longitude, middle, box->radius, between, pitch);
+        *(shows(&nearer, box, t) ? &far : &near) = between;
+    }
+    view = view_of(longitude, middle, box->radius, far, pitch);
+    view.z = fmax(view.z, box->z_max + 0.02 * size * box->radius);
+    return view;
+}
+
 /* The globe from where its disc fills most of the frame, over the middle of what there is; a smaller part of one from
  * the south of its middle, near enough to fill the frame. */
 static tc_pose whole(const tc_flight_box *box, double fov, int width, int height)
@@ -107,7 +168,6 @@ static tc_pose whole(const tc_flight_box *box, double fov, int width, int height
     double tx = tan(fov / 2), half = atan(tx * fmin(1, (double)height / width));
     double top = box->radius + fmax(box->z_max, 0);
     double wide = box->east - box->west, tall = box->north - box->south, middle = 0.5 * (box->south + box->north);
-    double across = wide * cos(middle);
     bool around = wide > 2 * M_PI - 0.1, poles = tall > M_PI - 0.1;
     tc_pose view = {.x = around ? 20 * DEGREE : 0.5 * (box->west + box->east), .y = middle, .pitch = -M_PI / 2};
     if (around && poles)
@@ -115,12 +175,8 @@ static tc_pose whole(const tc_flight_box *box, double fov, int width, int height
     else if (around && fabs(middle) > 0.2) /* all of it is about one pole */
         view.y = middle > 0 ? fmin(box->north, M_PI / 2) : fmax(box->south, -M_PI / 2);
     view.z = top / sin(0.88 * half) - box->radius;
-    if (across < 1 && tall < 1 && !around) {
-        double t = tan(half), size = 1.1 * fmax(tall * box->radius / 2 / t, across * box->radius / 2 / tx);
-        view.pitch = -45 * DEGREE;
-        view.z = box->z_max + size * 0.9;
-        view.y = middle - (view.z - fmin(box->z_max, 0)) / box->radius;
-    }
+    if (wide * cos(middle) < 1 && tall < 1 && !around)
+        view = whole_part(box, fov, width, height);
     settle(&view);
     return view;
 }

@@ -49,6 +49,7 @@ static void set_info(packed_field *p, const tc_open_options *o)
     info->void_count = c->voids;
     info->wraps_x = c->levels >= c->wraps_from;
     info->other_body = tc_is_other_body(&t->georef);
+    info->semi_major = t->georef.semi_major;
     p->head.georef = t->georef;
     p->voids = o->has_policy ? o->voids : t->voids;
     p->void_height = (float)((o->has_policy ? o->void_constant : t->void_constant) - t->z_base);

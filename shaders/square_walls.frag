@@ -1,0 +1,61 @@
+// square_walls.frag - walls below the edge of a flat terrain: the ground as it is cut there (ground.glsl); planar/square_walls.c.
+INTERPOLATED in float v_height; // square.glsl
+flat in vec3 v_wall;
+#ifdef HOLES
+in float v_void;
+#endif
+
+// Layers of rock, by height: shares of the wall's colour. They fade where they come too near to each other.
+float strata(float height)
+{
+    float at = (height - around[1].z) * around[2].w * 40.0;
+    float bent = at + 1.3 * sin(0.37 * at) + 0.8 * sin(0.11 * at + 1.0);
+    return 1.0 + 0.16 * sin(bent) * clamp(1.0 - fwidth(bent), 0.0, 1.0);
+}
+
+Ground surface_ground()
+{
+    Ground g;
+    g.height = (v_height + eye.y) + eye.x;
+    g.colour = vec4(around[3].rgb * strata(g.height), 1.0);
+#if defined(SEA) && defined(WATER)
+    bool wet = g.height <= around[1].y; // of ground below the sea: else the sea is before it
+    g.colour.a = wet ? 0.0 : 1.0;
+#else
+    const bool wet = false;
+#endif
+#ifdef CONTOURS
+    g.rise = v_height;
+#endif
+#ifdef NORMALS
+    g.up = vec3(0.0, 0.0, 1.0);
+    g.normal = wet ? g.up : vec3(v_wall.xy, 0.0);
+    g.fall = vec2(0.0);
+#endif
+#ifdef ZONES
+    g.sine = 0.0;
+#endif
+#ifdef LEVEL_COLOURS
+    g.level = v_wall.z;
+#endif
+#ifdef HOLES
+    g.hole = v_void > 0.0;
+#endif
+    return g;
+}
+
+#ifdef CONTOURS
+float surface_datum()
+{
+    return 0.0;
+}
+#endif
+
+#ifdef HAZE
+float surface_haze()
+{
+    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+    float r = haze.w / NEARNESS;
+    return r * r * (1.0 + dot(across, across));
+}
+#endif
