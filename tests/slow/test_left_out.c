@@ -45,6 +45,7 @@ static const struct trace {
     {"hillshade", "float hillshade", NULL, 0, 0},
     {"contours", "contoured", NULL, 0, 0},
     {"tolerance", "#define TOLERANCE", NULL, 0, 0},
+    {"exaggeration", "#define EXAGGERATED", NULL, 0, 0},
 };
 
 static bool multisampled(const gl_record *r)
@@ -108,7 +109,7 @@ static void assert_told(const lean_scene *l, const tc_renderer *renderer)
     static const char *const lines[LEAN_PARTS] = {
         [0] = "lighting",   [1] = "sky",           [3] = "void mask", [4] = "rock",
         [5] = "water",      [6] = "level colours", [7] = "smooth",    [10] = "imagery",
-        [11] = "synthesis", [12] = "normal map",   [16] = "contours"};
+        [11] = "synthesis", [12] = "normal map",   [16] = "contours", [18] = "exaggeration"};
     static tc_left_out list;
     tc_explain_left_out(renderer, &list);
     assert_true(list.count > 0 && list.lines[list.count] == NULL);

@@ -92,6 +92,15 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
      120,
      -10,
      LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_TOLERANCE},
+    {"exaggerated",
+     LEAN_COAST,
+     {.exaggeration = 2},
+     .4,
+     .6,
+     200,
+     120,
+     -10,
+     LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_EXAGGERATION},
 };
 
 /* ---- Grounds ---------------------------------------------------------------------------------------------------- */

@@ -26,7 +26,8 @@ enum {
     LEAN_HILLSHADE = 1 << 15,
     LEAN_CONTOURS = 1 << 16,
     LEAN_TOLERANCE = 1 << 17,
-    LEAN_PARTS = 18
+    LEAN_EXAGGERATION = 1 << 18,
+    LEAN_PARTS = 19
 };
 
 /* Over what a scene is. */
@@ -53,7 +54,7 @@ typedef struct lean_scene {
     double heading, pitch;
     unsigned needs; /* what must be there; nothing else may */
 } lean_scene;
-enum { LEAN_SCENES = 19 };
+enum { LEAN_SCENES = 20 };
 extern const lean_scene lean_scenes[LEAN_SCENES];
 
 /* A ground, made when first asked for. free_all: of those asked for. */
