@@ -35,7 +35,7 @@ static bool read_look(void *look, const char *value)
     if (*value || count < 2)
         return false;
     l->longitude = v[0], l->latitude = v[1], l->height = v[2], l->has_height = count == 3;
-    return l->given = fabs(v[0]) <= 360 && fabs(v[1]) <= 90 && fabs(v[2]) <= TC_POSE_LIMIT;
+    return l->given = fabs(v[0]) <= 360 && fabs(v[1]) <= 90 && fabs(v[2]) <= 1e9;
 }
 
 static bool read_distance(void *metres, const char *value)
@@ -185,7 +185,8 @@ static const tc_option table[] = {
      "of views, one a line as --view has it, with a name behind a #: --view @NAME is one of them, and V in the window "
      "adds the present one",
      tc_read_text, offsetof(tc_options, views)},
-    {0, "lookat", "LON,LAT[,HEIGHT]", "LON,LAT[,HEIGHT] in degrees and metres, |LON| up to 360, |LAT| up to 90",
+    {0, "lookat", "LON,LAT[,HEIGHT]",
+     "LON,LAT[,HEIGHT] in degrees and metres, |LON| up to 360, |LAT| up to 90, |HEIGHT| up to 1e9",
      "place to look at, of any map that says where it lies: degrees east and north, metres above the sea (on the "
      "ground)",
      read_look, offsetof(tc_options, look)},

@@ -74,6 +74,9 @@ static tc_status look_at(tc_viewer *v, tc_pose *view_ret, tc_error *error)
         return tc_fail(error, status, "%s: cannot be read: %s", v->options.terrain, tc_status_text(status));
     if (status != TC_OK)
         return status;
+    if (v->map->body.radius > 0 && place[2] <= -0.999 * v->map->body.radius)
+        return tc_fail(error, TC_ERR_USAGE, "--lookat: expected a height above the middle of %s, found %.9g m",
+                       v->options.terrain, look->height);
     const double distance = look->distance > 0 ? look->distance : default_distance(v);
     *view_ret = tc_look_at(&v->map->body, place, look->heading, look->pitch, distance);
     v->program->navigation->settle(view_ret);
