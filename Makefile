@@ -65,7 +65,7 @@ SHARED := $(O)/libterraclip.so.$(VERSION)
 DRAW_SHARED := $(O)/libterraclip-draw.so.$(VERSION)
 APP_LIBRARY := $(OBJ)/app.a
 PROGRAMS := $(O)/terraclip $(O)/planar-viewer $(O)/planet-viewer
-PLUGINS := $(O)/terraclip-gdal.so $(O)/terraclip-oiio.so $(O)/terraclip-window.so
+PLUGINS := $(addprefix $(O)/terraclip-,gdal.so oiio.so window.so video.so)
 
 .PHONY: all
 all: $(PROGRAMS) $(PLUGINS) $(LIBRARY) $(DRAW_LIBRARY) $(SHARED) $(DRAW_SHARED)
@@ -103,6 +103,8 @@ $(foreach part,$(notdir $(basename $(GDAL_PLUGIN))),$(eval CPPFLAGS_$(part) = $$
 CPPFLAGS_plugin_window = $(shell pkg-config --cflags glfw3)
 # Dear ImGui's headers are not held to our warnings.
 CPPFLAGS_plugin_display = $(CPPFLAGS_plugin_window) $(patsubst -I%,-isystem %,$(shell pkg-config --cflags imgui))
+VIDEO_LIBRARIES := libavformat libavcodec libswscale libavutil
+CPPFLAGS_plugin_video = $(shell pkg-config --cflags $(VIDEO_LIBRARIES))
 CPPFLAGS_jpeg2000 = $(shell pkg-config --cflags libopenjp2)
 CPPFLAGS_coders = $(CPPFLAGS_plugin_gdal)
 CPPFLAGS_gdal_coders = $(CPPFLAGS_plugin_gdal)
@@ -174,6 +176,10 @@ $(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/sta
 $(O)/terraclip-window.so: $(addprefix $(OBJ)/common/,app/plugin_window.o app/plugin_display.o base/status.o)
 	@echo "  LINK  $@"
 	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -Wl,--exclude-libs,ALL $$(pkg-config --libs imgui glfw3)
+
+$(O)/terraclip-video.so: $(OBJ)/common/app/plugin_video.o $(OBJ)/common/base/status.o
+	@echo "  LINK  $@"
+	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs $(VIDEO_LIBRARIES))
 
 # ---- Tests -------------------------------------------------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 /* options.c - the viewers' command line; see options.h. A new option is one line of the table and, where its kind is
  * new, one setter. */
 #include "options.h"
+#include "video.h"
 #include "common/base/status.h"
 #include "common/render/surface.h"
 #include "common/base/numbers.h"
@@ -159,6 +160,11 @@ bool tc_read_budget(void *budget, const char *value)
     return tc_read_integer(value, 1, (int64_t)1 << 40, budget);
 }
 
+static bool read_rate(void *rate, const char *value)
+{
+    return tc_read_int(value, 1, 240, rate);
+}
+
 static bool read_frames(void *frames, const char *value)
 {
     return tc_read_int(value, 1, 1000000, frames);
@@ -236,6 +242,9 @@ static const tc_option table[] = {
      "fly through the views of FILE, one a line as --view has it; with -o frame-%05d.png write each frame, "
      "without only measure",
      tc_read_text, offsetof(tc_options, path)},
+    {0, "video", "FILE", "a file name", "make a film of the flight, .mp4 or .webm; beside frames or alone",
+     tc_read_text, offsetof(tc_options, video)},
+    {0, "rate", "N", "1..240", "frames a second of the film (30)", read_rate, offsetof(tc_options, rate)},
     {0, "frames", "N", "1..1000000", "frames of the flight; in a window without --path: close after N", read_frames,
      offsetof(tc_options, frames)},
     {0, "backend", "NAME", "auto, window, egl or osmesa", "auto, window, egl or osmesa (auto)", read_backend,
@@ -341,6 +350,14 @@ static tc_status check_together(const tc_options *o, tc_error *error)
     if (o->path && o->output && !tc_frame_pattern_valid(o->output))
         return tc_fail(error, TC_ERR_USAGE, "--output: expected one number such as %%05d for the frames, found '%s'",
                        o->output);
+    if (o->video && !o->path)
+        return tc_fail(error, TC_ERR_USAGE, "--video: expected --path FILE with it, found none");
+    if (o->rate && !o->video)
+        return tc_fail(error, TC_ERR_USAGE, "--rate: expected --video FILE with it, found none");
+    if (o->video && o->backend == TC_BACKEND_WINDOW)
+        return tc_fail(error, TC_ERR_USAGE, "--video: expected --backend egl or osmesa with it, found window");
+    if (o->video && tc_video_check_name(o->video, error) != TC_OK)
+        return TC_ERR_USAGE;
     if (o->frames && !o->path && (o->output || offscreen))
         return tc_fail(error, TC_ERR_USAGE, "--frames: expected --path FILE with it, found none");
     if (offscreen && !o->output && !o->path)

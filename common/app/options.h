@@ -39,8 +39,10 @@ typedef struct tc_options {
     const char *colours;   /* file of a height ramp; NULL none */
     const char *imagery[TC_MOST_IMAGERY];
     int imagery_count;
-    const char *path; /* of a flight; NULL none */
-    int frames;       /* of the flight; in a window without a path: how many until it closes. 0: not given */
+    const char *path;  /* of a flight; NULL none */
+    const char *video; /* film of the flight; NULL none */
+    int rate;          /* its frames a second; 0: not given */
+    int frames;        /* of the flight; in a window without a path: how many until it closes. 0: not given */
     tc_backend backend;
     const char *stats; /* JSON file; NULL none */
     int threads;       /* 0: as many as there are processors */

@@ -16,7 +16,7 @@ struct tc_window {
     GLFWwindow *glfw;
     tc_window_input events;               /* since the last poll: what was pressed, moved and dropped */
     bool captured;                        /* until Escape */
-    double last_x, last_y;                /* where the captured pointer was */
+    double last_x, last_y;                /* where the pointer was last, as events tell: it may be elsewhere by now */
     char *dropped[TC_WINDOW_MAX_DROPPED]; /* owned: of events.dropped */
     int x, y, width, height;              /* of the window before it filled the screen */
     tc_overlay *overlay;                  /* its display, from the first on; NULL: none yet */
@@ -93,7 +93,7 @@ static void add_event(tc_window *window, tc_pointer_event event)
 {
     enum { KEPT = 8 };
     tc_window_input *input = &window->events;
-    glfwGetCursorPos(window->glfw, &event.x, &event.y);
+    event.x = window->last_x, event.y = window->last_y;
     pixels_of(window, &event.x, &event.y);
     event.seconds = glfwGetTime();
     tc_pointer_event *last = input->event_count > 0 ? &input->events[input->event_count - 1] : NULL;
@@ -117,14 +117,14 @@ static void on_button(GLFWwindow *glfw, int button, int action, int modifiers)
 static void on_motion(GLFWwindow *glfw, double x, double y)
 {
     tc_window *window = glfwGetWindowUserPointer(glfw);
-    if (!window->captured) {
-        add_event(window, (tc_pointer_event){.kind = TC_POINTER_MOVE});
-        return;
+    if (window->captured) {
+        window->events.look_x += x - window->last_x;
+        window->events.look_y += y - window->last_y;
     }
-    window->events.look_x += x - window->last_x;
-    window->events.look_y += y - window->last_y;
     window->last_x = x;
     window->last_y = y;
+    if (!window->captured)
+        add_event(window, (tc_pointer_event){.kind = TC_POINTER_MOVE});
 }
 
 static void on_wheel(GLFWwindow *glfw, double x, double y)
@@ -215,6 +215,7 @@ static tc_status window_open(const tc_window_options *options, tc_window **windo
     glfwSetCharCallback(window->glfw, on_character);
     glfwSetCursorEnterCallback(window->glfw, on_enter);
     glfwSetWindowFocusCallback(window->glfw, on_focus);
+    glfwGetCursorPos(window->glfw, &window->last_x, &window->last_y);
     glfwMakeContextCurrent(window->glfw);
     glfwSwapInterval(1);
     *window_ret = window;
@@ -254,7 +255,7 @@ static void window_poll(tc_window *window, double wait_seconds, tc_window_input 
         input->width = input->height = 0;
     input->close = glfwWindowShouldClose(window->glfw);
     input->captured = window->captured;
-    glfwGetCursorPos(window->glfw, &input->x, &input->y);
+    input->x = window->last_x, input->y = window->last_y;
     pixels_of(window, &input->x, &input->y);
     input->inside = !window->captured && glfwGetWindowAttrib(window->glfw, GLFW_HOVERED);
     *input_ret = *input;

@@ -32,6 +32,11 @@ bool tc_viewer_interactive(const tc_options *options)
     return !options->output && (!options->path || options->backend == TC_BACKEND_WINDOW);
 }
 
+bool tc_viewer_keeps(const tc_options *options)
+{
+    return options->output || options->video;
+}
+
 tc_flight_box tc_viewer_box(const tc_viewer *v)
 {
     const tc_terrain_info *info = tc_field_info(tc_map_field(v->map, 0));
@@ -143,10 +148,10 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     v->scene.imagery = v->imagery;
     v->scene.around = v->around;
     /* A picture waits for all that it needs; in one go unless told otherwise. */
-    if (v->options.output && !v->scene.budget)
+    if (tc_viewer_keeps(&v->options) && !v->scene.budget)
         v->scene.budget = -1;
     if (!v->scene.samples)
-        v->scene.samples = v->options.output ? 4 : 1;
+        v->scene.samples = tc_viewer_keeps(&v->options) ? 4 : 1;
     int most = tc_canvas_samples(v->gl, v->scene.samples);
     if (v->options.scene.samples > most && !v->options.quiet)
         fprintf(stderr, "%s: warning: --samples: expected at most %d with this driver, found %d; %d are drawn\n",
@@ -239,7 +244,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
         explain(v, &left_out);
     if (v->options.json)
         tc_stats_print(&summary, &context, stdout);
-    else if (v->options.path && !v->options.output && !v->options.quiet)
+    else if (v->options.path && !tc_viewer_keeps(&v->options) && !v->options.quiet)
         printf("%" PRId64 " frames: %.2f ms median, %.2f ms p95, %.2f ms max; %" PRId64 " triangles, %" PRId64
                " draws, %" PRId64 " levels\n",
                summary.frames, summary.frame_median, summary.frame_p95, summary.frame_max, summary.triangles,
@@ -274,6 +279,8 @@ static tc_status list_outputs(tc_viewer *v, tc_error *error)
                 status = tc_fail(error, TC_ERR_USAGE, "%s: expected another file than the output %s, found the same",
                                  o->stats, name);
         }
+    if (status == TC_OK && o->video)
+        status = tc_outputs_add(&v->outputs, o->video, error);
     if (status == TC_OK && o->stats)
         status = tc_outputs_add(&v->outputs, o->stats, error);
     const bool keeps = o->views && tc_viewer_interactive(o);
@@ -312,6 +319,8 @@ static tc_status run(tc_viewer *v, tc_error *error)
         status = check_writable(v->options.stats, error);
     if (status == TC_OK) /* of a flight, the pattern itself stands for the frames */
         status = check_writable(v->options.output, error);
+    if (status == TC_OK)
+        status = check_writable(v->options.video, error);
     if (status == TC_OK && v->options.output)
         status = tc_check_picture_name(v->options.output, error);
     if (status == TC_OK && v->options.colours)

@@ -112,6 +112,9 @@ tc_scenery tc_viewer_scenery(const tc_viewer *viewer);
 tc_status tc_viewer_begin_views(tc_viewer *viewer, tc_error *error);
 void tc_viewer_keep_view(tc_viewer *viewer, tc_pose *view);
 
+/* Whether what is drawn is kept, as pictures or a film: then it takes the time that it needs. */
+bool tc_viewer_keeps(const tc_options *options);
+
 /* Whether there is to be a window that a person sees. */
 bool tc_viewer_interactive(const tc_options *options);
 

@@ -1,13 +1,13 @@
 /* plugin.h - libraries that are loaded only when a scene needs them.
  *
- * GDAL, OpenImageIO and GLFW each sit behind a small shared object (terraclip-gdal.so, terraclip-oiio.so,
- * terraclip-window.so) that lies beside the program, or under ../lib/terraclip when installed. */
+ * GDAL, OpenImageIO, GLFW and ffmpeg's libraries each sit behind a small shared object (terraclip-gdal.so and so on)
+ * that lies beside the program, or under ../lib/terraclip when installed. */
 #ifndef TC_PLUGIN_H
 #define TC_PLUGIN_H
 
 #include "common/terraclip.h"
 
-/* The table of functions that plugin NAME ("gdal", "oiio", "window") exports as the symbol `tc_plugin`.
+/* The table of functions that plugin NAME ("gdal", "oiio", "window", "video") exports as the symbol `tc_plugin`.
  * Loaded once per process and never unloaded; thread-safe. */
 tc_status tc_plugin_load(const char *name, const void **table_ret, tc_error *error);
 

@@ -85,11 +85,11 @@ static void end_pull(tc_gestures *g, const tc_pointer_event *e)
     static const double MOMENT = 0.12, REST = 0.08; /* seconds */
     static const double LEAST = 40, MOST = 5000;    /* pixels a second */
     int first = g->tracked - 1;
-    while (first > 0 && e->seconds - g->track[first - 1].seconds < MOMENT)
+    while (first > 0 && e->seconds - g->track[first - 1].seconds < fmax(MOMENT, 2.5 * g->frame))
         first--;
     const struct tc_gesture_sample *begin = &g->track[first], *last = &g->track[g->tracked - 1];
     double took = last->seconds - begin->seconds;
-    if (!(took > 0) || e->seconds - last->seconds > REST) {
+    if (!(took > 0) || e->seconds - last->seconds > fmax(REST, 1.5 * g->frame)) {
         tc_gestures_rest(g);
         return;
     }
@@ -374,7 +374,7 @@ static void press(tc_gestures *g, const tc_scenery *scenery, const tc_pointer_ev
         g->x = e->x, g->y = e->y;
         return;
     }
-    bool twice = e->seconds - g->clicked < DOUBLE_SECONDS && g->clicked > 0 &&
+    bool twice = e->seconds - g->clicked < fmax(DOUBLE_SECONDS, 2.5 * g->frame) && g->clicked > 0 &&
                  hypot(e->x - g->click_x, e->y - g->click_y) < DOUBLE_PIXELS;
     g->clicked = twice ? 0 : e->seconds;
     g->click_x = e->x, g->click_y = e->y;
@@ -409,7 +409,8 @@ void tc_gestures_event(tc_gestures *g, const tc_scenery *scenery, const tc_point
 
 void tc_gestures_step(tc_gestures *g, const tc_scenery *scenery, double dt, tc_pose *view)
 {
-    dt = fmax(0, fmin(0.1, dt));
+    g->frame = fmax(0, fmin(1, dt));
+    dt = fmin(0.1, g->frame);
     if (g->gesture == TC_GESTURE_FLY) {
         if (!tc_fly_to_step(&g->flight, dt, view))
             tc_gestures_rest(g);

@@ -38,6 +38,7 @@ typedef struct tc_gestures {
         double x, y, seconds;
     } track[TC_GESTURE_TRACK]; /* where the pointer was while pulling; the last one at `tracked` - 1 */
     int tracked;
+    double frame;                     /* seconds that the last frame took */
     double zoom;                      /* of the distance still to be gone: ln of the factor; 0: no zoom */
     double zoom_x, zoom_y;            /* the pixel that stays, */
     double zoom_at[3];                /* and the ground there */

@@ -13,7 +13,7 @@ fi
 
 cases=$((cases + 1))
 wanted='./bin/planar-viewer ./bin/planet-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/libterraclip.so.'"$(cat "$root/VERSION")"' ./lib/pkgconfig/terraclip.pc
-./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-window.so
+./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-video.so ./lib/terraclip/terraclip-window.so
 ./share/bash-completion/completions/planar-viewer ./share/bash-completion/completions/planet-viewer ./share/bash-completion/completions/terraclip
 ./share/man/man1/planar-viewer.1 ./share/man/man1/planet-viewer.1 ./share/man/man1/terraclip-extract.1 ./share/man/man1/terraclip-height.1
 ./share/man/man1/terraclip-info.1 ./share/man/man1/terraclip-pack.1 ./share/man/man1/terraclip-synth.1 ./share/man/man1/terraclip.1'

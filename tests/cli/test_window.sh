@@ -2,65 +2,8 @@
 # The viewer in a window, on a display of its own: it opens, draws, does what its keys say, and closes.
 . "${0%/*}/lib.sh"
 
-command -v xvfb-run >/dev/null 2>&1 || { skip 'xvfb-run is not installed'; finish; }
-command -v xdotool >/dev/null 2>&1 || { skip 'xdotool is not installed'; finish; }
-if [ -z "${TERRACLIP_DISPLAY:-}" ]; then
-    export TERRACLIP_DISPLAY=own
-    rm -rf "$work"
-    cd "$root" && xvfb-run -a -s '-screen 0 800x600x24 -noreset' sh "$root/tests/cli/test_window.sh" "$build"
-    exit
-fi
-unset WAYLAND_DISPLAY
-
-patience=150 # tenths of a second to wait for anything
-case $build in */sanitize) patience=900 ;; esac
-
-# Waits until a command succeeds.
-await() { # COMMAND...
-    tenths=0
-    until "$@" >/dev/null 2>&1; do
-        tenths=$((tenths + 1))
-        [ $tenths -lt $patience ] || return 1
-        sleep 0.1
-    done
-}
-
-window() {
-    xdotool search --name "${1:-planar-viewer}" 2>/dev/null | head -n 1
-}
-has_window() { [ -n "$(window "$@")" ]; }
-said() { grep -Eq -- "$1" stderr.txt stdout.txt; }
-gone() { ! kill -0 "$pid" 2>/dev/null; }
-
-# Starts the viewer and waits for its first frames: then the title has figures.
-start() { # ARGUMENT...
-    "$viewer" "$@" >stdout.txt 2>stderr.txt </dev/null &
-    pid=$!
-    if ! await has_window 'ms, .* triangles, .* levels'; then
-        report 'no window that draws' "$@"
-        kill -9 $pid
-        wait $pid
-        return 1
-    fi
-    id=$(window 'ms, .* triangles')
-    xdotool windowfocus --sync "$id" 2>/dev/null || xdotool windowfocus "$id"
-}
-
-# The viewer must end by itself.
-ends() { # WHAT
-    cases=$((cases + 1))
-    await gone || { fail "$1: does not end"; kill -9 $pid; }
-    wait $pid
-    rc=$?
-    [ $rc = 0 ] || report "$1: exit code $rc"
-}
-
-# A key makes the viewer say something.
-key() { # KEY REGEX
-    cases=$((cases + 1))
-    xdotool key "$1"
-    await said "$2" || fail "key $1: does not say '$2'"
-}
+. "$root/tests/cli/window.sh"
+on_own_display "$0"
 
 $make_file tiff hills.tif size=513x513 metres=30
 
@@ -176,11 +119,11 @@ refuses 2 'stats.json' $viewer hills.tif --views stats.json --stats stats.json
 # is background.
 
 filled() { # WxH: the window has this size, and shows nothing else
-    xwd -silent -id "$id" >window.xwd 2>/dev/null && [ "$("$build/tests/window-pixels" 20c040 <window.xwd)" = "0 of $(($1))" ]
+    [ "$(shown 20c040)" = "0 of $(($1))" ]
 }
 fills() { # WHAT WIDTH*HEIGHT
     cases=$((cases + 1))
-    await filled "$2" || fail "$1: the picture does not fill the window: $("$build/tests/window-pixels" 20c040 <window.xwd)"
+    await filled "$2" || fail "$1: the picture does not fill the window: $(shown 20c040)"
 }
 resizing() { # PROGRAM FILE VIEW
     viewer_before=$viewer
@@ -202,13 +145,9 @@ resizing() { # PROGRAM FILE VIEW
     fi
     viewer=$viewer_before
 }
-if command -v xwd >/dev/null 2>&1; then
-    $terraclip synth --kind planet --size 64 -o globe.tif -q
-    resizing "$viewer" hills.tif 2000,1500,20000,30,80
-    resizing "$globe" globe.tif 0,0,2e7,0,80
-else
-    skip 'xwd is not installed'
-fi
+$terraclip synth --kind planet --size 64 -o globe.tif -q
+resizing "$viewer" hills.tif 2000,1500,20000,30,80
+resizing "$globe" globe.tif 0,0,2e7,0,80
 
 # Schemes change at the same view: their pictures, of one planet, are alike.
 viewer_before=$viewer viewer=$globe
