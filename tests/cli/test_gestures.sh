@@ -66,7 +66,7 @@ differs() { # WHAT FIELD VIEW VIEW: numbers of two views, by at least a degree
 
 moves() { # PROGRAM FILE PICTURE VIEW
     viewer=$1 program=${1##*/}
-    start "$2" --imagery "$3" --size 480x360 --view "$4" --unlit --background 000000 --samples 1 || return
+    start "$2" --imagery "$3" --size 480x360 --view "$4" --unlit --background 000000 --samples 1 --no-display || return
     look
     cases=$((cases + 1))
     [ "${dot:-0}" -gt 20 ] || fail "$program: no dot is seen at first"
