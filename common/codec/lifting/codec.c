@@ -37,8 +37,8 @@ void tc_codec_init(tc_codec *codec, const tc_lifting_level *level, const tc_deta
             }
         }
     for (int mask = 0; mask < 256; mask++)
-        for (int lane = 0; lane < 8; lane++)
-            codec->spread[mask][lane] = (uint8_t)__builtin_popcount((unsigned)mask & ((1u << lane) - 1));
+        for (int lane = 0, before = 0; lane < 8; before += mask >> lane++ & 1)
+            codec->spread[mask][lane] = (uint8_t)before;
     for (int n = 0, bin = 0; n < TC_BIN_SPANS; n++) {
         int first = n < 2 ? 0 : (2 + n % 2) << n / 2 >> 1;
         while (bin < TC_BINS - 1 && tc_bin_threshold[bin] <= first)

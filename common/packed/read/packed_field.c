@@ -7,32 +7,10 @@
 #include <math.h>
 
 #include "common/base/rect.h"
-#include "common/base/simd.h"
 #include "common/base/status.h"
 #include "packed_internal.h"
 
 /* ---- Interface --------------------------------------------------------------------------------------------------- */
-
-static void metres(double origin, double unit, const int32_t *restrict k, int64_t count, float *restrict z)
-{
-    for (int64_t i = 0; i < count; i++)
-        z[i] = (float)(origin + unit * k[i]);
-}
-
-TC_TARGET_AVX2 __attribute__((flatten, noinline)) static void metres_avx2(double origin, double unit, const int32_t *k,
-                                                                          int64_t count, float *z)
-{
-    metres(origin, unit, k, count, z);
-}
-
-void tc_packed_metres(const packed_field *p, const tc_plane *units, const packed_target *to)
-{
-    const tc_container *c = &p->file.container;
-    tc_rect r = units->rect;
-    for (int64_t y = r.y0; y < r.y1; y++)
-        (tc_have_avx2() ? metres_avx2 : metres)(c->z_origin, c->z_unit, tc_plane_at(units, r.x0, y), r.x1 - r.x0,
-                                                to->z + (y - to->rect.y0) * to->stride + (r.x0 - to->rect.x0));
-}
 
 tc_status tc_packed_read_block(packed_field *p, int l, tc_rect rect, const packed_target *to, scratch *s)
 {

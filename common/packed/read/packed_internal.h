@@ -2,6 +2,7 @@
  *
  *     packed_heights.c   heights, from tiles and the coarser level
  *     packed_tiles.c     the tiles of a rectangle
+ *     packed_metres.c    metres from height units
  *     packed_masks.c     masks of voids, likewise
  *     packed_ready.c     whether they need no waiting, and reading ahead
  *     packed_range.c     bounds of heights
