@@ -121,7 +121,7 @@ static void decode_lifting(const tc_level_coder *c, tc_level_tile *tile, int cou
         tc_level_tile *t = &tile[n];
         tc_rect rect = tc_level_coder_positions(c, t->tx, t->ty);
         for (int b = 0; b < TC_BANDS; b++)
-            band[n][b] = (tc_plane){t->to->band[b][0], TC_TILE, rect};
+            band[n][b] = t->band ? t->band[b] : (tc_plane){t->to->band[b][0], TC_TILE, rect};
         job[n] = (tc_tile_job){t->tx, t->ty, 0, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], band[n], t->work, TC_OK};
     }
     tc_codec_decode_tiles(c->codec, job, count, coarse, TC_SIMD_AUTO);
@@ -151,8 +151,36 @@ static void upsample_tile(const tc_plane *coarse, const tc_plane *fine)
         }
 }
 
+/* A tile that adds nothing. */
+static void clear_tile(const tc_level_coder *c, const tc_level_tile *t)
+{
+    if (t->to) {
+        memset(t->to, 0, tc_decoded_tile_bytes(c->coder));
+        return;
+    }
+    for (int b = 0; b < TC_BANDS; b++) {
+        tc_rect r = tc_rect_intersect(tc_level_coder_positions(c, t->tx, t->ty), t->band[b].rect);
+        for (int64_t y = r.y0; y < r.y1; y++)
+            memset(tc_plane_at(&t->band[b], r.x0, y), 0, (size_t)(r.x1 - r.x0) * sizeof(int32_t));
+    }
+}
+
+/* Of the lifting: nothing is known of a tile that is lost. */
+static void decode_details(const tc_level_coder *c, tc_level_tile *t, const tc_plane *coarse)
+{
+    t->status = TC_ERR_FORMAT;
+    if (t->bytes)
+        decode_lifting(c, t, 1, coarse);
+    if (t->status)
+        clear_tile(c, t);
+}
+
 static void decode_tile(const tc_level_coder *c, tc_level_tile *t, const tc_plane *coarse)
 {
+    if (c->codec) {
+        decode_details(c, t, coarse);
+        return;
+    }
     tc_plane samples = {t->to->sample[0], TC_TILE_SIDE, tc_level_coder_samples(c, t->tx, t->ty)};
     t->status = TC_ERR_FORMAT;
     if (!t->bytes) {
@@ -163,11 +191,9 @@ static void decode_tile(const tc_level_coder *c, tc_level_tile *t, const tc_plan
     } else if (c->coder == TC_CODER_LH04) {
         t->status = tc_lh04_decode_tile(c->lh04, t->tx, t->ty, 0, t->bytes, t->entry.size[TC_STREAM_HEIGHTS], &samples,
                                         t->work, TC_SIMD_AUTO);
-    } else {
-        decode_lifting(c, t, 1, coarse);
     }
     if (t->status)
-        memset(t->to, 0, tc_decoded_tile_bytes(c->coder));
+        clear_tile(c, t);
     if (t->status && c->coder == TC_CODER_EXACT)
         upsample_tile(coarse, &samples);
 }
@@ -185,7 +211,7 @@ void tc_level_coder_decode(const tc_level_coder *c, tc_level_tile *tile, int cou
     decode_lifting(c, tile, count, coarse);
     for (int n = 0; n < count; n++)
         if (tile[n].status)
-            memset(tile[n].to, 0, tc_decoded_tile_bytes(c->coder));
+            clear_tile(c, &tile[n]);
 }
 
 void tc_level_coder_correct(const tc_level_coder *c, int32_t *z, const int32_t *k, int64_t count)

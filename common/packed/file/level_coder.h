@@ -55,6 +55,7 @@ typedef struct tc_level_tile {
     tc_tile_entry entry;
     const uint8_t *bytes; /* NULL: lost */
     tc_decoded_tile *to;
+    const tc_plane *band; /* [TC_BANDS] where details go instead, without corrections; else NULL */
     void *work;
     tc_status status; /* set */
 } tc_level_tile;

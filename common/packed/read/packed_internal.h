@@ -24,6 +24,7 @@ enum {
     WHOLE_SIZE = 256, /* levels of at most so many samples along a side are held whole */
     MASK_SIDE = 2 * TC_TILE,
     CHUNK_BYTES = 1 << 20,
+    LARGE = 1 << 19,      /* samples of a block that no nearer cache holds */
     AT_ONCE = TC_TOGETHER /* tiles that are decoded */
 };
 
@@ -41,6 +42,7 @@ typedef struct scratch {
     bool only_ready; /* it must not wait; missed: it would have had to, and fails */
     bool missed;
     bool waited;        /* for the file, for decoding, for another thread that decodes */
+    int large;          /* the level whose block of at least LARGE samples is read; 0: it is smaller */
     chunk *top, *spare; /* spare: chunks let go of, largest last */
     void *work[AT_ONCE];
     uint8_t *stream[AT_ONCE]; /* bytes of a tile */
@@ -161,7 +163,8 @@ typedef struct wanted_tile {
     int64_t tx, ty;
     int64_t turn;    /* positions: where the gathering goes round, the turn on which it meets the tile first */
     bool empty;      /* a tile of details without a byte */
-    tc_block *block; /* NULL: it is empty, or another thread is making it */
+    bool once;       /* nobody else will want it: it is made where it is wanted, and not kept */
+    tc_block *block; /* NULL: it is either of these, or another thread is making it */
 } wanted_tile;
 
 /* Columns of tiles that positions x0 .. x1 - 1 touch, each once: the first of them, on its turn; the others follow. */

@@ -7,8 +7,6 @@
 #include <immintrin.h>
 #endif
 
-enum { FAR = 1 << 19 }; /* samples that no nearer cache holds */
-
 static inline __attribute__((always_inline)) void metres_any(double origin, double unit, const int32_t *restrict k,
                                                              int64_t count, float *restrict z)
 {
@@ -56,7 +54,7 @@ void tc_packed_metres(const packed_field *p, const tc_plane *units, const packed
     void (*make)(double, double, const int32_t *, int64_t, float *) = metres;
 #if TC_AVX2
     if (tc_have_avx2())
-        make = tc_rect_area(to->rect) >= FAR ? metres_far_avx2 : metres_avx2;
+        make = tc_rect_area(to->rect) >= LARGE ? metres_far_avx2 : metres_avx2;
 #endif
     for (int64_t y = r.y0; y < r.y1; y++)
         make(c->z_origin, c->z_unit, tc_plane_at(units, r.x0, y), r.x1 - r.x0,

@@ -91,7 +91,8 @@ tile_columns tc_packed_columns(const tc_level_coder *c, int64_t x0, int64_t x1)
 wanted_tile tc_packed_column(const tc_level_coder *c, const tile_columns *t, int64_t n, int64_t ty)
 {
     int64_t at = t->first + n;
-    return (wanted_tile){at % t->across, ty, t->turn + at / t->across * tc_coarse_size(c->level.width), false, NULL};
+    int64_t turn = t->turn + at / t->across * tc_coarse_size(c->level.width);
+    return (wanted_tile){.tx = at % t->across, .ty = ty, .turn = turn};
 }
 
 uint64_t tc_packed_tile_key(const packed_field *p, int l, int64_t across, const wanted_tile *t)
@@ -132,7 +133,7 @@ static tc_status read_coarse(packed_field *p, int l, tc_rect need, const wanted_
                              scratch *s)
 {
     for (int n = 0; n < count; n++)
-        if (tile[n].block && !tile[n].block->made) {
+        if (tile[n].once || (tile[n].block && !tile[n].block->made)) {
             tc_rect own = tc_level_coder_needs(&p->level[l - 1].coder, tile[n].tx, tile[n].ty);
             own.x0 += tile[n].turn, own.x1 += tile[n].turn;
             need = tc_rect_around(need, own);
@@ -141,17 +142,26 @@ static tc_status read_coarse(packed_field *p, int l, tc_rect need, const wanted_
     return status ? status : tc_packed_units(p, l - 1, coarse, s);
 }
 
-/* Tiles of one turn read and decoded, a few. What is wrong with them is counted, and they count as empty. */
+/* Tiles of one turn read and decoded, a few; those that are wanted once to `to`. What is wrong with them is counted,
+ * and they count as empty. */
 static tc_status make_few(packed_field *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
-                          scratch *s)
+                          const tile_planes *to, scratch *s)
 {
     tc_level_tile job[AT_ONCE];
+    tc_plane band[TC_BANDS]; /* as the tiles see them */
+    for (int b = 0; b < TC_BANDS && to; b++) {
+        band[b] = to->band[b];
+        band[b].rect.x0 -= tile[0]->turn, band[b].rect.x1 -= tile[0]->turn;
+    }
     int64_t across = (tc_coarse_size(p->head.level[l - 1].width) + TC_TILE - 1) / TC_TILE;
     s->waited = true;
     for (int n = 0; n < count; n++) {
         tc_level_tile *t = &job[n];
-        *t = (tc_level_tile){
-            .tx = tile[n]->tx, .ty = tile[n]->ty, .to = (tc_decoded_tile *)tile[n]->block->bytes, .work = s->work[n]};
+        *t = (tc_level_tile){.tx = tile[n]->tx, .ty = tile[n]->ty, .work = s->work[n]};
+        if (tile[n]->once)
+            t->band = band;
+        else
+            t->to = (tc_decoded_tile *)tile[n]->block->bytes;
         tc_status status = tc_packed_file_entry(&p->file, l, t->tx, t->ty, &t->entry);
         if (!status)
             status = tc_packed_file_tile(&p->file, &t->entry, s->stream[n], tc_level_coder_bound());
@@ -180,8 +190,19 @@ static size_t tile_bytes(const packed_field *p, int l)
     return tc_decoded_tile_bytes(p->file.container.record[l - 1].coder);
 }
 
+/* Whether a tile that a large block takes is of no use to what may be read next to it. */
+static bool is_wanted_once(const packed_field *p, int l, const wanted_tile *t, tc_rect positions, const scratch *s)
+{
+    const tc_level_coder *c = &p->level[l - 1].coder;
+    /* How far another block reaches into this one; in coarser levels it takes what lies around whole tiles. */
+    int64_t reach = l == s->large ? 2 * TC_LIFTING_REACH : TC_TILE;
+    tc_rect inner = {positions.x0 + reach, positions.y0 + reach, positions.x1 - reach, positions.y1 - reach};
+    return s->large && c->coder == TC_CODER_LIFTING && positions.x1 - positions.x0 <= tc_coarse_size(c->level.width) &&
+           tc_rect_within(tile_on_turn(c, t->tx, t->ty, t->turn), inner);
+}
+
 /* Takes a tile that is kept or is to be made, or finds that it is empty or that another thread is making it. */
-static tc_status take_tile(packed_field *p, int l, uint64_t key, wanted_tile *t, scratch *s)
+static tc_status take_tile(packed_field *p, int l, uint64_t key, wanted_tile *t, tc_rect positions, scratch *s)
 {
     bool busy = false;
     if ((t->block = tc_block_find(&p->store->blocks, key)))
@@ -206,28 +227,29 @@ static tc_status take_tile(packed_field *p, int l, uint64_t key, wanted_tile *t,
         if (t->empty)
             tc_faults_remove(&p->store->faults, key);
     }
-    if (t->empty)
+    if (t->empty || (t->once = !status && is_wanted_once(p, l, t, positions, s)))
         return TC_OK;
     t->block = tc_block_try(&p->store->blocks, key, tile_bytes(p, l), &busy);
     return t->block || busy ? TC_OK : TC_ERR_MEMORY;
 }
 
-/* Makes the next few of the tiles that nobody else has made or is making. */
-static tc_status make_next(gathering *g)
+/* Makes the next few of the tiles that nobody else has made or is making; behind row ty only what is kept. */
+static tc_status make_next(gathering *g, int64_t ty, const tile_planes *to)
 {
     const wanted_tile *few[AT_ONCE];
     int held = 0;
     for (; g->begun < g->count && held < AT_ONCE; g->begun++) {
         const wanted_tile *t = &g->tile[g->begun];
-        if (!t->block || t->block->made)
+        if (!t->once && (!t->block || t->block->made))
             continue;
-        if (held > 0 && t->turn != few[0]->turn)
+        if ((t->once && t->ty > ty) || (held > 0 && t->turn != few[0]->turn))
             break;
         few[held++] = t;
     }
-    tc_status status = held > 0 ? make_few(g->field, g->level, few, held, &g->coarse, g->scratch) : TC_OK;
+    tc_status status = held > 0 ? make_few(g->field, g->level, few, held, &g->coarse, to, g->scratch) : TC_OK;
     for (int n = 0; n < held; n++)
-        tc_block_made(&g->field->store->blocks, few[n]->block, !status);
+        if (few[n]->block)
+            tc_block_made(&g->field->store->blocks, few[n]->block, !status);
     return status;
 }
 
@@ -246,7 +268,7 @@ static tc_status await_tile(const gathering *g, wanted_tile *t)
     tc_plane coarse = {0};
     tc_status status = read_coarse(p, l, (tc_rect){0, 0, 0, 0}, t, 1, &coarse, g->scratch);
     if (!status)
-        status = make_few(p, l, (const wanted_tile *[]){t}, 1, &coarse, g->scratch);
+        status = make_few(p, l, (const wanted_tile *[]){t}, 1, &coarse, NULL, g->scratch);
     tc_block_made(&p->store->blocks, t->block, !status);
     tc_scratch_return(g->scratch, m);
     return status;
@@ -266,7 +288,7 @@ tc_status tc_gather_begin(packed_field *p, int l, tc_rect positions, tc_rect nee
     for (int64_t k = 0; k < all && !status; k++) {
         wanted_tile *w = &g->tile[g->count];
         *w = tc_packed_column(coder, &t, k % t.count, ty + k / t.count);
-        status = take_tile(p, l, tc_packed_tile_key(p, l, t.across, w), w, s);
+        status = take_tile(p, l, tc_packed_tile_key(p, l, t.across, w), w, positions, s);
         if (w->empty)
             need = tc_rect_around(need, tc_codec_tile_needs(coder->codec, positions));
         g->count += status == TC_OK;
@@ -287,14 +309,16 @@ tc_status tc_gather_row(gathering *g, int64_t ty, const tile_planes *to)
             continue;
         }
         while (!status && g->begun < g->count && g->tile[g->begun].ty <= ty)
-            status = make_next(g);
-        if (!status && !t->block)
+            status = make_next(g, ty, to);
+        if (!status && !t->block && !t->once)
             status = await_tile(g, t);
         if (status)
             break;
+        g->done++;
+        if (t->once)
+            continue;
         copy_tile(coder, t->tx, t->ty, (const tc_decoded_tile *)t->block->bytes, to);
         tc_block_release(&g->field->store->blocks, t->block);
-        g->done++;
     }
     return status;
 }
