@@ -54,7 +54,7 @@ static int await(Display *display, int what, const char *list)
         if (event.type == SelectionRequest)
             hand_over(display, &event.xselectionrequest, list);
         if (event.type == ClientMessage && event.xclient.message_type == atom[what])
-            return (int)(event.xclient.data.l[1] & 1); /* accepted */
+            return event.xclient.data.l[1] != 0; /* accepted; GLFW tells how many bytes */
     }
     return 0;
 }
