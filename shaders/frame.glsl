@@ -18,8 +18,8 @@ layout(std140, binding = 0) uniform Frame {
                            // are drawn
     vec4 around[5];        // of a flat terrain [0]: its west, south, east and north end from the eye; [1]: the sea from the eye
                            // and above z_base, the foot of walls above that, depth of the sea at the edge; [2]: how far the sea
-                           // goes, 1 / the terrain's extent, how far it goes below the terrain, 1 / height above the foot;
-                           // [3]: rgb of walls; [4]: latitude of the eye, radians, and by metres north of it, true height that
+                           // goes, 1 / the terrain's extent, how far it goes below the terrain, how far inner walls rise above it;
+                           // [3]: rgb of walls, 1 / height above the foot; [4]: latitude of the eye, radians, and by metres north of it, true height that
                            // the ramp begins at, metres above the sea
     vec4 space[3];         // east, north and up of the eye, in axes that do not turn with it
     vec4 body[BODY_VECTORS]; // of a globe: body_*.glsl

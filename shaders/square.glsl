@@ -118,7 +118,7 @@ vec3 surface_vertex()
     precise float above = (height - eye.x) - eye.y;
 #ifdef WALLS
     if (at_foot())
-        above = ((height > around[1].y ? around[1].z : around[1].y) - eye.x) - eye.y;
+        above = ((height > around[1].y ? around[1].z : around[1].y + around[2].w) - eye.x) - eye.y;
     v_height = above;
     bool row = gl_VertexID >= 1 << 20, first = (gl_VertexID >> 10 & 1023) == 0;
     v_wall = vec3((first ? -1.0 : 1.0) * (row ? vec2(0.0, 1.0) : vec2(1.0, 0.0)), float(block_layer()));

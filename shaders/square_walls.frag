@@ -8,7 +8,7 @@ in float v_void;
 // Layers of rock, by height: shares of the wall's colour. They fade where they come too near to each other.
 float strata(float height)
 {
-    float at = (height - around[1].z) * around[2].w * 40.0;
+    float at = (height - around[1].z) * around[3].w * 40.0;
     float bent = at + 1.3 * sin(0.37 * at) + 0.8 * sin(0.11 * at + 1.0);
     return 1.0 + 0.16 * sin(bent) * clamp(1.0 - fwidth(bent), 0.0, 1.0);
 }
@@ -19,8 +19,9 @@ Ground surface_ground()
     g.height = (v_height + eye.y) + eye.x;
     g.colour = vec4(around[3].rgb * strata(g.height), 1.0);
 #if defined(SEA) && defined(WATER)
-    bool wet = g.height <= around[1].y; // of ground below the sea: else the sea is before it
+    bool wet = g.height <= around[1].y + around[2].w; // of ground below the sea: else the sea is before it
     g.colour.a = wet ? 0.0 : 1.0;
+    g.height = wet ? min(g.height, heights.x - around[1].w) : g.height; // as the sea around is coloured
 #else
     const bool wet = false;
 #endif

@@ -84,17 +84,17 @@ static void set_around(tc_frame_uniforms *u, const tc_view *view, const tc_scene
                  north = (double)(finest.height - 1) * finest.spacing_y - c->y;
     /* A little below shores of just that height, which it would lie in. */
     const double below = fmin(fmax(1e-5 * view->surface->extent, 1e-3), 0.5), sea = a->level - below;
-    const double foot = needs->sea ? fmin(sea - below, a->foot) : a->foot;
+    const double foot = needs->sea ? sea - below : a->foot; /* not deep: walls pass from below the sea to above it */
     tc_set4(u->around[0], -c->x, -c->y, east, north);
     tc_set4(u->around[1], needs->sea ? sea - c->z : NOWHERE, needs->sea ? sea - z_base : NOWHERE, foot - z_base,
             a->depth);
     tc_set4(u->around[2], FARTHEST * (view->surface->extent + fabs(c->z)), 1 / view->surface->extent,
-            0.1 * fmin(finest.spacing_x, finest.spacing_y),
-            1 / fmax(z_base + (double)tc_field_info(field)->z_max - foot, 1e-3));
+            0.1 * fmin(finest.spacing_x, finest.spacing_y) + 5e-5 * view->surface->extent, needs->sea ? below : 0);
     const double by_metre = (a->north - a->south) / fmax(north + c->y, 1e-3);
     tc_set4(u->around[4], a->south + by_metre * c->y, by_metre, ((double)palette->heights[0] + z_base) / exaggeration,
             0);
     memcpy(u->around[3], palette->wall, sizeof palette->wall);
+    u->around[3][3] = (float)(1 / fmax(z_base + (double)tc_field_info(field)->z_max - foot, 1e-3));
 }
 
 static void set_space(tc_frame_uniforms *u, const tc_body *body, const tc_camera *camera)

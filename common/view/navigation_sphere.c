@@ -104,13 +104,15 @@ static tc_pose between(const tc_pose *a, const tc_pose *b, double share)
 /* ---- The whole --------------------------------------------------------------------------------------------------- */
 
 /* A view of the middle of a part of a globe, from so far, which looks so steeply down on it: the eye is on the meridian
- * of the middle, south of it or, where it would be beyond the pole, so near to it as can be. */
+ * of the middle, south of it; at the south pole, beyond which it would be, north of it. */
 static tc_pose view_of(double longitude, double latitude, double radius, double distance, double pitch)
 {
     /* In the plane of the meridian, from the middle: north and up. */
+    const double POLE = -70 * DEGREE;
     const double north = -distance * cos(pitch), up = radius + distance * sin(-pitch), turned = atan2(north, up);
     return (tc_pose){.x = longitude,
-                     .y = latitude + turned,
+                     .y = latitude < POLE ? latitude - turned : latitude + turned,
+                     .heading = latitude < POLE ? M_PI : 0,
                      .z = hypot(north, up) - radius,
                      .pitch = fmax(pitch + turned, -M_PI / 2)};
 }

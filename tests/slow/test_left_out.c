@@ -46,6 +46,10 @@ static const struct trace {
     {"contours", "contoured", NULL, 0, 0},
     {"tolerance", "#define TOLERANCE", NULL, 0, 0},
     {"exaggeration", "#define EXAGGERATED", NULL, 0, 0},
+    {"walls", "vec3 v_wall", NULL, 0, 0},
+    {"sea around", "0.85 / heights.y", NULL, 0, 0},
+    {"stars", "vec3 starlight", NULL, 0, 0},
+    {"climate", "vec3 zoned", NULL, 0, 0},
 };
 
 static bool multisampled(const gl_record *r)
@@ -109,7 +113,8 @@ static void assert_told(const lean_scene *l, const tc_renderer *renderer)
     static const char *const lines[LEAN_PARTS] = {
         [0] = "lighting",   [1] = "sky",           [3] = "void mask", [4] = "rock",
         [5] = "water",      [6] = "level colours", [7] = "smooth",    [10] = "imagery",
-        [11] = "synthesis", [12] = "normal map",   [16] = "contours", [18] = "exaggeration"};
+        [11] = "synthesis", [12] = "normal map",   [16] = "contours", [18] = "exaggeration",
+        [19] = "walls",     [20] = "sea around",   [21] = "stars",    [22] = "climate"};
     static tc_left_out list;
     tc_explain_left_out(renderer, &list);
     assert_true(list.count > 0 && list.lines[list.count] == NULL);

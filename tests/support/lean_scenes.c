@@ -101,6 +101,16 @@ const lean_scene lean_scenes[LEAN_SCENES] = {
      120,
      -10,
      LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_EXAGGERATION},
+    {"around",
+     LEAN_COAST,
+     {.around = {.walls = true, .sea = true, .climate = true, .foot = -2000, .depth = 50, .south = .6, .north = .61}},
+     -.2,
+     .4,
+     900,
+     70,
+     -10,
+     LIT_LAND | LEAN_WATER | LEAN_CLOSERS | LEAN_WALLS | LEAN_SEA | LEAN_CLIMATE},
+    {"moon-stars", LEAN_MOON, {.around.stars = true}, 10, 5, 20000, 60, -20, LIT | LEAN_SKY | LEAN_SPHERE | LEAN_STARS},
 };
 
 /* ---- Grounds ---------------------------------------------------------------------------------------------------- */

@@ -27,7 +27,11 @@ enum {
     LEAN_CONTOURS = 1 << 16,
     LEAN_TOLERANCE = 1 << 17,
     LEAN_EXAGGERATION = 1 << 18,
-    LEAN_PARTS = 19
+    LEAN_WALLS = 1 << 19,
+    LEAN_SEA = 1 << 20,
+    LEAN_STARS = 1 << 21,
+    LEAN_CLIMATE = 1 << 22,
+    LEAN_PARTS = 23
 };
 
 /* Over what a scene is. */
@@ -54,7 +58,7 @@ typedef struct lean_scene {
     double heading, pitch;
     unsigned needs; /* what must be there; nothing else may */
 } lean_scene;
-enum { LEAN_SCENES = 20 };
+enum { LEAN_SCENES = 22 };
 extern const lean_scene lean_scenes[LEAN_SCENES];
 
 /* A ground, made when first asked for. free_all: of those asked for. */
