@@ -137,6 +137,33 @@ static void damage_keeps_the_constant(void **state)
     m->bytes[m->size - 3] = kept;
 }
 
+/* A large block, whose inner tiles are not kept, and small ones give the same bits, damage or none. */
+static void large_blocks_are_the_same(void **state)
+{
+    enum { SIDE = 250 };
+    slow_source *m = *state;
+    static float large[SIZE * SIZE], small[SIZE * SIZE];
+    tc_rect all = {0, 0, SIZE, SIZE};
+    for (int damaged = 0; damaged < 2; damaged++) {
+        size_t at = m->size - m->size / 3;
+        m->bytes[at] ^= damaged ? 0x55 : 0;
+        tc_field *f = slow_field(m, NULL), *g = slow_field(m, NULL);
+        int l = tc_field_info(f)->levels;
+        assert_int_equal(tc_field_read(f, l, all, large, NULL, SIZE), TC_OK);
+        for (int64_t y = 0; y < SIZE; y += SIDE)
+            for (int64_t x = 0; x < SIZE; x += SIDE) {
+                tc_rect r = {x, y, tc_min64(x + SIDE, SIZE), tc_min64(y + SIDE, SIZE)};
+                assert_int_equal(tc_field_read(g, l, r, small + y * SIZE + x, NULL, SIZE), TC_OK);
+            }
+        assert_memory_equal(large, small, sizeof large);
+        assert_int_equal(tc_field_tell(f).damaged > 0, damaged);
+        assert_int_equal(tc_field_tell(g).damaged > 0, damaged);
+        assert_true(tc_field_tell(f).cache_bytes < tc_field_tell(g).cache_bytes);
+        tc_field_destroy(f), tc_field_destroy(g);
+        m->bytes[at] ^= damaged ? 0x55 : 0;
+    }
+}
+
 /* Memory is what was asked for, once no window needs more. */
 static void the_cache_keeps_its_promise(void **state)
 {
@@ -269,6 +296,7 @@ int main(void)
         cmocka_unit_test(ranges_narrow),
         cmocka_unit_test(unreadable_tiles_are_told),
         cmocka_unit_test(damage_keeps_the_constant),
+        cmocka_unit_test(large_blocks_are_the_same),
         cmocka_unit_test(the_cache_keeps_its_promise),
         cmocka_unit_test(a_decorated_field_passes_all_on),
     };
