@@ -27,7 +27,21 @@ static tc_rect samples_of(const tc_block_lattice *l, tc_block b, int finer)
     return (tc_rect){r.x0, r.y0, r.x1 + last[0], r.y1 + last[1]};
 }
 
-/* Looks up a block. E of a level is known from the next finer one's samples (tc_range.error). */
+/* E of the level before a block's next coarser one, or of the finest one before that is known. */
+static float coarser_error(const tc_block_errors *e, tc_block b)
+{
+    tc_rect r = samples_of(e->ground.lattice, b, 0);
+    for (int level = b.level - 1; level > 1; level--) {
+        r = (tc_rect){r.x0 >> 1, r.y0 >> 1, ((r.x1 - 1) >> 1) + 1, ((r.y1 - 1) >> 1) + 1};
+        const float error = e->ground.range(e->ground.context, b.chart, level, r).error;
+        if (isfinite(error))
+            return error;
+    }
+    return INFINITY;
+}
+
+/* Looks up a block. E of a level is known from the next finer one's samples (tc_range.error); what is not known yet is
+ * no more than that of a coarser level. */
 static void look_up(tc_block_errors *e, tc_block b)
 {
     tc_level_errors *l = &e->level[b.chart][b.level - 1];
@@ -45,9 +59,11 @@ static void look_up(tc_block_errors *e, tc_block b)
             if (finer == 0)
                 l->block[y][x].lo = r.lo, l->block[y][x].hi = r.hi;
         }
-        l->block[y][x].error[finer] = error;
-        if (!isfinite(error))
+        if (!isfinite(error)) {
             l->block[y][x].view = e->view;
+            error = finer > 0 ? l->block[y][x].error[finer - 1] : coarser_error(e, b);
+        }
+        l->block[y][x].error[finer] = error;
     }
 }
 

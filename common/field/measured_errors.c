@@ -16,8 +16,8 @@ enum {
 
 typedef struct measurement {
     const tc_field *field;
-    tc_range_pyramid *errors;
-    int64_t across; /* blocks in a row */
+    const tc_error_sink *sink;
+    int64_t across, first; /* blocks in a row, and before those under way */
     pthread_mutex_t mutex;
     _Atomic tc_status status;
 } measurement;
@@ -60,24 +60,48 @@ static tc_status read_mesh(const tc_field *field, int level, tc_rect r, float (*
     return status;
 }
 
-/* Samples `begin` to `end` - 1 of a cell's row, from its west side on, against its two triangles: heights go evenly
- * from `west` to the diagonal after `kink` samples, and on to `east`. */
-static float cell_error(const float *z, int64_t begin, int64_t end, float west, float diagonal, float east,
-                        int64_t kink, int64_t cell)
+/* A row of finest samples in cells of a coarser mesh: `up` rows above its southern samples, cells `cell` samples wide,
+ * the first sample `first` within one. */
+typedef struct mesh_row {
+    const float *south, *north;
+    int up, cell, first, count;
+} mesh_row;
+
+/* Heights of the mesh there: in a cell they go evenly from its west side to the diagonal, and on to its east side. */
+static void follow(const mesh_row *r, float *z)
 {
-    const float to = kink > 0 ? (diagonal - west) / (float)kink : 0,
-                on = kink < cell ? (east - diagonal) / (float)(cell - kink) : 0;
-    const int64_t first = tc_min64(kink, end);
-    float most = 0;
-    for (int64_t i = begin; i < first; i++) {
-        const float off = fabsf(z[i] - (west + (float)i * to));
-        most = off > most ? off : most;
+    const float t = (float)r->up / (float)r->cell;
+    const int kink = r->cell - r->up;
+    for (int x = 0, c = 0, i = r->first; x < r->count; c++, i = 0) {
+        const float *south = r->south + c, *north = r->north + c;
+        const int end = r->count - x < r->cell - i ? i + r->count - x : r->cell, middle = kink < end ? kink : end;
+        const float west = south[0] + t * (north[0] - south[0]), diagonal = south[1] + t * (north[0] - south[1]),
+                    east = south[1] + t * (north[1] - south[1]), to = (diagonal - west) / (float)kink,
+                    on = r->up > 0 ? (east - diagonal) / (float)r->up : 0;
+        for (; i < middle; i++)
+            z[x++] = west + (float)i * to;
+        for (; i < end; i++)
+            z[x++] = diagonal + (float)(i - kink) * on;
     }
-    for (int64_t i = tc_max64(kink, begin); i < end; i++) {
-        const float off = fabsf(z[i] - (diagonal + (float)(i - kink) * on));
-        most = off > most ? off : most;
+}
+
+/* The same where cells are small: by the place within them, for all of them at once. */
+static inline void follow_small(const mesh_row *r, int cell, float *z)
+{
+    const float part = 1 / (float)cell;
+    const int cells = (r->count + cell - 1) / cell;
+    for (int i = 0; i < cell; i++) {
+        const int beyond = i + r->up - cell; /* of the diagonal */
+        if (beyond < 0) {
+            const float se = (float)i * part, nw = (float)r->up * part, sw = 1 - se - nw;
+            for (int c = 0; c < cells; c++)
+                z[c * cell + i] = sw * r->south[c] + se * r->south[c + 1] + nw * r->north[c];
+        } else {
+            const float nw = (float)(cell - i) * part, se = (float)(cell - r->up) * part, ne = 1 - se - nw;
+            for (int c = 0; c < cells; c++)
+                z[c * cell + i] = nw * r->north[c] + se * r->south[c + 1] + ne * r->north[c + 1];
+        }
     }
-    return most;
 }
 
 /* Finest samples of a block, rows BLOCK apart, against the mesh of a level `shift` halvings coarser, whose first sample
@@ -86,21 +110,33 @@ static void compare(const float *fine, tc_rect block, const float *mesh, tc_rect
                     float *error)
 {
     const int64_t cell = (int64_t)1 << shift, stride = coarse.x1 - coarse.x0;
+    const int count = (int)(block.x1 - block.x0);
+    float line[BLOCK], most[BLOCK] = {0};
     for (int64_t j = block.y0; j < block.y1; j++) {
-        const int64_t row = j >> shift, up = j - (row << shift);
-        const float t = (float)up / (float)cell, *south = mesh + (row - coarse.y0) * stride, *north = south + stride;
+        const int64_t row = j >> shift;
+        const mesh_row r = {mesh + (row - coarse.y0) * stride, mesh + (row - coarse.y0 + 1) * stride,
+                            (int)(j - (row << shift)),         (int)cell,
+                            (int)(block.x0 & (cell - 1)),      count};
+        if (cell == 2)
+            follow_small(&r, 2, line);
+        else if (cell == 4)
+            follow_small(&r, 4, line);
+        else if (cell == 8)
+            follow_small(&r, 8, line);
+        else
+            follow(&r, line);
+        const float *z = fine + (j - block.y0) * BLOCK;
+        for (int x = 0; x < count; x++) {
+            const float off = fabsf(z[x] - line[x]);
+            most[x] = off > most[x] ? off : most[x];
+        }
+        if (((j + 1) & (((int64_t)1 << tile) - 1)) != 0 && j + 1 < block.y1)
+            continue;
         float *to = error + ((j >> tile) - (block.y0 >> tile)) * (BLOCK / TC_ERROR_TILE);
-        for (int64_t x = block.x0; x < block.x1;) {
-            /* A block may begin within a cell. */
-            const int64_t c = x >> shift, from = c << shift, end = tc_min64(from + cell, block.x1), i = c - coarse.x0;
-            const float west = south[i] + t * (north[i] - south[i]),
-                        diagonal = south[i + 1] + t * (north[i] - south[i + 1]),
-                        east = south[i + 1] + t * (north[i + 1] - south[i + 1]);
-            const float *z = fine + (j - block.y0) * BLOCK + (from - block.x0);
-            const float most = cell_error(z, x - from, end - from, west, diagonal, east, cell - up, cell);
-            float *of = &to[(x >> tile) - (block.x0 >> tile)];
-            *of = most > *of ? most : *of;
-            x = end;
+        for (int x = 0; x < count; x++) {
+            float *of = &to[((block.x0 + x) >> tile) - (block.x0 >> tile)];
+            *of = most[x] > *of ? most[x] : *of;
+            most[x] = 0;
         }
     }
 }
@@ -113,7 +149,6 @@ static tc_status measure_block(measurement *m, tc_rect block, room *r)
         const int shift = finest - level + 1, tile = TC_ERROR_TILE_SHIFT + finest - level;
         const tc_rect coarse = {block.x0 >> shift, block.y0 >> shift, ((block.x1 - 1) >> shift) + 2,
                                 ((block.y1 - 1) >> shift) + 2};
-        const tc_range_pyramid *to = &m->errors[level - 1];
         const int64_t tx = block.x0 >> tile, ty = block.y0 >> tile, nx = ((block.x1 - 1) >> tile) + 1 - tx,
                       ny = ((block.y1 - 1) >> tile) + 1 - ty;
         status = read_mesh(m->field, level - 1, coarse, r->held, r->coarse);
@@ -123,11 +158,7 @@ static tc_status measure_block(measurement *m, tc_rect block, room *r)
             r->error[n] = 0;
         compare(r->fine, block, r->coarse, coarse, shift, tile, r->error);
         pthread_mutex_lock(&m->mutex);
-        for (int64_t y = 0; y < ny; y++)
-            for (int64_t x = 0; x < nx; x++) {
-                float *error = &to->node[(ty + y) * to->nx + tx + x].error;
-                *error = fmaxf(*error, r->error[y * (BLOCK / TC_ERROR_TILE) + x]);
-            }
+        m->sink->raise(m->sink->context, level, (tc_rect){tx, ty, tx + nx, ty + ny}, r->error, BLOCK / TC_ERROR_TILE);
         pthread_mutex_unlock(&m->mutex);
     }
     return status;
@@ -137,7 +168,7 @@ static void measure_task(void *context, int64_t n)
 {
     measurement *m = context;
     const tc_level size = tc_field_level(m->field, tc_field_info(m->field)->levels);
-    const int64_t x = n % m->across * BLOCK, y = n / m->across * BLOCK;
+    const int64_t x = (m->first + n) % m->across * BLOCK, y = (m->first + n) / m->across * BLOCK;
     if (m->status)
         return;
     room *r = malloc(sizeof *r);
@@ -147,6 +178,35 @@ static void measure_task(void *context, int64_t n)
     if (status)
         m->status = status;
     free(r);
+}
+
+tc_status tc_measure_errors_to(const tc_field *field, const tc_error_sink *sink, int threads)
+{
+    enum { AT_ONCE = 256 }; /* blocks between questions whether to go on */
+    const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    measurement m = {.field = field, .sink = sink, .across = (finest.width + BLOCK - 1) / BLOCK};
+    const int64_t blocks = m.across * ((finest.height + BLOCK - 1) / BLOCK);
+    pthread_mutex_init(&m.mutex, NULL);
+    for (; m.first < blocks && !m.status; m.first += AT_ONCE) {
+        const int64_t count = tc_min64(AT_ONCE, blocks - m.first);
+        tc_parallel_for(threads, count, measure_task, &m);
+        if (!m.status && sink->go_on && !sink->go_on(sink->context, (double)count / (double)blocks))
+            m.status = TC_ERR_IO;
+    }
+    pthread_mutex_destroy(&m.mutex);
+    return m.status;
+}
+
+/* ---- Into pyramids ---------------------------------------------------------------------------------------------- */
+
+static void raise_nodes(void *context, int level, tc_rect leaves, const float *error, ptrdiff_t stride)
+{
+    const tc_range_pyramid *to = (const tc_range_pyramid *)context + level - 1;
+    for (int64_t y = leaves.y0; y < leaves.y1; y++)
+        for (int64_t x = leaves.x0; x < leaves.x1; x++) {
+            float *node = &to->node[y * to->nx + x].error;
+            *node = fmaxf(*node, error[(y - leaves.y0) * stride + x - leaves.x0]);
+        }
 }
 
 /* No less than the finer level's. */
@@ -162,8 +222,6 @@ static void add_finer(const tc_range_pyramid *to, const tc_range_pyramid *finer)
 tc_status tc_measure_errors(const tc_field *field, tc_range_pyramid *errors)
 {
     const int levels = tc_field_info(field)->levels;
-    const tc_level finest = tc_field_level(field, levels);
-    measurement m = {.field = field, .errors = errors, .across = (finest.width + BLOCK - 1) / BLOCK};
     for (int l = 1; l <= levels; l++) {
         const tc_level size = tc_field_level(field, l);
         tc_range_pyramid *r = &errors[l - 1];
@@ -174,15 +232,12 @@ tc_status tc_measure_errors(const tc_field *field, tc_range_pyramid *errors)
         for (int64_t n = 0; n < r->nx * r->ny && l == 1; n++)
             r->node[n].error = INFINITY;
     }
-    pthread_mutex_init(&m.mutex, NULL);
-    tc_parallel_for(0, m.across * ((finest.height + BLOCK - 1) / BLOCK), measure_task, &m);
-    pthread_mutex_destroy(&m.mutex);
-    for (int l = levels; l >= 2 && !m.status; l--)
-        if (l > 2)
-            add_finer(&errors[l - 2], &errors[l - 1]);
-    for (int l = 1; l <= levels && !m.status; l++)
+    const tc_status status = tc_measure_errors_to(field, &(tc_error_sink){errors, raise_nodes, NULL}, 0);
+    for (int l = levels; l > 2 && !status; l--)
+        add_finer(&errors[l - 2], &errors[l - 1]);
+    for (int l = 1; l <= levels && !status; l++)
         tc_range_build(&errors[l - 1]);
-    return m.status;
+    return status;
 }
 
 float tc_measured_error(const tc_range_pyramid *errors, tc_rect r, int64_t most_x, int *reads)

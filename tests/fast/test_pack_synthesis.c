@@ -148,7 +148,7 @@ static void files_are_the_same_otherwise(void **state)
     }
     assert_true(size[1] == size[2] && !memcmp(bytes[1], bytes[2], size[1]));
     assert_int_equal(size[1], size[0] + section);
-    assert_true(bytes[0][29] == 0 && bytes[1][29] == 1);
+    assert_true(bytes[0][29] == 1 && bytes[1][29] == 2);
     size_t head = (size_t)tc_load(bytes[0] + TC_HEAD_SIZE_AT, 4);
     assert_int_equal(tc_load(bytes[1] + TC_HEAD_SIZE_AT, 4), head + section);
     assert_memory_equal(bytes[0] + head, bytes[1] + head + section, size[0] - head);

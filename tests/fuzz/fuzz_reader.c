@@ -7,6 +7,8 @@
 #include <string.h>
 
 #include "common/base/rect.h"
+#include "common/field/field.h"
+#include "common/packed/file/container.h"
 #include "common/terraclip.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -30,6 +32,7 @@ static float *read_rect(const tc_field *p, int l, tc_rect r, uint8_t **voids_ret
     expect(z && *voids_ret, "no memory");
     tc_range range = tc_field_range(p, l, r);
     expect(isfinite(range.lo) && isfinite(range.hi) && range.lo <= range.hi, "bounds are nonsense");
+    expect(range.error >= 0, "an error is nonsense");
     if (tc_field_read(p, l, r, z, *voids_ret, r.x1 - r.x0)) {
         free(z);
         return NULL;
@@ -56,6 +59,13 @@ static void check_part(const tc_field *p, int l, tc_rect whole, const float *z, 
     free(some), free(v);
 }
 
+/* Whether errors are read: without, they would be measured on all of it, however large. */
+static bool tells_errors(const tc_field *p)
+{
+    const tc_container *c = tc_field_container(p);
+    return c && c->errors && c->voids == 0 && c->info.levels_missing == 0;
+}
+
 /* Around a corner, of a field that goes on beyond its sides. */
 static void read_beyond(const tc_field *p, int l)
 {
@@ -72,6 +82,8 @@ static void read_beyond(const tc_field *p, int l)
 
 static void read_chart(const tc_field *p)
 {
+    if (tells_errors(p))
+        tc_field_know_errors(p);
     for (int l = 1; l <= tc_field_info(p)->levels; l++) {
         tc_level level = tc_field_level(p, l);
         tc_rect all = {0, 0, level.width, level.height}, r = all;

@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 
+#include "common/base/crc32c.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/base/wkt.h"
@@ -77,6 +78,22 @@ int64_t tc_directory_bytes(const tc_pages *p)
 {
     int64_t entries = p->pages_x * p->pages_y;
     return entries * TC_DIRECTORY_ENTRY + 4 * ceil_div(entries, TC_DIRECTORY_CHUNK);
+}
+
+void tc_directory_put(uint8_t *directory, int64_t number, uint64_t offset, size_t size, uint32_t crc)
+{
+    uint8_t *entry = directory + tc_directory_chunk_offset(number / TC_DIRECTORY_CHUNK) +
+                     number % TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY;
+    tc_store(entry, offset, 8), tc_store(entry + 8, size, 4), tc_store(entry + 12, crc, 4);
+}
+
+void tc_directory_seal(uint8_t *directory, int64_t count)
+{
+    for (int64_t first = 0, chunk = 0; first < count; first += TC_DIRECTORY_CHUNK, chunk++) {
+        uint8_t *bytes = directory + tc_directory_chunk_offset(chunk);
+        const size_t size = (size_t)tc_min64(count - first, TC_DIRECTORY_CHUNK) * TC_DIRECTORY_ENTRY;
+        tc_store(bytes + size, tc_crc32c(0, bytes, size), 4);
+    }
 }
 
 tc_rect tc_page_tiles(const tc_pages *p, int64_t px, int64_t py)

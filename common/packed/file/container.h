@@ -75,6 +75,13 @@ typedef struct tc_level_record {
     size_t model_size;
 } tc_level_record;
 
+/* Where a level's errors against the finest one stand (error_store.h), and the largest of them, metres. */
+typedef struct tc_error_place {
+    int shift; /* leaves have 2^shift samples a side */
+    float most;
+    int64_t begin, bytes; /* of levels that are coded */
+} tc_error_place;
+
 typedef struct tc_container {
     tc_packed_info info;              /* terrain.georef.crs_wkt owned */
     int wraps_from;                   /* the coarsest level that wraps; above `levels`: none does */
@@ -88,8 +95,10 @@ typedef struct tc_container {
     tc_level_record record[TC_MAX_FIELD_LEVELS]; /* [l - 1]; for l > base */
     int32_t base_z[TC_BASE_SIZE * TC_BASE_SIZE]; /* [j * width + i] */
     uint8_t base_void[TC_BASE_SIZE * TC_BASE_SIZE];
-    tc_chart_kind kind;                 /* of files of version 3 */
-    tc_face_source source;              /* of the first of several faces; else of no width */
+    bool errors;                               /* the file tells them, of all levels; version 3 */
+    tc_error_place error[TC_MAX_FIELD_LEVELS]; /* [l - 1]; for l > 1 */
+    tc_chart_kind kind;                        /* of files of version 3 */
+    tc_face_source source;                     /* of the first of several faces; else of no width */
     struct tc_synthesis_fit *synthesis; /* of the file's first chart (synthesis.h); owned. NULL: none is stored */
 } tc_container;
 
@@ -117,6 +126,10 @@ static inline int64_t tc_directory_chunk_offset(int64_t chunk)
 {
     return chunk * (TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY + 4);
 }
+
+/* Enters page `number` of `count`, which begins at `offset`; adds the checksums at the end. */
+void tc_directory_put(uint8_t *directory, int64_t number, uint64_t offset, size_t size, uint32_t crc);
+void tc_directory_seal(uint8_t *directory, int64_t count);
 
 /* What its pages tell; steps: as of the container. */
 static inline tc_page_form tc_level_form(const tc_level_record *record, bool steps)

@@ -7,9 +7,11 @@
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/synthesis/synthesis_store.h"
+#include "error_store.h"
 
 enum { MOST_SECTIONS = 256, BODY_BYTES = 8, FACES_BYTES = 88 };
-enum { SECTION_SYNTHESIS = 1, SECTION_BODY, SECTION_FACES, KNOWN_SECTIONS };
+enum { SECTION_SYNTHESIS = 1, SECTION_BODY, SECTION_FACES, SECTION_ERRORS, KNOWN_SECTIONS };
+enum { ERRORS_FORM = 1 };
 
 bool tc_envelope_is(const uint8_t *bytes)
 {
@@ -108,6 +110,16 @@ void tc_envelope_lay_out(tc_envelope *e, size_t head_size)
         e->chart[n].container.info.bytes = at;
 }
 
+void tc_envelope_append(tc_envelope *e, int64_t bytes)
+{
+    int last = e->charts - 1;
+    while (last > 0 && !record_of(e, last, 0))
+        last--;
+    tc_level_record *r = record_of(e, last, 0);
+    if (r)
+        r->end += bytes;
+}
+
 /* Where a chart's first level begins, 0 where none is coded, and the bytes of all of them. */
 static void extent_of(const tc_container *c, int64_t *first_ret, int64_t *bytes_ret)
 {
@@ -131,6 +143,16 @@ static void write_faces(const tc_container *c, tc_byte_writer *w)
     tc_put_f64(w, s->rms), tc_put_f64(w, s->max);
     for (int k = 0; k < s->ranks; k++)
         tc_put_f32(w, s->apart[k]);
+}
+
+static void write_errors(const tc_envelope *e, tc_byte_writer *w)
+{
+    size_t bytes = 2;
+    for (int n = 0; n < e->charts; n++)
+        bytes += tc_error_places_bytes(&e->chart[n].container);
+    tc_put(w, SECTION_ERRORS, 4), tc_put(w, bytes, 4), tc_put(w, e->chart[0].container.errors ? ERRORS_FORM : 0, 2);
+    for (int n = 0; n < e->charts; n++)
+        tc_error_places_put(&e->chart[n].container, w);
 }
 
 static void write_chart(const tc_envelope_chart *c, size_t head, tc_byte_writer *w)
@@ -171,7 +193,8 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
     tc_put(w, (uint64_t)e->bytes, 8);
     const tc_container *first = &e->chart[0].container;
     const double flattening = first->info.terrain.flattening;
-    tc_put(w, (uint64_t)e->charts, 1), tc_put(w, (first->synthesis ? 1 : 0) + (flattening > 0 ? 1 : 0) + faces, 2);
+    tc_put(w, (uint64_t)e->charts, 1);
+    tc_put(w, (first->synthesis ? 1 : 0) + (flattening > 0 ? 1 : 0) + faces + e->errors, 2);
     for (int n = 0; n < e->charts && !status; n++)
         write_chart(&e->chart[n], size[n], w);
     if (first->synthesis) {
@@ -182,6 +205,8 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
         tc_put(w, SECTION_BODY, 4), tc_put(w, BODY_BYTES, 4), tc_put_f64(w, flattening);
     if (faces)
         write_faces(first, w);
+    if (e->errors)
+        write_errors(e, w);
     tc_put_bytes(w, heads.bytes, heads.size);
     free(heads.bytes);
     return status || heads.failed ? TC_ERR_MEMORY : tc_head_seal(w, start);
@@ -393,6 +418,17 @@ static tc_status keep_synthesis(const tc_byte_reader *section, tc_container *c)
     return TC_OK;
 }
 
+/* Likewise. */
+static tc_status keep_errors(tc_byte_reader section, tc_envelope *e)
+{
+    if (!section.at || tc_get(&section, 2) != ERRORS_FORM)
+        return section.failed ? TC_ERR_FORMAT : TC_OK;
+    for (int n = 0; n < e->charts; n++)
+        if (!tc_error_places_get(&e->chart[n].container, e->bytes, &section))
+            return TC_ERR_FORMAT;
+    return section.at == section.end ? TC_OK : TC_ERR_FORMAT;
+}
+
 static tc_status fail_damaged(const char *subject, tc_error *error)
 {
     return tc_fail(error, TC_ERR_FORMAT, "%s: damaged: its head contradicts itself", subject);
@@ -438,6 +474,8 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
     status = keep_synthesis(&section[SECTION_SYNTHESIS], &e->chart[0].container);
     if (!status)
         status = keep_body(section[SECTION_BODY], &e->chart[0].container);
+    if (!status)
+        status = keep_errors(section[SECTION_ERRORS], e);
     if (!status)
         status = check(e, row, head_size);
     return status == TC_ERR_MEMORY ? tc_fail(error, status, "%s: not enough memory", subject)

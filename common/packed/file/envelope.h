@@ -26,6 +26,7 @@ typedef struct tc_envelope {
     tc_envelope_chart chart[TC_MOST_CHARTS];
     int64_t
         rank_end[TC_MAX_FIELD_LEVELS]; /* where the last level of a rank ends; of ranks beyond all, the head's end */
+    bool errors; /* writing: the head has room for where errors stand, if the containers have them */
 } tc_envelope;
 
 /* Whether bytes begin a file of version 3; at least TC_HEAD_FIXED of them. */
@@ -42,6 +43,9 @@ tc_chart_kind tc_faces_kind(const tc_atlas *atlas);
 /* Lays all levels out rank by rank behind the head, by their sizes, end - begin: sets begin, end, rank_end and bytes.
  */
 void tc_envelope_lay_out(tc_envelope *envelope, size_t head_size);
+
+/* Lets the level that lies last, if any is coded, have so many more bytes; for laying out again. */
+void tc_envelope_append(tc_envelope *envelope, int64_t bytes);
 
 /* The head as bytes. Its size does not depend on where things lie. */
 tc_status tc_envelope_write(const tc_envelope *envelope, tc_byte_writer *writer);

@@ -14,8 +14,9 @@
 enum {
     FIRST_READ = 16 << 10, /* holds most heads whole */
     PAGE_CACHE = 4 << 20,  /* bytes */
-    PAGE_NODES = 343,      /* of a range pyramid over a page's tiles */
-    PAGE_SCALES = 5,       /* above its leaves */
+    ERROR_CACHE = 16 << 20,
+    PAGE_NODES = 343, /* of a range pyramid over a page's tiles */
+    PAGE_SCALES = 5,  /* above its leaves */
     PAGE_SCALES_Y = 3,
     MOST_PAGE = 1 << 16 /* bytes; no writer makes a longer page */
 };
@@ -145,8 +146,8 @@ tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *sour
     *f = (tc_packed_file){.path = strdup(name), .source = *source};
     tc_status status =
         f->path ? read_head(f, chart, error) : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
-    if (!status && tc_block_cache_init(&f->pages, PAGE_CACHE)) {
-        tc_block_cache_free(&f->pages);
+    if (!status && (tc_block_cache_init(&f->pages, PAGE_CACHE) || tc_block_cache_init(&f->errors, ERROR_CACHE))) {
+        tc_block_cache_free(&f->pages), tc_block_cache_free(&f->errors);
         tc_container_free(&f->container);
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     }
@@ -177,7 +178,7 @@ void tc_packed_file_close(tc_packed_file *f)
     for (int l = 0; l < TC_MAX_FIELD_LEVELS; l++)
         free(f->range[l].pages.node), free(f->range[l].read);
     pthread_mutex_destroy(&f->mutex);
-    tc_block_cache_free(&f->pages);
+    tc_block_cache_free(&f->pages), tc_block_cache_free(&f->errors);
     tc_container_free(&f->container);
     close_source(&f->source);
     free(f->path);
@@ -185,32 +186,31 @@ void tc_packed_file_close(tc_packed_file *f)
 
 /* ---- Index ----------------------------------------------------------------------------------------------------- */
 
-/* Where a page of a level is. */
-static tc_status find_page(const tc_packed_file *f, const tc_level_record *r, const tc_pages *pages, int64_t number,
+/* Where a page is: `number` of `count` whose directory begins at `begin`. */
+static tc_status find_page(const tc_packed_file *f, int64_t begin, int64_t end, int64_t count, int64_t number,
                            int64_t *offset_ret, uint32_t *size_ret, uint32_t *crc_ret)
 {
     uint8_t bytes[TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY + 4];
     int64_t chunk = number / TC_DIRECTORY_CHUNK, first = chunk * TC_DIRECTORY_CHUNK;
-    size_t size = (size_t)tc_min64(pages->pages_x * pages->pages_y - first, TC_DIRECTORY_CHUNK) * TC_DIRECTORY_ENTRY;
-    tc_status status = read_at(f, r->begin + tc_directory_chunk_offset(chunk), bytes, size + 4);
+    size_t size = (size_t)tc_min64(count - first, TC_DIRECTORY_CHUNK) * TC_DIRECTORY_ENTRY;
+    tc_status status = read_at(f, begin + tc_directory_chunk_offset(chunk), bytes, size + 4);
     if (status || tc_crc32c(0, bytes, size) != tc_load(bytes + size, 4))
         return status ? status : TC_ERR_FORMAT;
     const uint8_t *entry = bytes + (number - first) * TC_DIRECTORY_ENTRY;
     uint64_t offset = tc_load(entry, 8);
     *size_ret = (uint32_t)tc_load(entry + 8, 4), *crc_ret = (uint32_t)tc_load(entry + 12, 4);
-    if (*size_ret > MOST_PAGE || offset > (uint64_t)(r->end - r->begin) ||
-        *size_ret > (uint64_t)(r->end - r->begin) - offset)
+    if (*size_ret > MOST_PAGE || offset > (uint64_t)(end - begin) || *size_ret > (uint64_t)(end - begin) - offset)
         return TC_ERR_FORMAT;
-    *offset_ret = r->begin + (int64_t)offset;
+    *offset_ret = begin + (int64_t)offset;
     return TC_OK;
 }
 
-static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages, int64_t px, int64_t py, page *to)
+tc_status tc_packed_file_listed(const tc_packed_file *f, int64_t begin, int64_t end, int64_t count, int64_t number,
+                                uint8_t **bytes_ret, size_t *size_ret, int64_t *end_ret)
 {
-    const tc_level_record *r = &f->container.record[l - 1];
     int64_t offset = 0;
     uint32_t size = 0, crc = 0;
-    tc_status status = find_page(f, r, pages, py * pages->pages_x + px, &offset, &size, &crc);
+    tc_status status = find_page(f, begin, end, count, number, &offset, &size, &crc);
     if (status)
         return status;
     uint8_t *bytes = malloc(size + 1);
@@ -219,12 +219,28 @@ static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages
     status = read_at(f, offset, bytes, size);
     if (!status && tc_crc32c(0, bytes, size) != crc)
         status = TC_ERR_FORMAT;
+    if (status) {
+        free(bytes);
+        return status;
+    }
+    *bytes_ret = bytes, *size_ret = size, *end_ret = offset + size;
+    return TC_OK;
+}
+
+static tc_status read_page(const tc_packed_file *f, int l, const tc_pages *pages, int64_t px, int64_t py, page *to)
+{
+    const tc_level_record *r = &f->container.record[l - 1];
+    int64_t offset;
+    uint8_t *bytes;
+    size_t size;
+    tc_status status = tc_packed_file_listed(f, r->begin, r->end, pages->pages_x * pages->pages_y,
+                                             py * pages->pages_x + px, &bytes, &size, &offset);
+    if (status)
+        return status;
     tc_rect tiles = tc_page_tiles(pages, px, py);
     int count = (int)tc_rect_area(tiles);
-    if (!status)
-        status = tc_page_read(tc_level_form(r, f->container.steps), bytes, size, to->entry, count);
+    status = tc_page_read(tc_level_form(r, f->container.steps), bytes, size, to->entry, count);
     free(bytes);
-    offset += size;
     for (int i = 0; i < count && !status; i++) {
         to->entry[i].offset = (uint64_t)offset;
         offset += tc_tile_bytes(&to->entry[i]);
@@ -413,7 +429,7 @@ size_t tc_packed_file_memory(tc_packed_file *f)
     pthread_mutex_lock(&f->mutex);
     size_t bytes = f->range_bytes;
     pthread_mutex_unlock(&f->mutex);
-    return bytes + tc_block_cache_bytes(&f->pages);
+    return bytes + tc_block_cache_bytes(&f->pages) + tc_block_cache_bytes(&f->errors);
 }
 
 bool tc_packed_file_known(tc_packed_file *f, int l, int64_t tx, int64_t ty)

@@ -12,7 +12,7 @@ typedef struct tc_packed_file {
     tc_byte_source source;
     tc_container container;                /* of the chart; levels: as far as the file is whole */
     int64_t rank_end[TC_MAX_FIELD_LEVELS]; /* [finest - l]: where the level, and those of other charts as fine, end */
-    tc_block_cache pages;
+    tc_block_cache pages, errors;
     pthread_mutex_t mutex; /* of ranges */
     struct {
         tc_range_pyramid pages; /* of heights, metres; the level's whole range where a page has not been read yet */
@@ -53,6 +53,20 @@ tc_range tc_packed_file_range(tc_packed_file *file, int l, tc_rect tiles, int64_
 
 /* Reads a page of the index, if it is not at hand. */
 tc_status tc_packed_file_page(tc_packed_file *file, int l, int64_t px, int64_t py);
+
+/* Errors (measured_errors.h) of a level over samples (not empty, within it), from what has been read of them, at most
+ * most_x x 2 reads of memory, none of the file; INFINITY where some has not been. Only of files that tell them, of
+ * which no level is missing. */
+float tc_packed_file_error(tc_packed_file *file, int l, tc_rect samples, int64_t most_x, int *reads,
+                           tc_missing_pages *missing);
+
+/* Reads a page of a coded level's errors, if it is not at hand. What is damaged counts as the level's largest. */
+tc_status tc_packed_file_error_page(tc_packed_file *file, int l, int64_t px, int64_t py);
+
+/* The bytes of page `number` of `count` that the directory in bytes begin .. end - 1 lists, to be freed, and where they
+ * end. TC_ERR_FORMAT: damaged. */
+tc_status tc_packed_file_listed(const tc_packed_file *file, int64_t begin, int64_t end, int64_t count, int64_t number,
+                                uint8_t **bytes_ret, size_t *size_ret, int64_t *end_ret);
 
 /* Bytes of memory held, beside the head's. */
 size_t tc_packed_file_memory(tc_packed_file *file);

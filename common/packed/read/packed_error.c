@@ -1,6 +1,7 @@
-/* packed_error.c - how far the finest level's mesh may be from the others': measured, where decoding all samples takes
- * no time to speak of; else from the largest steps that the index tells: as far as a tile's samples are from the
- * coarser level's mesh, and the finest level from theirs, which its four parts know. */
+/* packed_error.c - how far the finest level's mesh may be from the others': as the file tells it; where it does not,
+ * measured, if decoding all samples takes no time to speak of; else from the largest steps that the index tells: as far
+ * as a tile's samples are from the coarser level's mesh, and the finest level from theirs, which its four parts know.
+ */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +9,12 @@
 #include "common/base/rect.h"
 #include "packed_internal.h"
 
-enum { MOST_PAGES = 4096, MOST_MEASURED = 1 << 27 /* samples */, TILE_SHIFT = 7 };
+enum {
+    MOST_READ = 256, /* pages of errors at once: of 10^9 samples */
+    MOST_PAGES = 4096,
+    MOST_MEASURED = 1 << 27, /* samples */
+    TILE_SHIFT = 7
+};
 _Static_assert(1 << TILE_SHIFT == TC_TILE_SIDE, "a tile's samples");
 
 static int64_t pages_of(const packed_field *p)
@@ -94,19 +100,52 @@ static bool errors_by_steps(packed_field *p)
     return true;
 }
 
+/* Whether the file tells errors of what is read: all of its levels, voids as it was packed with. */
+static bool errors_stored(const packed_field *p)
+{
+    const tc_container *c = &p->file.container;
+    const tc_pack_terrain *t = &c->info.terrain;
+    const bool constant = p->voids == TC_VOIDS_CONSTANT, was = t->voids == TC_VOIDS_CONSTANT;
+    const bool same = constant == was && (!was || p->void_height == (float)(t->void_constant - t->z_base));
+    return c->errors && c->info.levels_missing == 0 && (c->voids == 0 || same);
+}
+
+/* The coarsest levels' pages are at hand from the begin, which are few; others are asked for. */
+static void read_coarse_pages(packed_field *p)
+{
+    int64_t left = MOST_READ;
+    for (int l = p->file.container.base + 1; l <= p->file.container.levels; l++) {
+        const tc_pages pages = tc_level_pages(&p->head.level[l - 1]);
+        if ((left -= pages.pages_x * pages.pages_y) < 0)
+            return;
+        for (int64_t n = 0; n < pages.pages_x * pages.pages_y; n++)
+            tc_packed_file_error_page(&p->file, l, n % pages.pages_x, n / pages.pages_x);
+    }
+}
+
+static bool find_out(packed_field *p)
+{
+    const tc_level *finest = &p->head.level[p->head.info.levels - 1];
+    p->errors = errors_stored(p)                                  ? ERRORS_STORED
+                : finest->height <= MOST_MEASURED / finest->width ? ERRORS_MEASURED
+                                                                  : ERRORS_BY_STEPS;
+    if (p->errors == ERRORS_STORED)
+        read_coarse_pages(p);
+    return p->errors == ERRORS_STORED     ? true
+           : p->errors == ERRORS_MEASURED ? tc_measure_errors(&p->head, p->error) == TC_OK
+                                          : errors_by_steps(p);
+}
+
 void tc_packed_know_errors(const tc_field *field)
 {
     packed_field *p = (packed_field *)field;
-    const int levels = field->info.levels;
-    const tc_level *finest = &field->level[levels - 1];
     if (p->errors_known)
         return;
     pthread_mutex_lock(&p->errors_mutex);
     if (!p->errors_known) {
-        p->errors_measured = finest->height <= MOST_MEASURED / finest->width;
-        p->errors_known = p->errors_measured ? tc_measure_errors(field, p->error) == TC_OK : errors_by_steps(p);
+        p->errors_known = find_out(p);
         if (!p->errors_known)
-            tc_measured_errors_free(p->error, levels);
+            tc_measured_errors_free(p->error, field->info.levels);
     }
     pthread_mutex_unlock(&p->errors_mutex);
 }

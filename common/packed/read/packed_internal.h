@@ -71,6 +71,9 @@ typedef struct level_state {
     int32_t *whole; /* heights in height units, [j * width + i]; NULL for large levels */
 } level_state;
 
+/* Where what is known of errors comes from. */
+typedef enum packed_errors { ERRORS_BY_STEPS, ERRORS_MEASURED, ERRORS_STORED } packed_errors;
+
 typedef struct packed_field {
     tc_field head;
     tc_packed_file file;
@@ -79,8 +82,8 @@ typedef struct packed_field {
     level_state level[TC_MAX_FIELD_LEVELS];
     tc_range_pyramid base[TC_MAX_FIELD_LEVELS]; /* of levels that stand in the head; leaves: samples */
     tc_range_pyramid
-        error[TC_MAX_FIELD_LEVELS]; /* once errors_known; leaves: as measured, else tiles, of base's samples */
-    bool errors_measured;
+        error[TC_MAX_FIELD_LEVELS]; /* once errors_known; leaves: as measured, by steps tiles, of base's samples */
+    packed_errors errors;
     _Atomic bool errors_known;
     pthread_mutex_t errors_mutex;
     pthread_mutex_t mutex;
@@ -122,10 +125,15 @@ static inline uint64_t tc_packed_key(const packed_field *p, int l, bool mask, in
     return (uint64_t)p->owner << TC_BLOCK_OWNER_SHIFT | (uint64_t)mask << 60 | (uint64_t)l << 54 | (uint64_t)index;
 }
 
-/* The same for pages of the index, in the store's faults alone: levels end far below. */
+/* The same for pages of the index, in the store's faults alone: levels end far below. Those of errors have another. */
 static inline uint64_t tc_packed_page_key(const packed_field *p, int l, int64_t px, int64_t py)
 {
     return tc_packed_key(p, l, false, ((int64_t)1 << 53) + py * tc_level_pages(&p->head.level[l - 1]).pages_x + px);
+}
+
+static inline uint64_t tc_packed_wish_key(const packed_field *p, int index, int l, int64_t px, int64_t py)
+{
+    return tc_packed_page_key(p, l, px, py) - (index == TC_WISH_ERRORS ? (uint64_t)1 << 52 : 0);
 }
 
 /* Whether a level is small enough to be held whole. */

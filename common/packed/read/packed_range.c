@@ -4,17 +4,32 @@
 #include "common/base/rect.h"
 #include "packed_internal.h"
 
-/* Asks for pages of the index that would make bounds narrower. */
-static void ask_for(packed_field *p, int l, const tc_missing_pages *missing)
+/* Asks for pages, of the index or of errors, that would make bounds narrower. */
+static void ask_for(packed_field *p, int index, int l, const tc_missing_pages *missing)
 {
     for (int n = 0; n < missing->count; n++) {
         int64_t x = missing->page[n][0], y = missing->page[n][1];
-        if (tc_faults_pause(&p->store->faults, tc_packed_page_key(p, l, x, y)))
+        if (tc_faults_pause(&p->store->faults, tc_packed_wish_key(p, index, l, x, y)))
             continue;
-        tc_wish wish = {.field = p, .level = l, .index = true, .rect = {x, y, x + 1, y + 1}, .urgency = TC_SOON};
+        tc_wish wish = {.field = p, .level = l, .index = index, .rect = {x, y, x + 1, y + 1}, .urgency = TC_SOON};
         if (!tc_prefetch_ask(&p->store->prefetch, &wish))
             return;
     }
+}
+
+/* tiles: of the index; of a level that stands in the head its samples. */
+static float error_of(packed_field *p, int l, tc_rect samples, tc_rect tiles, int64_t most_x, int *reads)
+{
+    if (!p->errors_known)
+        return INFINITY;
+    if (p->errors == ERRORS_BY_STEPS)
+        return tc_range_ask(&p->error[l - 1], tiles, most_x, reads).error;
+    if (p->errors == ERRORS_MEASURED)
+        return tc_measured_error(&p->error[l - 1], samples, most_x, reads);
+    tc_missing_pages missing;
+    const float error = tc_packed_file_error(&p->file, l, samples, most_x, reads, &missing);
+    ask_for(p, TC_WISH_ERRORS, l, &missing);
+    return error;
 }
 
 tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect)
@@ -35,14 +50,9 @@ tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect)
         } else {
             tc_missing_pages missing;
             all = tc_range_both(all, tc_packed_file_range(&p->file, l, tiles, most_x, &reads, &missing));
-            ask_for(p, l, &missing);
+            ask_for(p, TC_WISH_INDEX, l, &missing);
         }
-        if (!p->errors_known)
-            error = INFINITY;
-        else if (p->errors_measured)
-            error = fmaxf(error, tc_measured_error(&p->error[l - 1], r, most_x, &reads));
-        else
-            error = fmaxf(error, tc_range_ask(&p->error[l - 1], tiles, most_x, &reads).error);
+        error = fmaxf(error, error_of(p, l, r, tiles, most_x, &reads));
     }
     all.error = p->damaged > 0 ? INFINITY : error;
     if (l > c->base && p->damaged > 0) { /* what stands in for damaged tiles lies about within the terrain's range */
@@ -51,7 +61,7 @@ tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect)
     }
     if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT)
         all = (tc_range){fminf(all.lo, p->void_height), fmaxf(all.hi, p->void_height), INFINITY,
-                         p->errors_measured ? all.error : INFINITY};
+                         p->errors == ERRORS_BY_STEPS ? INFINITY : all.error};
     p->ranges++;
     p->range_reads += reads;
     return all;

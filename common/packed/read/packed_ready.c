@@ -139,10 +139,13 @@ tc_piece tc_packed_read_piece(tc_wish *wish)
     packed_field *p = wish->field;
     if (!wish->index)
         return read_samples(p, wish);
-    tc_status status = tc_packed_file_page(&p->file, wish->level, wish->rect.x0, wish->rect.y0);
+    const uint64_t key = tc_packed_wish_key(p, wish->index, wish->level, wish->rect.x0, wish->rect.y0);
+    tc_status status = wish->index == TC_WISH_ERRORS
+                           ? tc_packed_file_error_page(&p->file, wish->level, wish->rect.x0, wish->rect.y0)
+                           : tc_packed_file_page(&p->file, wish->level, wish->rect.x0, wish->rect.y0);
     if (status && status != TC_ERR_FORMAT && status != TC_ERR_MEMORY)
-        tc_faults_add(&p->store->faults, tc_packed_page_key(p, wish->level, wish->rect.x0, wish->rect.y0));
+        tc_faults_add(&p->store->faults, key);
     else if (!status)
-        tc_faults_remove(&p->store->faults, tc_packed_page_key(p, wish->level, wish->rect.x0, wish->rect.y0));
+        tc_faults_remove(&p->store->faults, key);
     return status == TC_ERR_MEMORY ? TC_PIECE_NO_MEMORY : status ? TC_PIECE_FAILED : TC_PIECE_LAST;
 }

@@ -37,7 +37,7 @@ static bool before(const tc_wish *a, const tc_wish *b)
     if (a->urgency != b->urgency)
         return a->urgency > b->urgency;
     if (a->index != b->index)
-        return a->index;
+        return a->index > b->index;
     return a->level != b->level ? a->level < b->level : a->asked > b->asked;
 }
 
@@ -155,7 +155,7 @@ static void start(tc_prefetch *p)
 #endif
 }
 
-static tc_wish *find(tc_prefetch *p, const void *field, int level, bool index, tc_rect rect)
+static tc_wish *find(tc_prefetch *p, const void *field, int level, int index, tc_rect rect)
 {
     for (tc_wish *w = p->wish; w < p->wish + TC_WISHES; w++)
         if (w->field == field && w->level == level && w->index == index && tc_rect_equal(w->rect, rect))
@@ -168,7 +168,7 @@ static bool enough(const tc_prefetch *p, const tc_wish *wish)
 {
     int count = 0;
     for (const tc_wish *w = p->wish; w < p->wish + TC_WISHES; w++)
-        count += w->field && (wish->index ? w->index : w->urgency == TC_LATER);
+        count += w->field && (wish->index ? w->index > 0 : w->urgency == TC_LATER);
     return (wish->index || wish->urgency == TC_LATER) && count >= TC_WISHES / 4;
 }
 
@@ -217,7 +217,7 @@ void tc_prefetch_collect(tc_prefetch *p, const void *field, int level, tc_rect r
     if (p->wishes == 0)
         return;
     pthread_mutex_lock(&p->mutex);
-    tc_wish *w = find(p, field, level, false, rect);
+    tc_wish *w = find(p, field, level, 0, rect);
     if (w) { /* also where no thread has come to the end of it */
         drop(p, w);
         pthread_cond_signal(&p->wake);
@@ -230,7 +230,7 @@ bool tc_prefetch_cancel(tc_prefetch *p, const void *field, int level, tc_rect re
     if (p->wishes == 0)
         return false;
     pthread_mutex_lock(&p->mutex);
-    tc_wish *w = find(p, field, level, false, rect);
+    tc_wish *w = find(p, field, level, 0, rect);
     const bool unread = w && !w->fetched;
     if (w) {
         drop(p, w);

@@ -9,10 +9,11 @@
 
 #include "common/field/field.h"
 
+enum { TC_WISH_INDEX = 1, TC_WISH_ERRORS };
 typedef struct tc_wish {
     void *field; /* whose; NULL: no wish */
     int level;
-    bool index;         /* a page of the file's index, rect.x0 and rect.y0, and no samples */
+    int index;          /* TC_WISH_INDEX, TC_WISH_ERRORS: no samples, but a page of these, rect.x0 and rect.y0 */
     tc_rect rect, rest; /* rest: where the next piece begins */
     tc_urgency urgency;
     size_t bytes; /* that what is decoded takes */

@@ -1,14 +1,10 @@
 /* pack_caps.c - a planet's polar caps: resampled from its filled heights once all have been put, and packed as terrains
  * of their own. */
-#include <errno.h>
-#include <fcntl.h>
 #include <float.h>
 #include <math.h>
 #include <sys/mman.h>
-#include <unistd.h>
 
 #include "common/chart/atlas_caps.h"
-#include "common/base/outfile.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "pack_internal.h"
@@ -35,24 +31,10 @@ static tc_status reserve(const tc_packer *p, int64_t side, tc_pack_caps_memory *
 {
     size_t samples = (size_t)(side * side);
     m->size = samples * (sizeof(float) + 1);
-    int file = tc_outfile_nameless(p->path);
-    int why = errno;
-    m->bytes = MAP_FAILED;
-    /* All of its room at once: a disk that is full while a mapping is written to would be a signal, not an error. */
-    if (file >= 0 && (why = posix_fallocate(file, 0, (off_t)m->size)) == 0) {
-        m->bytes = mmap(NULL, m->size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-        why = errno;
-    }
-    if (file >= 0)
-        close(file);
-    if (m->bytes == MAP_FAILED) {
-        m->bytes = NULL;
-        return tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made beside it: %s", p->path,
-                       (double)m->size / (1 << 30), strerror(why));
-    }
+    tc_status status = tc_spool_map(p->path, m->size, &m->bytes, error);
     m->z = m->bytes;
-    m->voids = p->container.voids > 0 ? (uint8_t *)m->bytes + samples * sizeof(float) : NULL;
-    return TC_OK;
+    m->voids = p->container.voids > 0 && m->bytes ? (uint8_t *)m->bytes + samples * sizeof(float) : NULL;
+    return status;
 }
 
 /* Lets go of the pages; what they hold stays in the file. */

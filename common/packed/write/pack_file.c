@@ -8,7 +8,7 @@
 #include "common/packed/file/envelope.h"
 #include "pack_internal.h"
 
-static tc_status write_all(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error)
+tc_status tc_pack_write(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error)
 {
     const char *from = bytes;
     for (size_t done = 0; done < size;) {
@@ -39,24 +39,29 @@ static void add_chart(file_charts *all, const tc_packer *p)
         all->body_at[n][l] = c->record[l].begin;
 }
 
-/* The head, and with it where the levels come to lie. */
-static tc_status make_head(file_charts *all, const char *path, tc_byte_writer *head, tc_error *error)
+/* The head, and with it where the levels come to lie; into the file. */
+static tc_status write_head(file_charts *all, int file, const char *path, tc_error *error)
 {
+    tc_byte_writer head = {0};
     tc_envelope_place(&all->envelope);
-    tc_status status = tc_envelope_write(&all->envelope, head); /* for its size */
-    tc_envelope_lay_out(&all->envelope, head->size);
-    head->size = 0;
+    tc_status status = tc_envelope_write(&all->envelope, &head); /* for its size */
+    tc_envelope_lay_out(&all->envelope, head.size);
+    head.size = 0;
     if (!status)
-        status = tc_envelope_write(&all->envelope, head);
+        status = tc_envelope_write(&all->envelope, &head);
     if (status)
-        return tc_fail(error, status, "%s: not enough memory", path);
+        tc_fail(error, status, "%s: not enough memory", path);
     /* What a reader would refuse shall not replace an old file. */
     tc_envelope *check = NULL;
     size_t size;
-    status = tc_envelope_read(path, head->bytes, head->size, &check, &size, error);
+    if (!status)
+        status = tc_envelope_read(path, head.bytes, head.size, &check, &size, error);
     if (status == TC_ERR_FORMAT)
         tc_fail(error, status = TC_ERR_UNSUPPORTED, "%s: the terrain's numbers are beyond what the format holds", path);
     tc_envelope_free(check);
+    if (!status)
+        status = tc_pack_write(file, head.bytes, head.size, 0, path, error);
+    free(head.bytes);
     return status;
 }
 
@@ -73,7 +78,7 @@ static tc_status copy_level(const file_charts *all, int n, int l, int file, char
             continue;
         if (got <= 0)
             return tc_fail(error, TC_ERR_IO, "%s: its temporary file cannot be read", p->path);
-        status = write_all(file, block, (size_t)got, r->begin + done, p->path, error);
+        status = tc_pack_write(file, block, (size_t)got, r->begin + done, p->path, error);
         done += got;
     }
     return status;
@@ -85,25 +90,27 @@ static tc_status assemble(tc_packer *p, tc_packer *const chart[], int charts, in
     enum { BLOCK = 1 << 20 };
     file_charts *all = calloc(1, sizeof *all);
     char *block = malloc(BLOCK);
-    tc_byte_writer head = {0};
     tc_status status = TC_OK;
     if (!all || !block)
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     if (!status) {
         for (int n = 0; n < charts; n++)
             add_chart(all, chart[n]);
-        status = make_head(all, p->path, &head, error);
+        all->envelope.errors = true;
+        status = write_head(all, file, p->path, error);
     }
-    if (!status)
-        status = write_all(file, head.bytes, head.size, 0, p->path, error);
     for (int n = 0; !status && n < all->envelope.charts; n++) {
         const tc_container *c = &all->envelope.chart[n].container;
         for (int l = c->base + 1; l <= c->levels && !status; l++)
             status = copy_level(all, n, l, file, block, BLOCK, error);
     }
     if (!status)
+        status = tc_pack_errors(p, file, &all->envelope, error);
+    if (!status)
+        status = write_head(all, file, p->path, error);
+    if (!status)
         p->result.bytes = all->envelope.bytes;
-    free(head.bytes), free(block), free(all);
+    free(block), free(all);
     return status;
 }
 

@@ -13,6 +13,7 @@
  *     synthesis (pack_synthesis.c) how detail goes on below the samples, where that is asked for
  *     caps      (pack_caps.c)     those of a planet, made from its heights and packed likewise
  *     faces     (pack_faces.c)    or the faces of another atlas, instead of its own levels and caps
+ *     errors    (pack_errors.c)   how far levels are off the finest one, measured on what has been packed
  *     file      (pack_file.c)     head, levels, caps, and the file into its place */
 #ifndef TC_PACK_INTERNAL_H
 #define TC_PACK_INTERNAL_H
@@ -239,6 +240,14 @@ tc_status tc_pack_faces(tc_packer *p, const tc_atlas *atlas, tc_packer *face[TC_
  */
 tc_status tc_pack_put_in_place(tc_packer *p, tc_packer *const chart[], int charts, tc_error *error);
 
+tc_status tc_pack_write(int file, const void *bytes, size_t size, int64_t at, const char *path, tc_error *error);
+
+/* ---- pack_errors.c --------------------------------------------------------------------------------------------- */
+
+/* Measures the errors of a file that is whole but for them, and puts them behind its last level; its head is then to be
+ * written again. */
+tc_status tc_pack_errors(tc_packer *p, int file, tc_envelope *envelope, tc_error *error);
+
 /* ---- pack.c --------------------------------------------------------------------------------------------------- */
 
 /* Packs what was put, but for the file: settles what was put and fills its voids, then codes its levels. */
@@ -250,6 +259,7 @@ tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error);
 /* Shares of the work. */
 #define TC_SHARE_PUT 0.15
 #define TC_SHARE_CASCADE 0.10
-#define TC_SHARE_LEVELS 0.75
+#define TC_SHARE_LEVELS 0.70
+#define TC_SHARE_ERRORS 0.05
 
 #endif

@@ -226,12 +226,8 @@ static tc_status flush_pages(level_state *s, int64_t py, tc_error *error)
             }
         if (s->out.failed)
             return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", s->p->path);
-        int64_t number = py * s->pages.pages_x + px, chunk = number / TC_DIRECTORY_CHUNK;
-        uint8_t *where =
-            s->directory + tc_directory_chunk_offset(chunk) + number % TC_DIRECTORY_CHUNK * TC_DIRECTORY_ENTRY;
-        tc_store(where, (uint64_t)s->written, 8);
-        tc_store(where + 8, page_size, 4);
-        tc_store(where + 12, tc_crc32c(0, s->out.bytes, page_size), 4);
+        tc_directory_put(s->directory, py * s->pages.pages_x + px, (uint64_t)s->written, page_size,
+                         tc_crc32c(0, s->out.bytes, page_size));
         tc_status status = write_body(s, s->out.bytes, s->out.size, s->written, error);
         if (status)
             return status;
@@ -317,16 +313,6 @@ static int64_t group_rows(const level_state *s)
     return tc_clamp64(wanted, 1, tc_max64(1, tc_min64(GROUP_BYTES / bytes, s->pages.tiles_y)));
 }
 
-static void seal_directory(level_state *s)
-{
-    int64_t entries = s->pages.pages_x * s->pages.pages_y;
-    for (int64_t first = 0, chunk = 0; first < entries; first += TC_DIRECTORY_CHUNK, chunk++) {
-        uint8_t *bytes = s->directory + tc_directory_chunk_offset(chunk);
-        size_t size = (size_t)tc_min64(entries - first, TC_DIRECTORY_CHUNK) * TC_DIRECTORY_ENTRY;
-        tc_store(bytes + size, tc_crc32c(0, bytes, size), 4);
-    }
-}
-
 tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_outcome *outcome_ret, tc_error *error)
 {
     const tc_level *size = &p->container.level[coding->l - 1];
@@ -348,7 +334,7 @@ tc_status tc_pack_level(tc_packer *p, const tc_level_coding *coding, tc_level_ou
             status = tc_pack_progress(p, coding->share * (double)(s.t1 - s.t0) / (double)s.pages.tiles_y, error);
     }
     if (!status) {
-        seal_directory(&s);
+        tc_directory_seal(s.directory, s.pages.pages_x * s.pages.pages_y);
         status = write_body(&s, s.directory, (size_t)tc_directory_bytes(&s.pages), 0, error);
     }
     if (!status) {

@@ -1,9 +1,11 @@
 /* spool.c - rows on disk by pread and pwrite: not by mmap, so that what the system keeps of them in its cache does not
- * count as this process's memory. */
+ * count as this process's memory; but for what is too small to tell, or is touched all over. */
 #include "spool.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include "common/base/outfile.h"
@@ -88,4 +90,22 @@ tc_status tc_spool_read_round(const tc_spool *spool, tc_rect rect, void *to, ptr
 tc_status tc_spool_write(const tc_spool *spool, tc_rect rect, const void *from, ptrdiff_t stride, tc_error *error)
 {
     return move_rect(spool, rect, (char *)from, stride, true, error);
+}
+
+tc_status tc_spool_map(const char *path, size_t size, void **bytes_ret, tc_error *error)
+{
+    int file = tc_outfile_nameless(path), why = errno;
+    void *bytes = MAP_FAILED;
+    /* All of its room at once: a disk that is full while a mapping is written to would be a signal, not an error. */
+    if (file >= 0 && (why = posix_fallocate(file, 0, (off_t)size)) == 0) {
+        bytes = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+        why = errno;
+    }
+    if (file >= 0)
+        close(file);
+    if (bytes == MAP_FAILED)
+        return tc_fail(error, TC_ERR_IO, "%s: no temporary file of %.1f GiB can be made beside it: %s", path,
+                       (double)size / (1 << 30), strerror(why));
+    *bytes_ret = bytes;
+    return TC_OK;
 }

@@ -23,4 +23,7 @@ tc_status tc_spool_read(const tc_spool *spool, tc_rect rect, void *to, ptrdiff_t
 tc_status tc_spool_read_round(const tc_spool *spool, tc_rect rect, void *to, ptrdiff_t stride, tc_error *error);
 tc_status tc_spool_write(const tc_spool *spool, tc_rect rect, const void *from, ptrdiff_t stride, tc_error *error);
 
+/* So many bytes of such a file as memory, all zero, which need not stay in it; let go of by munmap(). */
+tc_status tc_spool_map(const char *path, size_t size, void **bytes_ret, tc_error *error);
+
 #endif
