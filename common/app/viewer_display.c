@@ -13,13 +13,14 @@ static const double HINT_SECONDS = 10, HINT_FADING = 1.5;
 static const double LOADING_MS = 250; /* that it must have lasted to be told */
 static const double MEAN_MS = 500;    /* over which a frame's time is the mean */
 static const double SCALE_PIXELS = 160;
+static const double LOOK_MS = 30; /* between looks at what is seen */
 
 struct tc_viewer_display {
     tc_display display;
     tc_display_result result;
     tc_display_lines lines;
     tc_panel panel;
-    tc_places *places; /* of the terrain of this name; NULL: none yet */
+    tc_places *places; /* of this map; NULL: none yet */
     const tc_map *places_of;
     bool off, help, panel_shown;
     bool unable;       /* the window has none */
@@ -27,8 +28,13 @@ struct tc_viewer_display {
     double loading;    /* since when; 0: all is there */
     double mean_since; /* of the frames' times */
     int mean_frames;
-    double frame_ms; /* the last mean */
-    double ms;       /* that the last frame's display took */
+    double frame_ms;       /* the last mean */
+    double looked;         /* when, */
+    bool turn;             /* at which of two things: */
+    bool pointed;          /* the ground is under the pointer, */
+    double point[3];       /* here; */
+    double metres_a_pixel; /* of the ground in the middle of the picture; 0: there is none */
+    double ms;             /* that the last frame's display took */
 };
 
 void tc_viewer_display_line(tc_viewer *v, bool warning, const char *text)
@@ -100,17 +106,34 @@ static int digits_from(double above)
     return (int)fmax(2, fmin(6, round(8 - log10(fmax(above, 1)))));
 }
 
+/* What is seen under the pointer and in the middle of the picture: one of them now and then, since a ray that grazes
+ * the ground takes its time. */
+static void look_around(tc_viewer *v, double now)
+{
+    struct tc_viewer_display *d = v->display;
+    double point[3], distance;
+    if (now - d->looked < LOOK_MS)
+        return;
+    d->looked = now;
+    d->turn = !d->turn;
+    if (d->turn)
+        d->pointed = d->result.pointed && tc_viewer_point(v, d->result.x, d->result.y, d->point, &distance);
+    else
+        d->metres_a_pixel = tc_viewer_point(v, v->camera.width / 2.0, v->camera.height / 2.0, point, &distance)
+                                ? distance / tc_camera_pixel_scale(&v->camera)
+                                : 0;
+}
+
 static void tell_places(const tc_viewer *v)
 {
     struct tc_viewer_display *d = v->display;
     const tc_camera *eye = &v->camera;
     char place[TC_WORDS], height[TC_WORDS], above[TC_WORDS];
-    double point[3], unused;
     const double ground = v->ground.height(v->ground.context, eye->x, eye->y);
     const int digits = digits_from(eye->z - ground);
-    if (d->result.pointed && tc_viewer_point(v, d->result.x, d->result.y, point, &unused)) {
-        tc_places_words(d->places, v->map, point[0], point[1], digits, place);
-        tc_words_metres(point[2] / v->map->exaggeration, height); /* the true one */
+    if (d->pointed && d->result.pointed) {
+        tc_places_words(d->places, v->map, d->point[0], d->point[1], digits, place);
+        tc_words_metres(d->point[2] / v->map->exaggeration, height); /* the true one */
         tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "pointer %s, %s", place, height);
     }
     tc_places_words(d->places, v->map, eye->x, eye->y, digits, place);
@@ -121,18 +144,9 @@ static void tell_places(const tc_viewer *v)
         tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "height %s, %s above ground", height, above);
     else
         tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "height %s", height);
-}
-
-/* Of the ground in the middle of the picture, across the view. */
-static void tell_scale(const tc_viewer *v)
-{
-    tc_display *display = &v->display->display;
-    double point[3], distance;
-    display->scale_pixels = 0;
-    if (!tc_viewer_point(v, v->camera.width / 2.0, v->camera.height / 2.0, point, &distance))
-        return;
-    display->scale_pixels = tc_words_scale(distance / tc_camera_pixel_scale(&v->camera),
-                                           fmin(SCALE_PIXELS, v->camera.width / 3.0), display->scale);
+    /* The scale is that across the view. */
+    d->display.scale_pixels =
+        tc_words_scale(d->metres_a_pixel, fmin(SCALE_PIXELS, v->camera.width / 3.0), d->display.scale);
 }
 
 static void fill(tc_viewer *v, const tc_frame_stats *frame)
@@ -155,8 +169,8 @@ static void fill(tc_viewer *v, const tc_frame_stats *frame)
     if (frame && v->renderer) {
         tell_loading(v, frame, now);
         tell_state(v, frame);
+        look_around(v, now);
         tell_places(v);
-        tell_scale(v);
     }
     if (d->panel_shown && v->renderer)
         d->display.rows = tc_panel_rows(&d->panel, v, d->display.row);
@@ -257,6 +271,8 @@ bool tc_viewer_display_act(tc_viewer *v, const tc_window_input *input, tc_pose *
     }
     for (int i = 0; i < input->dropped_count; i++)
         opened |= show_file(v, input, input->dropped[i], input->fast, view_ret);
+    if (d && opened) /* another map may lie where one lay before */
+        d->places_of = NULL;
     return opened;
 }
 

@@ -3,45 +3,22 @@
 # the window. The panel's rows are where they are drawn at a scale of 1 (plugin_display.cpp).
 . "${0%/*}/lib.sh"
 
-for tool in xvfb-run xdotool xwd; do
-    command -v $tool >/dev/null 2>&1 || { skip "$tool is not installed"; finish; }
-done
-if [ -z "${TERRACLIP_DISPLAY:-}" ]; then
-    export TERRACLIP_DISPLAY=own
-    rm -rf "$work"
-    cd "$root" && xvfb-run -a -s '-screen 0 800x600x24 -noreset' sh "$root/tests/cli/test_display.sh" "$build"
-    exit
-fi
-unset WAYLAND_DISPLAY
+. "${0%/*}/window.sh"
+on_own_display "$0"
 
-patience=150 # tenths of a second to wait for anything
-case $build in */sanitize) patience=900 ;; esac
-
-await() { # COMMAND...
-    tenths=0
-    until "$@" >/dev/null 2>&1; do
-        tenths=$((tenths + 1))
-        [ $tenths -lt $patience ] || return 1
-        sleep 0.1
-    done
-}
-window() { xdotool search --name 'ms, .* triangles, .* levels' 2>/dev/null | head -n 1; }
-has_window() { [ -n "$(window)" ]; }
 said() { grep -Eq -- "$1" told.txt printed.txt; }
-gone() { ! kill -0 "$pid" 2>/dev/null; }
-
 start() { # ARGUMENT...
     rm -f terraclip-*.png
     number=0
     "$viewer" "$@" >printed.txt 2>told.txt </dev/null & # not where others write meanwhile
     pid=$!
-    if ! await has_window; then
+    if ! await has_window 'ms, .* triangles, .* levels'; then
         report 'no window that draws' "$@"
         kill -9 $pid
         wait $pid
         return 1
     fi
-    id=$(window)
+    id=$(window 'ms, .* triangles')
     xdotool windowfocus --sync "$id" 2>/dev/null || xdotool windowfocus "$id"
 }
 ends() { # WHAT
@@ -53,14 +30,8 @@ ends() { # WHAT
     rc=$?
     [ $rc = 0 ] || report "$1: exit code $rc"
 }
-key() { # KEY REGEX
-    cases=$((cases + 1))
-    xdotool key "$1"
-    await said "$2" || fail "key $1: does not say '$2'"
-}
-
 # Pixels of the window that are not of the background.
-marks() { xwd -silent -id "$id" >window.xwd && "$build/tests/window-pixels" 20c040 <window.xwd | sed 's/ of.*//'; }
+marks() { shown 20c040 | sed 's/ of.*//'; }
 between() { [ "$(marks)" -ge "$1" ] && [ "$(marks)" -le "$2" ]; }
 shows() { # WHAT LEAST MOST: so many pixels, by and by
     cases=$((cases + 1))
