@@ -2,11 +2,11 @@
 # What a window tells, and what is set in it: the display by its pixels, the panel by what it changes, files that fall on
 # the window. The panel's rows are where they are drawn at a scale of 1 (plugin_display.cpp).
 . "${0%/*}/lib.sh"
-
-. "${0%/*}/window.sh"
+. "$root/tests/cli/window.sh"
 on_own_display "$0"
 
 said() { grep -Eq -- "$1" told.txt printed.txt; }
+
 start() { # ARGUMENT...
     rm -f terraclip-*.png
     number=0
@@ -30,6 +30,7 @@ ends() { # WHAT
     rc=$?
     [ $rc = 0 ] || report "$1: exit code $rc"
 }
+
 # Pixels of the window that are not of the background.
 marks() { shown 20c040 | sed 's/ of.*//'; }
 between() { [ "$(marks)" -ge "$1" ] && [ "$(marks)" -le "$2" ]; }
