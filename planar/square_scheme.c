@@ -68,12 +68,10 @@ int tc_square_n_for(const tc_field *field, double error, const tc_camera *camera
 /* Samples a side of the windows that the frame alone calls for, and of those that there are. */
 static int shaded_size(const tc_surface_request *request)
 {
-    enum { LEAST = 63, MOST_IN_SOFTWARE = 255 };
+    enum { LEAST = 63 };
     if (request->n)
         return request->n;
     int n = tc_clipmap_n_for(request->camera);
-    if (request->interactive && n > MOST_IN_SOFTWARE)
-        n = MOST_IN_SOFTWARE;
     for (int i = 0; i < request->halvings && n > LEAST; i++)
         n /= 2;
     return n;

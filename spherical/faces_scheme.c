@@ -109,10 +109,9 @@ const faces_kind tc_faces_cube_pt = {.name = "cube-pt",
  * of that size; and of those that there are. With a tolerance they may have to reach further. */
 static int shaded_size(const tc_surface_request *request)
 {
-    enum { IN_SOFTWARE = 255 };
     if (request->n)
         return request->n;
-    int n = request->interactive ? IN_SOFTWARE : 2 * tc_clipmap_n_for(request->camera) + 1;
+    int n = 2 * tc_clipmap_n_for(request->camera) + 1;
     for (int i = 0; i < request->halvings && n > TC_FACES_LEAST_N; i++)
         n /= 2;
     return n < TC_FACES_LEAST_N ? TC_FACES_LEAST_N : n > TC_CLIPMAP_MAX_N ? TC_CLIPMAP_MAX_N : n;

@@ -32,8 +32,8 @@ int main(int argc, char **argv)
         {.help = "Planet"},
         TC_SCHEME_OPTION,
         {0, "n", "N", "a number of 64..4096",
-         "steps of a ring around the viewer, a multiple of 32 (by the frame's width, 512 to 4096; in a window on a "
-         "software renderer 256); of hex and cube samples a side of the windows, 2^k - 1 of 127 to 2047",
+         "steps of a ring around the viewer, a multiple of 32 (by the frame's width, 512 to 4096); of hex and cube "
+         "samples a side of the windows, 2^k - 1 of 127 to 2047",
          read_n, offsetof(tc_options, n)},
         {0, "steps", "M", "an even number of 4..128",
          "steps outwards in a level of rings (as long as those around, N / 12.6, at most 128)", read_steps,

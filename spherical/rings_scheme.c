@@ -4,10 +4,10 @@
 /* Steps around. */
 static int size(const tc_surface_request *request)
 {
-    enum { LEAST = 128, IN_SOFTWARE = 256 };
+    enum { LEAST = 128 };
     if (request->n)
         return request->n;
-    int n_phi = request->interactive ? IN_SOFTWARE : tc_rings_n_phi_for(request->camera);
+    int n_phi = tc_rings_n_phi_for(request->camera);
     for (int i = 0; i < request->halvings && n_phi > LEAST; i++)
         n_phi /= 2;
     return n_phi;
@@ -16,8 +16,8 @@ static int size(const tc_surface_request *request)
 /* Samples a side of the windows that shading calls for. */
 static int window_size(const tc_surface_request *request)
 {
-    enum { LEAST = 63, IN_SOFTWARE = 255 };
-    int n = request->interactive ? IN_SOFTWARE : tc_clipmap_n_for(request->camera);
+    enum { LEAST = 63 };
+    int n = tc_clipmap_n_for(request->camera);
     for (int i = 0; i < request->halvings && n > LEAST; i++)
         n /= 2;
     return n;

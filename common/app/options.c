@@ -401,7 +401,6 @@ tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **ar
         status = check_together(&o, error);
     if (o.scene.frame.error > 0 && !o.scheme)
         o.scheme = tc_scheme_by_error(program->schemes), o.scheme_implied = true;
-    o.scene.throttle = o.target_ms > 0;
     if (status == TC_OK)
         *options_ret = o;
     return status;

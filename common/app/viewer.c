@@ -141,6 +141,7 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
 static tc_status make_scene(tc_viewer *v, tc_error *error)
 {
     v->scene = v->options.scene;
+    v->scene.throttle = tc_viewer_coarsens(v);
     v->throttle = tc_throttle_of(v->options.target_ms);
     v->scene.exaggeration = v->map->exaggeration;
     v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
@@ -151,7 +152,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     if (tc_viewer_keeps(&v->options) && !v->scene.budget)
         v->scene.budget = -1;
     if (!v->scene.samples)
-        v->scene.samples = tc_viewer_keeps(&v->options) ? 4 : 1;
+        v->scene.samples = tc_viewer_keeps(&v->options) || tc_viewer_interactive(&v->options) ? 4 : 1;
     int most = tc_canvas_samples(v->gl, v->scene.samples);
     if (v->options.scene.samples > most && !v->options.quiet)
         fprintf(stderr, "%s: warning: --samples: expected at most %d with this driver, found %d; %d are drawn\n",

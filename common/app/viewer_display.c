@@ -81,7 +81,10 @@ static void tell_state(const tc_viewer *v, const tc_frame_stats *frame)
     tc_display *display = &v->display->display;
     tc_display_say(display, TC_SIDE_CORNER, false, 1, "%.1f ms", v->display->frame_ms);
     if (frame->throttle > 0.05)
-        tc_display_say(display, TC_SIDE_CORNER, true, 1, "coarser: too slow");
+        tc_display_say(display, TC_SIDE_CORNER, true, 1, "coarser while it moves: too slow");
+    if (v->quality.samples < v->quality.full)
+        tc_display_say(display, TC_SIDE_CORNER, true, 1, "%d of %d samples a pixel while it moves: too slow",
+                       v->quality.samples, v->quality.full);
     if (v->map->exaggeration != 1)
         tc_display_say(display, TC_SIDE_CORNER, false, 1, "heights x %.4g", v->map->exaggeration);
     if (v->scene.frame.cull_camera)

@@ -10,6 +10,7 @@
 #include "common/view/flight.h"
 #include "common/view/flight_path.h"
 #include "common/view/pick.h"
+#include "common/view/quality.h"
 #include "common/view/throttle.h"
 #include "load.h"
 #include "options.h"
@@ -44,7 +45,13 @@ typedef struct tc_viewer {
     tc_renderer *renderer;
 
     tc_scene_options scene; /* as it is now: keys and what frames took change it */
-    tc_throttle throttle;   /* of --target-ms */
+    tc_throttle throttle;   /* of --target-ms, where each frame counts */
+    tc_quality quality;     /* of a window's frames */
+    struct tc_shown {
+        tc_camera camera;
+        tc_scene_options scene;
+        const tc_renderer *renderer;
+    } shown;                /* what its last frame was drawn of */
     tc_colour_ramp colours; /* of the options; count 0: none */
     tc_imagery *imagery;    /* likewise; NULL: none */
     tc_surroundings around; /* of the map */
@@ -139,6 +146,14 @@ tc_status tc_viewer_exaggerate(tc_viewer *viewer, double factor, tc_error *error
 
 /* With --target-ms: hears what a frame took, and how coarse the next one is to be drawn. */
 void tc_viewer_throttle(tc_viewer *viewer, double frame_ms);
+
+/* A window's frames (viewer_quality.c): how well they are drawn; whether the next one, dt seconds after the last, is to
+ * be drawn at all, and what one took, milliseconds; and one at its best. */
+bool tc_viewer_coarsens(const tc_viewer *viewer); /* its frames may be throttled */
+void tc_viewer_quality_begin(tc_viewer *viewer);
+bool tc_viewer_quality_before(tc_viewer *viewer, double dt);
+void tc_viewer_quality_after(tc_viewer *viewer, double frame_ms, const tc_frame_stats *frame);
+tc_status tc_viewer_best_frame(tc_viewer *viewer, tc_error *error);
 
 /* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
 tc_status tc_viewer_measured_frame(tc_viewer *viewer, tc_frame_stats *frame_ret, tc_error *error);

@@ -13,8 +13,6 @@ static tc_surface_request request_of(const tc_viewer *v)
                                 .error = v->options.scene.frame.error,
                                 .map = v->map,
                                 .steps = v->options.steps,
-                                .interactive = tc_viewer_interactive(&v->options) &&
-                                               tc_gl_software((const char *)v->gl->GetString(GL_RENDERER)),
                                 .halvings = v->halvings,
                                 .camera = &v->camera};
 }

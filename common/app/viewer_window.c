@@ -212,7 +212,7 @@ static void use_display(session *s, const tc_window_input *input)
 
 /* ---- A frame ------------------------------------------------------------------------------------------------ */
 
-/* Writes the frame just drawn under the first free number. */
+/* Writes what is shown, at its best, under the first free number. */
 static void write_picture(session *s)
 {
     tc_viewer *v = s->viewer;
@@ -222,7 +222,9 @@ static void write_picture(session *s)
     while (access(name, F_OK) == 0 && s->picture_number < INT_MAX);
     tc_error error = {.text = "not enough memory"};
     uint8_t *rgb = malloc((size_t)v->camera.width * (size_t)v->camera.height * 3);
-    tc_status status = rgb ? tc_viewer_write_frame(v, name, rgb, &error) : TC_ERR_MEMORY;
+    tc_status status = rgb ? tc_viewer_best_frame(v, &error) : TC_ERR_MEMORY;
+    if (status == TC_OK)
+        status = tc_viewer_write_frame(v, name, rgb, &error);
     free(rgb);
     if (status != TC_OK)
         tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
@@ -267,6 +269,8 @@ static void move(session *s, const tc_window_input *input, double dt)
     fly(s, input, dt);
 }
 
+static const double STANDING = 0.03; /* seconds to wait for an event while nothing changes */
+
 tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
 {
     const tc_camera *camera = &v->camera;
@@ -279,11 +283,13 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
 
     tc_status status = TC_OK;
     double last = now, took;
-    bool throttled = v->options.target_ms > 0;
+    const bool throttled = v->options.target_ms > 0; /* GL's timers, then, or the clock: what a frame took */
+    tc_frame_stats frame = {0};
+    tc_viewer_quality_begin(v);
     tc_frame_timer timer = throttled ? tc_frame_timer_create(v->gl) : (tc_frame_timer){0};
     for (int frames = 0; status == TC_OK && !s.quit && !tc_interrupted();) {
         tc_window_input input;
-        v->window_plugin->poll(v->window, 0, &input);
+        v->window_plugin->poll(v->window, v->quality.stands ? STANDING : 0, &input);
         while ((input.width <= 0 || input.height <= 0) && !input.close && !tc_interrupted()) {
             v->window_plugin->poll(v->window, 0.2, &input); /* iconified */
             last = tc_clock_ms();
@@ -303,23 +309,27 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
             s.flight.view = tc_flight_path_view(&v->path, frames, v->options.frames);
         else
             move(&s, &input, (now - last) / 1e3);
-        last = now;
         tc_viewer_place(v, &s.flight.view);
-
-        tc_frame_stats frame;
-        if (throttled)
+        const bool draws = tc_viewer_quality_before(v, (now - last) / 1e3);
+        last = now;
+        if (draws && throttled)
             tc_frame_timer_begin(v->gl, &timer);
-        status = tc_viewer_frame(v, false, &frame, error);
-        if (throttled)
+        if (draws)
+            status = tc_viewer_frame(v, false, &frame, error);
+        if (draws && throttled)
             tc_frame_timer_end(v->gl, &timer);
         if (status != TC_OK)
             break;
         tc_renderer_present(v->renderer, input.width, input.height);
         tc_viewer_display_show(v, &frame);
         v->window_plugin->swap(v->window);
-        tc_stats_frame(v->stats, tc_clock_ms() - now - tc_viewer_display_ms(v), &frame);
+        const double frame_ms = tc_clock_ms() - now - tc_viewer_display_ms(v);
+        if (draws)
+            tc_stats_frame(v->stats, frame_ms, &frame);
         while (throttled && tc_frame_timer_read(v->gl, &timer, &took))
-            tc_viewer_throttle(v, took);
+            tc_viewer_quality_after(v, took, &frame);
+        if (draws && !throttled)
+            tc_viewer_quality_after(v, frame_ms, &frame);
         tc_viewer_tell_frame(v, &s.telling, &frame);
         if (s.picture_wanted) {
             write_picture(&s);

@@ -149,6 +149,11 @@ void tc_renderer_destroy(tc_renderer *renderer)
     free(r);
 }
 
+void tc_renderer_set_samples(tc_renderer *renderer, int samples)
+{
+    renderer->picture.samples = samples;
+}
+
 void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *options)
 {
     renderer->options.level_colours = options->level_colours;

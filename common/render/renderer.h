@@ -50,6 +50,9 @@ void tc_renderer_destroy(tc_renderer *renderer);
 /* Changes what may change while running: level_colours, wireframe, frame, budget. */
 void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *options);
 
+/* How many samples a pixel the renderer's own pictures have from the next one on; at most what the driver has. */
+void tc_renderer_set_samples(tc_renderer *renderer, int samples);
+
 /* Updates the clipmap for the camera within the budget, uploads, and draws a frame of camera->width x height into the
  * renderer's own framebuffer. finish: waits until it is done, so that draw_ms is the whole cost, and for what must be
  * decoded first. Over a flat background the terrain's vertices, uniforms and textures stay bound, for tests that run

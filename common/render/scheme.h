@@ -12,8 +12,7 @@ typedef struct tc_surface_request {
     double error;      /* pixels that blocks are to be chosen by; 0: by distance */
     const tc_map *map; /* that is to be drawn: how rough it is tells n by the error; NULL: none */
     const tc_scene_needs *needs;
-    bool interactive; /* a window on a software renderer: no more detail than it can draw */
-    int halvings;     /* of what the frame calls for: the driver has no memory for more */
+    int halvings; /* of what the frame calls for: the driver has no memory for more */
     const tc_camera *camera;
 } tc_surface_request;
 

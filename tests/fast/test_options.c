@@ -72,7 +72,7 @@ static void defaults(void **state)
     assert_false(o.has_view);
     assert_int_equal(o.backend, TC_BACKEND_AUTO);
     assert_int_equal(o.n, 0);
-    assert_true(o.target_ms == 0 && !o.scene.throttle);
+    assert_true(o.target_ms == 0);
     assert_true(o.scene.budget == 0);
     assert_false(o.scene.unlit || o.scene.background_set || o.scene.wireframe || o.scene.frame.no_morph);
 }
@@ -129,7 +129,7 @@ static void values_arrive(void **state)
     assert_float_equal(o.look.pitch, -acos(-1) / 2, 1e-15);
 
     o = good("t --target-ms 16.7");
-    assert_true(o.target_ms == 16.7 && o.scene.throttle && o.scene.frame.throttle == 0);
+    assert_true(o.target_ms == 16.7 && o.scene.frame.throttle == 0);
     assert_true(good("t --target-ms 1e-3 --path p --frames 3 -o f-%d.png").target_ms == 1e-3);
 
     o = good("--path p.txt --frames 10 -o f-%05d.png t");

@@ -156,7 +156,7 @@ static scene scene_of(const tc_map *map)
     const tc_scene_needs needs = tc_scene_needs_of(&plain, tc_field_info(tc_map_field(map, 0)));
     const tc_camera camera = {.fov = 1.2, .width = 320, .height = 200};
     const tc_surface_request request = {
-        .n = map->body.radius > 0 ? 256 : 63, .needs = &needs, .camera = &camera, .interactive = true};
+        .n = map->body.radius > 0 ? 256 : 63, .needs = &needs, .camera = &camera};
     scene s = {0};
     tc_error error = {.text = ""};
     if (scheme->create(scheme, map, &request, &s.surface, &error) ||
