@@ -227,7 +227,7 @@ static const tc_option table[] = {
     TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces"),
     TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail"),
     TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),
-    {0, "samples", "N", "1..16", "a pixel, for smooth edges (4 with -o, else 1)", read_samples,
+    {0, "samples", "N", "1..16", "a pixel, for smooth edges (4; measured flights 1)", read_samples,
      offsetof(tc_options, scene.samples)},
     {0, "error", "PX", "0..1000 pixels",
      "that what is drawn may be off the data, which chooses its blocks; 0: by distance alone (0)", read_error,
