@@ -110,7 +110,7 @@ static void lines_pass(void **state)
     assert_int_equal(shown_at(&lines, 60000), 0);
     /* The last ones are kept; the same again is one. */
     for (int i = 0; i < 20; i++) {
-        char text[16];
+        char text[32];
         snprintf(text, sizeof text, "line %d", i);
         tc_display_lines_add(&lines, false, 0, text);
         tc_display_lines_add(&lines, false, 1, text);
