@@ -113,16 +113,22 @@ tc_status tc_codec_encode_tile(const tc_codec *codec, int64_t tx, int64_t ty, co
  * which hold the rows of them that are wanted. */
 typedef struct tc_assembly {
     tc_status (*details)(void *context, int64_t ty, const tc_plane band[TC_BANDS]);
-    /* Where not NULL, takes fine rows that are made, at most TC_MADE_ROWS, whose memory is then used again. */
+    /* Where not NULL, takes fine rows that are made, at most tc_codec_made_rows(), whose memory is then used again. */
     void (*made)(void *context, const tc_plane *part);
     void *context;
 } tc_assembly;
 
-enum { TC_MADE_ROWS = 32 };
+/* Of a rectangle: so few that they stay near, and so many that starting anew is little of the work. */
+static inline int64_t tc_codec_made_rows(tc_rect rect)
+{
+    enum { LEAST = 32, SAMPLES = 1 << 15 };
+    int64_t width = rect.x1 - rect.x0, rows = width * LEAST >= SAMPLES ? LEAST : SAMPLES / width;
+    return rows < rect.y1 - rect.y0 ? rows : rect.y1 - rect.y0;
+}
 
 /* Makes fine->rect from the coarser level, which covers what tc_lifting_needs() names, and from details, so that both
  * are in the nearer caches when heights are made of them. Where `made` takes the rows, fine->z has room for
- * TC_MADE_ROWS rows. scratch: tc_codec_assemble_scratch() bytes, aligned as malloc does. */
+ * tc_codec_made_rows() rows. scratch: tc_codec_assemble_scratch() bytes, aligned as malloc does. */
 size_t tc_codec_assemble_scratch(const tc_codec *codec, tc_rect rect);
 tc_status tc_codec_assemble(const tc_codec *codec, const tc_plane *coarse, const tc_assembly *from,
                             const tc_plane *fine, void *scratch, tc_simd simd);

@@ -25,14 +25,13 @@ tc_rect tc_codec_read_needs(const tc_codec *c, tc_rect rect)
     return tc_codec_tile_needs(c, t);
 }
 
-/* Details are held for one row of tiles and the rows before it that the next fine rows still need. */
-enum { KEPT = 2 * TC_LIFTING_REACH, STRIP = TC_TILE + KEPT };
+/* Details are held for one row of tiles and the rows before it that the next fine rows still need; of narrow rectangles
+ * for more, since the transform begins anew for each part. */
+enum { KEPT = 2 * TC_LIFTING_REACH, STRIP = TC_TILE + KEPT, HELD = 1 << 13 };
 
-/* The most fine rows that come of one row of tiles. */
-static tc_rect strip_rect(tc_rect rect)
+static int64_t rows_held(tc_rect d)
 {
-    rect.y1 = tc_min64(rect.y1, rect.y0 + 2 * STRIP);
-    return rect;
+    return tc_max64(STRIP, tc_min64(d.y1 - d.y0, HELD / (d.x1 - d.x0)));
 }
 
 size_t tc_codec_assemble_scratch(const tc_codec *c, tc_rect rect)
@@ -41,7 +40,30 @@ size_t tc_codec_assemble_scratch(const tc_codec *c, tc_rect rect)
         return 0;
     tc_rect d = detail_rect(c, rect);
     return sizeof(int32_t) *
-           (TC_BANDS * STRIP * (size_t)(d.x1 - d.x0) + tc_lifting_synthesise_scratch(&c->level, strip_rect(rect)));
+           (TC_BANDS * (size_t)(rows_held(d) * (d.x1 - d.x0)) + tc_lifting_synthesise_scratch(&c->level, rect));
+}
+
+/* Moves rows from `first` on to the front. */
+static void let_go(tc_plane band[TC_BANDS], int64_t first)
+{
+    for (int b = 0; b < TC_BANDS; b++) {
+        tc_rect r = band[b].rect;
+        memmove(band[b].z, tc_plane_at(&band[b], r.x0, first),
+                (size_t)((r.y1 - first) * band[b].stride) * sizeof(int32_t));
+        band[b].rect.y0 = first;
+    }
+}
+
+/* Details of row ty of tiles, down to row `end`, behind those that are there. */
+static tc_status add_details(const tc_assembly *from, int64_t ty, int64_t end, tc_plane band[TC_BANDS])
+{
+    tc_plane more[TC_BANDS];
+    for (int b = 0; b < TC_BANDS; b++) {
+        tc_rect r = band[b].rect;
+        more[b] = (tc_plane){tc_plane_at(&band[b], r.x0, r.y1), band[b].stride, {r.x0, r.y1, r.x1, end}};
+        band[b].rect.y1 = end;
+    }
+    return from->details(from->context, ty, more);
 }
 
 tc_status tc_codec_assemble(const tc_codec *c, const tc_plane *coarse, const tc_assembly *from, const tc_plane *fine,
@@ -51,29 +73,23 @@ tc_status tc_codec_assemble(const tc_codec *c, const tc_plane *coarse, const tc_
         return TC_OK;
     tc_rect d = detail_rect(c, fine->rect);
     int32_t *at = scratch;
-    int64_t columns = d.x1 - d.x0, y = fine->rect.y0, have = d.y0; /* fine rows and rows of details done */
+    int64_t columns = d.x1 - d.x0, room = rows_held(d), y = fine->rect.y0, have = d.y0; /* rows done: fine, details */
     tc_plane band[TC_BANDS];
-    for (int b = 0; b < TC_BANDS; b++, at += STRIP * columns)
+    for (int b = 0; b < TC_BANDS; b++, at += room * columns)
         band[b] = (tc_plane){at, columns, {d.x0, d.y0, d.x1, d.y0}};
     for (int64_t ty = d.y0 / TC_TILE; have < d.y1; ty++) {
-        int64_t end = tc_min64((ty + 1) * TC_TILE, d.y1), first = tc_max64(band[0].rect.y0, have - KEPT);
-        for (int b = 0; b < TC_BANDS; b++) {
-            memmove(band[b].z, tc_plane_at(&band[b], d.x0, first),
-                    (size_t)((have - first) * columns) * sizeof(int32_t));
-            /* The tiles write what is new only: rows from `have` on. */
-            band[b].z += (have - first) * columns, band[b].rect = (tc_rect){d.x0, have, d.x1, end};
-        }
-        tc_status status = from->details(from->context, ty, band);
+        int64_t end = tc_min64((ty + 1) * TC_TILE, d.y1), next = tc_min64(end + TC_TILE, d.y1);
+        if (end - band[0].rect.y0 > room)
+            let_go(band, tc_max64(band[0].rect.y0, have - KEPT));
+        tc_status status = add_details(from, ty, end, band);
         if (status)
             return status;
-        for (int b = 0; b < TC_BANDS; b++)
-            band[b].z -= (have - first) * columns, band[b].rect.y0 = first;
         have = end;
-        int64_t ready = have == d.y1 ? fine->rect.y1 : tc_min64(fine->rect.y1, 2 * (have - TC_LIFTING_REACH));
-        if (ready <= y)
+        if (have < d.y1 && next - band[0].rect.y0 <= room)
             continue;
+        int64_t ready = have == d.y1 ? fine->rect.y1 : tc_min64(fine->rect.y1, 2 * (have - TC_LIFTING_REACH));
         for (int64_t last; y < ready; y = last) {
-            last = from->made ? tc_min64(y + TC_MADE_ROWS, ready) : ready;
+            last = from->made ? tc_min64(y + tc_codec_made_rows(fine->rect), ready) : ready;
             tc_plane part = {from->made ? fine->z : tc_plane_at(fine, fine->rect.x0, y), fine->stride, fine->rect};
             part.rect.y0 = y, part.rect.y1 = last;
             tc_lifting_synthesise(&c->level, coarse, band, &part, at, simd);

@@ -204,13 +204,14 @@ typedef struct even_rows {
     const int32_t *detail[4];
 } even_rows;
 
+/* Whether a row is known to be zeros; of short ones it takes longer to find out than it saves. */
 ALWAYS_INLINE bool is_zero(const int32_t *row, int64_t count)
 {
     enum { SOME = 64 };
-    int32_t any = 0;
+    int32_t any = count < SOME;
     for (int64_t i = 0; i < count && !any; i += SOME) {
-        const int32_t *from = row + (i + SOME <= count ? i : tc_max64(count - SOME, 0));
-        for (int64_t k = 0; k < tc_min64(SOME, count); k++)
+        const int32_t *from = row + tc_min64(i, count - SOME);
+        for (int k = 0; k < SOME; k++)
             any |= from[k];
     }
     return !any;

@@ -163,7 +163,7 @@ tc_status tc_packed_heights(packed_field *p, int l, const packed_target *to, scr
                   (level->coder.level.wrap_x || (r.x0 >= 0 && r.x1 <= p->head.level[l - 1].width));
     tc_plane units;
     mark m = tc_scratch_here(s);
-    int64_t rows = strips ? tc_min64(r.y1 - r.y0, TC_MADE_ROWS) : r.y1 - r.y0;
+    int64_t rows = strips ? tc_codec_made_rows(r) : r.y1 - r.y0;
     status = tc_scratch_plane(s, (tc_rect){r.x0, r.y0, r.x1, r.y0 + rows}, &units);
     units.rect = r;
     if (!status && strips)
