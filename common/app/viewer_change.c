@@ -133,6 +133,7 @@ static bool quickly(const tc_viewer *v, const tc_viewer_wish *wish)
 tc_status tc_viewer_adopt(tc_viewer *v, const tc_viewer_wish *wish, tc_error *error)
 {
     const bool map = other_map(v, &wish->options);
+    v->shown = (struct tc_shown){0}; /* another renderer may lie where one lay before */
     if (map || !same_pictures(&wish->options, &v->options))
         return load_and_draw(v, wish, map, error);
     if (wish->options.exaggeration != v->options.exaggeration)

@@ -88,7 +88,7 @@ if start hills.tif $sky; then
     xdotool key Tab
     shows 'panel' 110000 300000
     picture
-    accepts '' $viewer hills.tif --samples 1 -o out/picture.png $sky
+    accepts '' $viewer hills.tif -o out/picture.png $sky
     same shot.png last.png 'with panel and texts on the screen'
     xdotool key Escape
     shows 'panel closed by Esc' 500 60000
@@ -175,20 +175,22 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
         picture
         same shot.png first.png "no ${slider% *}"
     done
-    # Choices: the second name, the first.
-    for choice in 'shade 225' 'samples 294'; do
-        y=${choice#* }
+    # Choices: another name, and the one that there was, so far below.
+    while read -r choice y other was; do
         at 235 $y click 1
-        at 235 $((y + 41)) click 1
+        at 235 $((y + other)) click 1
         settle
         picture
-        different shot.png first.png "${choice% *}"
+        different shot.png first.png "$choice"
         at 235 $y click 1
-        at 235 $((y + 24)) click 1
+        at 235 $((y + was)) click 1
         settle
         picture
-        same shot.png first.png "the first ${choice% *}"
-    done
+        same shot.png first.png "$choice as before"
+    done <<'end'
+shade 225 41 24
+samples 294 24 58
+end
     # The compass.
     at 604 36 click 1
     cases=$((cases + 1))
@@ -239,7 +241,7 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     settle
     settle
     picture
-    accepts '' $viewer land.tif --samples 1 -o out/picture.png --size 640x480
+    accepts '' $viewer land.tif -o out/picture.png --size 640x480
     same shot.png last.png 'a terrain that was dropped'
     # Typed, by names full of letters that are keys.
     at 235 66 click 1
