@@ -64,7 +64,8 @@ static void decode_tile(const fuzz_tile *f)
         tc_decoded_tile *tile = get(tc_decoded_tile_bytes(coder.coder)), *empty = get(sizeof *empty);
         tc_decoded_tile *twin = get(tc_decoded_tile_bytes(coder.coder)), *other = get(sizeof *other);
         void *work = get(tc_level_coder_work_bytes()), *more = get(tc_level_coder_work_bytes());
-        tc_level_tile one = {tx, ty, entry, f->bytes, tile, work, TC_OK}, none = {tx, ty, entry, NULL, empty, work, 0};
+        tc_level_tile one = {.tx = tx, .ty = ty, .entry = entry, .bytes = f->bytes, .to = tile, .work = work};
+        tc_level_tile none = {.tx = tx, .ty = ty, .entry = entry, .to = empty, .work = work};
         tc_level_coder_decode(&coder, &one, 1, &coarse);
         tc_level_coder_decode(&coder, &none, 1, &coarse);
         tc_status status = one.status;
