@@ -167,7 +167,7 @@ $(O)/planet-viewer: $(OBJ)/spherical/main.o $(APP_LIBRARY) $(DRAW_LIBRARY) $(LIB
 	$(LINK)
 
 $(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/input/say.o \
-    $(addprefix $(OBJ)/common/base/,status.o outfile.o srgb.o image_levels.o image_memory.o)
+    $(addprefix $(OBJ)/common/base/,status.o cache_folder.o outfile.o srgb.o image_levels.o image_memory.o)
 	@echo "  LINK  $@"
 	$(Q)$(CC) -shared $(LDFLAGS_ALL) $^ -o $@ $$(pkg-config --libs gdal) -lm
 $(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/status.o

@@ -22,6 +22,9 @@ int main(int argc, char **argv)
         TC_BUDGET_US_OPTION,
     };
     static const tc_scheme *const schemes[] = {tc_square_schemes, NULL};
+    /* As wide as `make demo` has it, with half as many samples. */
+    static const char *const synth[] = {"--size", "2049", "--spacing", "60", "--seed", "4", NULL};
+    static const char *const pack[] = {"--rms", "1", NULL};
     static const tc_viewer_program program = {
         .name = "planar-viewer",
         .summary =
@@ -32,6 +35,7 @@ int main(int argc, char **argv)
         .schemes = schemes,
         .options = options,
         .option_count = sizeof options / sizeof *options,
+        .by_default = {"terrain", synth, pack},
     };
     return tc_viewer_main(&program, argc, argv);
 }

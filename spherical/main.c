@@ -48,6 +48,8 @@ int main(int argc, char **argv)
          offsetof(tc_options, globe.radius)},
     };
     static const tc_scheme *const schemes[] = {tc_rings_schemes, tc_faces_schemes, NULL};
+    static const char *const synth[] = {"--kind", "planet", "--size", "2048", NULL};
+    static const char *const pack[] = {"--planet", NULL};
     static const tc_viewer_program program = {
         .name = "planet-viewer",
         .summary =
@@ -58,6 +60,7 @@ int main(int argc, char **argv)
         .schemes = schemes,
         .options = options,
         .option_count = sizeof options / sizeof *options,
+        .by_default = {"planet", synth, pack},
     };
     return tc_viewer_main(&program, argc, argv);
 }

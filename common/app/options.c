@@ -343,7 +343,8 @@ static tc_status check_look(const tc_options *o, tc_error *error)
 static tc_status check_together(const tc_options *o, tc_error *error)
 {
     bool offscreen = o->backend == TC_BACKEND_EGL || o->backend == TC_BACKEND_OSMESA;
-    if (!o->terrain)
+    const bool window = !o->output && !o->path && !o->video && !offscreen && tc_display_there();
+    if (!o->terrain && !window)
         return tc_fail(error, TC_ERR_USAGE, "TERRAIN: expected a file, found none; --help tells more");
     if (o->path && !o->frames)
         return tc_fail(error, TC_ERR_USAGE, "--path: expected --frames N with it, found none");
@@ -408,7 +409,8 @@ tc_status tc_options_parse(const tc_viewer_program *program, int argc, char **ar
 
 void tc_options_print_help(const tc_viewer_program *program, FILE *file)
 {
-    fprintf(file, "usage: %s [OPTION]... TERRAIN\n\n%s\n", program->name, program->summary);
+    fprintf(file, "usage: %s [OPTION]... [TERRAIN]\n\n%s Without a file a window shows a default one, made once.\n",
+            program->name, program->summary);
     rows r;
     make_rows(program, &r);
     tc_arguments_print(&r.line, file);

@@ -27,9 +27,9 @@ typedef struct tc_look {
 /* What the command line asks for. Strings point into argv. */
 typedef struct tc_options {
     tc_action action;
-    const char *terrain;
-    const char *output; /* picture, or pattern of pictures where path is given; NULL: a window */
-    int width, height;  /* pixels */
+    const char *terrain; /* NULL: there is to be a window, with the default one */
+    const char *output;  /* picture, or pattern of pictures where path is given; NULL: a window */
+    int width, height;   /* pixels */
     bool has_view;
     tc_pose view;
     const char *views;     /* file of views; NULL none */

@@ -309,11 +309,33 @@ static tc_status check_writable(const char *path, tc_error *error)
     return tc_outfile_probe(path, error);
 }
 
+/* ---- No file ------------------------------------------------------------------------------------------------ */
+
+static tc_status name_default(tc_viewer *v, tc_error *error)
+{
+    char path[TC_DEFAULT_PATH];
+    tc_status status = tc_default_terrain_path(&v->program->by_default, tc_viewer_scheme(v)->atlas, path, error);
+    v->options.terrain = status == TC_OK ? tc_viewer_keep(v, path) : NULL;
+    if (status == TC_OK && !v->options.terrain)
+        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+    return status;
+}
+
+static tc_status make_default(tc_viewer *v, tc_error *error)
+{
+    tc_watch_interrupts();
+    return tc_default_terrain_make(&v->program->by_default, tc_viewer_scheme(v)->atlas, v->options.terrain,
+                                   v->options.quiet, error);
+}
+
 /* ---- The whole ---------------------------------------------------------------------------------------------- */
 
 static tc_status run(tc_viewer *v, tc_error *error)
 {
     tc_status status = tc_viewer_display_open(v, error); /* which hears what is said from here on */
+    const bool by_default = status == TC_OK && !v->options.terrain;
+    if (by_default)
+        status = name_default(v, error);
     if (status == TC_OK)
         status = list_outputs(v, error);
     if (status == TC_OK)
@@ -328,6 +350,8 @@ static tc_status run(tc_viewer *v, tc_error *error)
         status = tc_colour_file_read(v->options.colours, &v->colours, error);
     if (status == TC_OK)
         status = tc_viewer_begin_views(v, error);
+    if (status == TC_OK && by_default)
+        status = make_default(v, error);
     if (status == TC_OK)
         status = tc_viewer_load(v, error);
     if (status == TC_OK)
@@ -344,6 +368,9 @@ static tc_status run(tc_viewer *v, tc_error *error)
     if (status != TC_OK)
         return status;
 
+    if (by_default)
+        tc_viewer_tell(v, TC_TOLD_DONE, "the default %s; your own: %s FILE, or let a file fall on the window",
+                       v->program->by_default.name, v->program->name);
     if (tc_viewer_interactive(&v->options))
         status = tc_viewer_window(v, error);
     else if (v->options.path)
@@ -377,7 +404,7 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     }
     if (status == TC_OK && fflush(stdout) != 0)
         status = tc_fail(&error, TC_ERR_IO, "standard output: cannot be written");
-    if (status != TC_OK)
+    if (status != TC_OK && error.text[0])
         fprintf(stderr, "%s: %s\n", program->name, error.text);
 
     tc_renderer_destroy(viewer.renderer);

@@ -6,6 +6,7 @@
 #include "common/render/scheme.h"
 #include "common/view/navigation.h"
 #include "arguments.h"
+#include "default_terrain.h"
 
 /* What differs between the programs. */
 typedef struct tc_viewer_program {
@@ -16,6 +17,7 @@ typedef struct tc_viewer_program {
     const tc_scheme *const *schemes; /* lists, ended by NULL: the first one unless --scheme names another */
     const tc_option *options; /* of its schemes and its body (options.h); they follow those of how a file is read */
     int option_count;
+    tc_default_terrain by_default; /* that a window shows where no file is named */
 } tc_viewer_program;
 
 /* The whole of main(): reads the command line, loads, shows or writes. Returns the exit code. */

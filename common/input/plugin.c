@@ -9,7 +9,6 @@
 #include "common/base/status.h"
 
 #include <dlfcn.h>
-#include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -30,8 +29,7 @@ static struct {
     int count;
 } loaded = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-/* Directory of the running program, without a slash at the end; empty where the system does not say. */
-static void program_directory(char directory[PATH_MAX])
+void tc_program_folder(char directory[PATH_MAX])
 {
     ssize_t length = readlink("/proc/self/exe", directory, PATH_MAX - 1);
     directory[length > 0 ? length : 0] = '\0';
@@ -43,7 +41,7 @@ static void program_directory(char directory[PATH_MAX])
 static tc_status find_and_load(const char *name, const void **table_ret, tc_error *error)
 {
     char program[PATH_MAX], path[PATH_MAX + 64];
-    program_directory(program);
+    tc_program_folder(program);
     static const char *const places[] = {"%s/terraclip-%s.so", "%s/../terraclip-%s.so",
                                          "%s/../lib/terraclip/terraclip-%s.so"};
     const int count = (int)(sizeof places / sizeof *places);

@@ -3,6 +3,7 @@
  * whatever ends the program. */
 #include "plugin_gdal_image.h"
 
+#include "common/base/cache_folder.h"
 #include "common/base/image_levels.h"
 #include "common/base/outfile.h"
 #include "common/base/rect.h"
@@ -64,7 +65,7 @@ static uint64_t mix(uint64_t hash, const char *text) /* FNV-1a */
 
 void tc_gdal_cache_name(tc_gdal_cache *cache, char *const *files)
 {
-    const char *home = getenv("XDG_CACHE_HOME"), *user = getenv("HOME");
+    char name[32];
     uint64_t hash = mix(UINT64_C(0xcbf29ce484222325), "1"); /* of how levels are made */
     for (; *files; files++) {
         char real[PATH_MAX], times[96] = "";
@@ -75,11 +76,8 @@ void tc_gdal_cache_name(tc_gdal_cache *cache, char *const *files)
                      about.st_mtim.tv_nsec);
         hash = mix(mix(hash, there ? real : *files), times);
     }
-    *cache->base = '\0';
-    if (home && *home == '/')
-        snprintf(cache->base, sizeof cache->base, "%s/terraclip/%016" PRIx64, home, hash);
-    else if (user && *user == '/')
-        snprintf(cache->base, sizeof cache->base, "%s/.cache/terraclip/%016" PRIx64, user, hash);
+    snprintf(name, sizeof name, "%016" PRIx64, hash);
+    tc_cache_path(name, cache->base, sizeof cache->base);
 }
 
 static void name_file(const tc_gdal_cache *cache, int level, char path[4200])
@@ -239,15 +237,9 @@ static tc_status check_room(const tc_gdal_cache *cache, const tc_image_size *siz
 
 static tc_status make_folder(const tc_gdal_cache *cache, tc_error *error)
 {
-    char folder[4096];
-    snprintf(folder, sizeof folder, "%s", cache->base);
-    for (char *slash = strchr(folder + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        if (mkdir(folder, 0700) != 0 && errno != EEXIST)
-            return tc_fail(error, TC_ERR_IO, "%s: its levels cannot be kept in %s: %s", cache->name, folder,
-                           strerror(errno));
-        *slash = '/';
-    }
+    tc_error why;
+    if (tc_cache_make_folder(cache->base, &why) != TC_OK)
+        return tc_fail(error, TC_ERR_IO, "%s: its levels cannot be kept in %s", cache->name, why.text);
     return TC_OK;
 }
 

@@ -153,7 +153,7 @@ static void help_and_version(void **state)
     assert_non_null(file);
     tc_options_print_help(&program, file);
     fclose(file);
-    assert_non_null(strstr(text, "usage: viewer [OPTION]... TERRAIN"));
+    assert_non_null(strstr(text, "usage: viewer [OPTION]... [TERRAIN]"));
     static const char *const names[] = {"--view X,Y,Z,HEADING,PITCH",
                                         "-o, --output FILE.png",
                                         "--lookat LON,LAT[,HEIGHT]",
@@ -192,6 +192,32 @@ static void help_and_version(void **state)
         if (next)
             *next++ = '\0';
         assert_true(strlen(line) <= 120);
+    }
+}
+
+/* Without a file there is a default one, where there is a display for a window, and a window is wanted. */
+static void no_file_is_a_window(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        bool window;
+    } cases[] = {{"", true},          {"--no-display --frames 5", true},  {"--backend window", true},
+                 {"-o p.png", false}, {"--path p.txt --frames 5", false}, {"--backend egl", false}};
+    static const char *const displays[][2] = {{"DISPLAY", ":7"}, {"WAYLAND_DISPLAY", "wayland-0"}};
+    for (int d = 0; d < 2; d++) {
+        setenv(displays[d][0], displays[d][1], 1);
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+            tc_options o;
+            tc_error error;
+            const tc_status status = parse(cases[i].line, &o, &error);
+            assert_int_equal(status, cases[i].window ? TC_OK : TC_ERR_USAGE);
+            if (status == TC_OK)
+                assert_null(o.terrain);
+            else
+                assert_non_null(strstr(error.text, "TERRAIN: expected a file, found none"));
+        }
+        setenv(displays[d][0], "", 1); /* is none */
     }
 }
 
@@ -334,7 +360,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(defaults),           cmocka_unit_test(values_arrive),
         cmocka_unit_test(help_and_version),   cmocka_unit_test(nonsense_is_refused),
-        cmocka_unit_test(patterns_of_frames),
+        cmocka_unit_test(patterns_of_frames), cmocka_unit_test(no_file_is_a_window),
     };
+    unsetenv("DISPLAY");
+    unsetenv("WAYLAND_DISPLAY");
     return cmocka_run_group_tests_name("options", tests, NULL, NULL);
 }
