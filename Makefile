@@ -173,7 +173,7 @@ $(O)/terraclip-gdal.so: $(call obj,$(GDAL_PLUGIN)) $(OBJ)/common/input/say.o \
 $(O)/terraclip-oiio.so: $(OBJ)/common/input/plugin_oiio.o $(OBJ)/common/base/status.o
 	@echo "  LINK  $@"
 	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -lOpenImageIO -lOpenImageIO_Util
-$(O)/terraclip-window.so: $(addprefix $(OBJ)/common/,app/plugin_window.o app/plugin_display.o base/status.o)
+$(O)/terraclip-window.so: $(addprefix $(OBJ)/common/,app/plugin_window.o app/plugin_display.o app/icon.o base/status.o)
 	@echo "  LINK  $@"
 	$(Q)$(CXX) -shared $(LDFLAGS_ALL) $^ -o $@ -Wl,--exclude-libs,ALL $$(pkg-config --libs imgui glfw3)
 
@@ -382,6 +382,8 @@ install: all $(MANUALS) $(O)/completion
 	install -m 755 $(SHARED) $(DESTDIR)$(PREFIX)/lib
 	cp -P $(O)/libterraclip.so $(O)/libterraclip.so.$(SONAME) $(DESTDIR)$(PREFIX)/lib
 	install -m 644 common/terraclip.h $(DESTDIR)$(PREFIX)/include
+	cd share && for file in applications/*.desktop mime/packages/*.xml icons/hicolor/*/apps/*; do \
+	install -D -m 644 $$file $(DESTDIR)$(PREFIX)/share/$$file || exit 1; done
 	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' docs/terraclip.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/terraclip.pc
 
 clean:

@@ -2,6 +2,7 @@
  * neither GLFW nor X11 or Wayland. */
 #include "window.h"
 #include "common/base/status.h"
+#include "icon.h"
 #include "plugin_display.h"
 
 #define GLFW_INCLUDE_NONE
@@ -182,6 +183,28 @@ static void window_close(tc_window *window)
     free(window);
 }
 
+/* By which desktops know the program: the name of its entry (share/applications). */
+static void hint_program(const char *program)
+{
+    glfwWindowHintString(GLFW_X11_CLASS_NAME, program);
+    glfwWindowHintString(GLFW_X11_INSTANCE_NAME, program);
+#ifdef GLFW_WAYLAND_APP_ID
+    glfwWindowHintString(GLFW_WAYLAND_APP_ID, program);
+#endif
+}
+
+/* Where the window system has none of its own for the program. */
+static void set_icon(GLFWwindow *glfw)
+{
+    enum { SMALL = 32, LARGE = 64 };
+    uint8_t small[SMALL * SMALL][4], large[LARGE * LARGE][4];
+    tc_icon_draw(SMALL, small);
+    tc_icon_draw(LARGE, large);
+    const GLFWimage images[] = {{SMALL, SMALL, *small}, {LARGE, LARGE, *large}};
+    glfwSetWindowIcon(glfw, 2, images); /* Wayland has no such thing, and says so: nothing to fail for */
+    glfwGetError(NULL);
+}
+
 static tc_status window_open(const tc_window_options *options, tc_window **window_ret, tc_error *error)
 {
     if (!glfwInit())
@@ -196,6 +219,8 @@ static tc_status window_open(const tc_window_options *options, tc_window **windo
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 5);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_VISIBLE, options->hidden ? GLFW_FALSE : GLFW_TRUE);
+    if (options->program)
+        hint_program(options->program);
     /* Finished frames are copied in: the window itself needs neither depth nor samples. */
     glfwWindowHint(GLFW_DEPTH_BITS, 0);
     glfwWindowHint(GLFW_STENCIL_BITS, 0);
@@ -206,6 +231,8 @@ static tc_status window_open(const tc_window_options *options, tc_window **windo
         free(window);
         return status;
     }
+    if (!options->hidden)
+        set_icon(window->glfw);
     glfwSetWindowUserPointer(window->glfw, window);
     glfwSetKeyCallback(window->glfw, on_key);
     glfwSetMouseButtonCallback(window->glfw, on_button);

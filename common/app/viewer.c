@@ -106,6 +106,7 @@ static tc_status open_window(tc_viewer *v, tc_error *error)
     if (status == TC_OK) {
         v->window_plugin = table;
         const tc_window_options options = {.title = v->program->name,
+                                           .program = v->program->name,
                                            .width = v->options.width,
                                            .height = v->options.height,
                                            .hidden = !tc_viewer_interactive(&v->options)};

@@ -23,8 +23,9 @@ typedef enum tc_key {
 /* Zero is the default. */
 typedef struct tc_window_options {
     const char *title;
-    int width, height; /* of the framebuffer, pixels; the window system may decide otherwise. 0: 1280 x 720 */
-    bool hidden;       /* never shown: for drawing offscreen by means of a display */
+    const char *program; /* by which a desktop finds the window's entry, and its icon; NULL: none */
+    int width, height;   /* of the framebuffer, pixels; the window system may decide otherwise. 0: 1280 x 720 */
+    bool hidden;         /* never shown: for drawing offscreen by means of a display */
 } tc_window_options;
 
 enum { TC_WINDOW_MAX_PRESSED = 32, TC_WINDOW_MAX_EVENTS = 64, TC_WINDOW_MAX_DROPPED = 8 };

@@ -14,12 +14,34 @@ fi
 cases=$((cases + 1))
 wanted='./bin/planar-viewer ./bin/planet-viewer ./bin/terraclip ./include/terraclip.h ./lib/libterraclip.a ./lib/libterraclip.so.'"$(cat "$root/VERSION")"' ./lib/pkgconfig/terraclip.pc
 ./lib/terraclip/terraclip-gdal.so ./lib/terraclip/terraclip-oiio.so ./lib/terraclip/terraclip-video.so ./lib/terraclip/terraclip-window.so
+./share/applications/planar-viewer.desktop ./share/applications/planet-viewer.desktop
 ./share/bash-completion/completions/planar-viewer ./share/bash-completion/completions/planet-viewer ./share/bash-completion/completions/terraclip
+./share/icons/hicolor/256x256/apps/terraclip.png ./share/icons/hicolor/scalable/apps/terraclip.svg
 ./share/man/man1/planar-viewer.1 ./share/man/man1/planet-viewer.1 ./share/man/man1/terraclip-extract.1 ./share/man/man1/terraclip-height.1
-./share/man/man1/terraclip-info.1 ./share/man/man1/terraclip-pack.1 ./share/man/man1/terraclip-synth.1 ./share/man/man1/terraclip.1'
+./share/man/man1/terraclip-info.1 ./share/man/man1/terraclip-pack.1 ./share/man/man1/terraclip-synth.1 ./share/man/man1/terraclip.1
+./share/mime/packages/terraclip.xml'
 found=$(cd "$stage/usr" && find . -type f | LC_ALL=C sort | tr '\n' ' ')
 [ "$(echo $found)" = "$(echo $wanted)" ] || fail "installed: $found"
 [ "$(ls "$stage")" = usr ] || fail "outside of PREFIX: $(ls "$stage")"
+
+# ---- Desktops: entries name programs, icons and kinds of files that are there
+
+for entry in "$stage"/usr/share/applications/*.desktop; do
+    cases=$((cases + 1))
+    name=${entry##*/} name=${name%.desktop}
+    grep -qx "Exec=$name %f" "$entry" && [ -x "$stage/usr/bin/$name" ] || fail "$name.desktop: its program"
+    grep -qx "StartupWMClass=$name" "$entry" || fail "$name.desktop: its window" # tests/cli/test_window.sh
+    icon=$(sed -n 's/^Icon=//p' "$entry")
+    [ -s "$stage/usr/share/icons/hicolor/scalable/apps/$icon.svg" ] || fail "$name.desktop: its icon"
+    is_png "$stage/usr/share/icons/hicolor/256x256/apps/$icon.png" || fail "$name.desktop: its icon's pixels"
+    for kind in $(sed -n 's/.*type="\([^"]*\)".*/\1/p' "$stage/usr/share/mime/packages/terraclip.xml"); do
+        grep -q "^MimeType=.*$kind;" "$entry" || fail "$name.desktop: does not open $kind"
+    done
+    if command -v desktop-file-validate >/dev/null 2>&1; then
+        run desktop-file-validate "$entry"
+        { [ $rc = 0 ] && [ ! -s stdout.txt ]; } || fail "$name.desktop: $(cat stdout.txt)"
+    fi
+done
 
 # ---- Manuals and completion: every option of the help is in both
 

@@ -14,6 +14,11 @@ if start hills.tif --size 320x240 --view 2000,1500,2500,30,-15 --stats stats.jso
     echo "$title" | grep -Eq '^hills.tif - [0-9.]+ ms, [0-9]+ triangles, [1-9][0-9]* levels - planar-viewer$' ||
         fail "the title is '$title'"
     [ "$(echo $(xdotool getwindowgeometry "$id" | sed -n 's/.*Geometry: //p'))" = 320x240 ] || fail 'wrong size'
+    if command -v xprop >/dev/null 2>&1; then # as share/applications has it
+        cases=$((cases + 2))
+        xprop -id "$id" WM_CLASS | grep -q '= "planar-viewer", "planar-viewer"$' || fail "$(xprop -id "$id" WM_CLASS)"
+        xprop -id "$id" -notype -f _NET_WM_ICON 32c _NET_WM_ICON | grep -q '= 32, 32, 0, ' || fail 'the window has no icon'
+    fi
     key v '^--view 2000(\.000)?,1500(\.000)?,2500(\.000)?,30(\.0000)?,-15(\.0000)?$'
     key p '^terraclip-0001.png'
     key g '^wireframe on'
