@@ -167,6 +167,15 @@ static const char *const *shade_names(const tc_panel *panel)
     return panel->shade;
 }
 
+static const char *const *view_names(const tc_panel *panel)
+{
+    return panel->view;
+}
+static bool has_views(const tc_viewer *v)
+{
+    return v->listed_count > 0;
+}
+
 /* What a row does not say is none. */
 static const struct panel_row {
     tc_display_row row;
@@ -176,9 +185,14 @@ static const struct panel_row {
     int (*most)(const tc_viewer *v);                    /* NULL: the row's */
     const char *const *(*names)(const tc_panel *panel); /* of a choice, likewise */
     bool file, picture;                                 /* an entry of a file, which is rather a picture */
+    bool keys;                                          /* a choice of key 1 and on; 0 is none */
 } table[] = {
     {.row = {.kind = TC_ROW_HEADING, .label = "Terrain"}},
     {.row = {.kind = TC_ROW_ENTRY, .label = "Open", .help = "a file, or let it fall here"}, .file = true},
+    {.row = {.kind = TC_ROW_CHOICE, .label = "Fly to", .help = "a view of --views (keys 1 to 9)"},
+     .there = has_views,
+     .names = view_names,
+     .keys = true},
     {.row = {.kind = TC_ROW_CHOICE, .label = "Scheme", .help = "the way of drawing, at the same view (key X)"},
      .there = has_schemes,
      .get = get_scheme,
@@ -298,6 +312,12 @@ static void name_choices(tc_panel *panel, const tc_viewer *v)
         panel->scheme[k] = scheme->name;
     for (int k = 0; k < TC_SHADES; k++)
         panel->shade[k] = tc_shades[k].name;
+    panel->view[0] = "...";
+    for (int k = 0; k < v->listed_count; k++) {
+        snprintf(panel->view_text[k], sizeof panel->view_text[k], "%d  %s", k + 1, v->listed[k].name);
+        panel->view[k + 1] = panel->view_text[k];
+    }
+    panel->view[v->listed_count + 1] = NULL;
 }
 
 int tc_panel_rows(tc_panel *panel, const tc_viewer *v, tc_display_row rows[TC_DISPLAY_ROWS])
@@ -332,6 +352,11 @@ bool tc_panel_is_file(int id, bool *picture_ret)
     const bool file = id >= 0 && id < TABLE && table[id].file;
     *picture_ret = file && table[id].picture;
     return file;
+}
+
+int tc_panel_key(int id, double value)
+{
+    return id >= 0 && id < TABLE && table[id].keys && value >= 1 ? '0' + (int)value : 0;
 }
 
 tc_status tc_panel_set(const tc_panel *panel, tc_viewer *v, int id, double value, tc_error *error)

@@ -243,13 +243,15 @@ static bool show_file(tc_viewer *v, const tc_window_input *input, const char *pa
     return opened;
 }
 
-static bool change_row(tc_viewer *v, const tc_window_input *input, tc_pose *view_ret)
+static bool change_row(tc_viewer *v, const tc_window_input *input, tc_pose *view_ret, int *key_ret)
 {
     const tc_display_result *r = &v->display->result;
     bool picture, opened = false;
     tc_error error;
-    const int row = r->changed;
-    if (tc_panel_is_file(row, &picture)) {
+    const int row = r->changed, key = tc_panel_key(row, r->value);
+    if (key) {
+        *key_ret = key;
+    } else if (tc_panel_is_file(row, &picture)) {
         char path[TC_DISPLAY_ENTRY];
         memcpy(path, r->entry, sizeof path);
         opened = show_file(v, input, path, picture, view_ret);
@@ -269,7 +271,7 @@ bool tc_viewer_display_act(tc_viewer *v, const tc_window_input *input, tc_pose *
         d->help &= !d->result.help_closed;
         d->panel_shown &= !d->result.panel_closed;
         if (d->result.changed >= 0)
-            opened = change_row(v, input, view_ret);
+            opened = change_row(v, input, view_ret, key_ret);
         d->result.changed = -1, d->result.north = d->result.help_closed = d->result.panel_closed = false;
     }
     for (int i = 0; i < input->dropped_count; i++)

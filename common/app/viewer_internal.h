@@ -22,6 +22,8 @@
 struct tc_kept_text;
 struct tc_viewer_display;
 
+enum { TC_VIEWER_LISTED = 9 }; /* views that have a key: 1 to 9 */
+
 typedef struct tc_viewer {
     const tc_viewer_program *program;
     tc_options options;
@@ -61,6 +63,11 @@ typedef struct tc_viewer {
     tc_stats *stats;
     struct tc_viewer_display *display; /* NULL: the window has none */
     struct tc_kept_text *kept;         /* that options point to, beside the command line's */
+    struct tc_listed_view {
+        tc_pose view;
+        char name[48];          /* cut where it is longer; "" none */
+    } listed[TC_VIEWER_LISTED]; /* the first ones of the file of views */
+    int listed_count;
 } tc_viewer;
 
 /* The terrain, in the charts that the scheme draws, and its pictures; and what frees both (viewer_terrain.c). */
@@ -118,6 +125,10 @@ tc_scenery tc_viewer_scenery(const tc_viewer *viewer);
  * there is no such file or nothing can be added, which is said (viewer_views.c). */
 tc_status tc_viewer_begin_views(tc_viewer *viewer, tc_error *error);
 void tc_viewer_keep_view(tc_viewer *viewer, tc_pose *view);
+
+/* View number `number`, from 1, of that file as it is now, told by its name; false where there is none, which is told.
+ */
+bool tc_viewer_listed_view(tc_viewer *viewer, int number, tc_pose *view_ret);
 
 /* Whether what is drawn is kept, as pictures or a film: then it takes the time that it needs. */
 bool tc_viewer_keeps(const tc_options *options);
@@ -203,8 +214,8 @@ void tc_viewer_display_line(tc_viewer *viewer, bool warning, const char *text);
 void tc_viewer_display_show(tc_viewer *viewer, const tc_frame_stats *frame);
 
 /* Does what the user did in it and with files that fell on the window, once the frame is shown. True: there is another
- * terrain, to be seen by *view_ret. *key_ret: the key of what was clicked (compass: N); 0: none. There may be no
- * renderer any more. */
+ * terrain, to be seen by *view_ret. *key_ret: the key of what was clicked (compass: N, a view: its number); 0: none.
+ * There may be no renderer any more. */
 bool tc_viewer_display_act(tc_viewer *viewer, const tc_window_input *input, tc_pose *view_ret, int *key_ret);
 
 /* Keys. Help: false where there is no display, and it is to be printed. Dismiss closes what is open, help first; false:

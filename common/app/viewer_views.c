@@ -23,6 +23,54 @@ static tc_status check_writable(const char *path, tc_error *error)
     return access(path, W_OK) == 0 ? TC_OK : tc_fail(error, TC_ERR_IO, "%s: cannot be written", path);
 }
 
+/* The first views of the text; lines that are none are passed over. */
+static void list(tc_viewer *v, const char *text)
+{
+    tc_error unused;
+    tc_views views = tc_views_of(v->program->navigation, v->options.views, text);
+    bool more = true;
+    v->listed_count = 0;
+    while (more && v->listed_count < TC_VIEWER_LISTED) {
+        const bool bad = tc_views_next(&views, &more, &unused) != TC_OK;
+        more |= bad;
+        if (bad || !more)
+            continue;
+        struct tc_listed_view *listed = &v->listed[v->listed_count++];
+        listed->view = views.view;
+        snprintf(listed->name, sizeof listed->name, "%.*s", (int)views.name_length, views.name);
+    }
+}
+
+/* As the file is now. */
+static tc_status list_again(tc_viewer *v, tc_error *error)
+{
+    char *text = NULL;
+    v->listed_count = 0;
+    if (!v->options.views)
+        return tc_fail(error, TC_ERR_USAGE, "--views FILE has views to fly to; there is none");
+    tc_status status = tc_views_read(v->options.views, WHAT, &text, error);
+    if (status == TC_OK)
+        list(v, text);
+    free(text);
+    return status;
+}
+
+bool tc_viewer_listed_view(tc_viewer *v, int number, tc_pose *view_ret)
+{
+    tc_error error;
+    tc_status status = list_again(v, &error);
+    if (status == TC_OK && number > v->listed_count)
+        status = tc_fail(&error, TC_ERR_USAGE, "%s: no view %d", v->options.views, number);
+    if (status != TC_OK) {
+        tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
+        return false;
+    }
+    const struct tc_listed_view *listed = &v->listed[number - 1];
+    *view_ret = listed->view;
+    tc_viewer_tell(v, TC_TOLD_DONE, "view %d%s%s", number, *listed->name ? ": " : "", listed->name);
+    return true;
+}
+
 tc_status tc_viewer_begin_views(tc_viewer *v, tc_error *error)
 {
     const char *path = v->options.views, *name = v->options.view_name;
@@ -43,6 +91,8 @@ tc_status tc_viewer_begin_views(tc_viewer *v, tc_error *error)
         for (bool more = true; more && status == TC_OK;)
             status = tc_views_next(&views, &more, error);
     }
+    if (status == TC_OK)
+        list(v, text);
     free(text);
     return status;
 }
@@ -75,6 +125,8 @@ void tc_viewer_keep_view(tc_viewer *v, tc_pose *view)
     tc_pose_format(v->program->navigation, view, v->spacing, text);
     tc_status status = v->options.views ? add(v, text, name, &error) : TC_OK;
     if (v->options.views && status == TC_OK) {
+        tc_error unused;
+        list_again(v, &unused);
         if (!v->options.quiet)
             fprintf(stderr, "%s: %s\n", v->options.views, name);
         return;

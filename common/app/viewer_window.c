@@ -25,6 +25,7 @@ typedef struct session {
     bool picture_wanted; /* once the frame is drawn */
     bool quit;
     int picture_number; /* to try next */
+    int key;            /* that is handled */
     tc_telling telling;
 } session;
 
@@ -124,6 +125,13 @@ static void do_reset(session *s)
     tc_gestures_fly(&s->gestures, &s->scenery, &s->flight.view, &s->start.view);
 }
 
+static void do_listed(session *s)
+{
+    tc_pose view;
+    if (tc_viewer_listed_view(s->viewer, s->key - '0', &view))
+        tc_gestures_fly(&s->gestures, &s->scenery, &s->flight.view, &view);
+}
+
 static void do_look(session *s)
 {
     tc_gestures_rest(&s->gestures);
@@ -147,7 +155,7 @@ static void do_quit(session *s)
 }
 
 static const struct key {
-    int keys[2]; /* 0 none */
+    int keys[TC_VIEWER_LISTED]; /* 0 none */
     const char *label, *help;
     void (*action)(session *s);
 } keys[] = {
@@ -159,7 +167,8 @@ static const struct key {
     {{'F'}, "F", "let the mouse turn the view, and the wheel set the speed; again, or Esc: no more", do_look},
     {{'V'}, "V", "print the view as a --view option, or add it to the file of --views", do_view},
     {{'P'}, "P", "write a picture: terraclip-0001.png and on", do_picture},
-    {{'R'}, "R", "fly back to the first view", do_reset},
+    {{'1', '2', '3', '4', '5', '6', '7', '8', '9'}, "1 to 9", "fly to the first nine views of --views", do_listed},
+    {{'R', '0'}, "R, 0", "fly back to the first view", do_reset},
     {{'N'}, "N", "north up", do_north},
     {{'G'}, "G", "wireframe", do_wireframe},
     {{'L'}, "L", "level colours", do_level_colours},
@@ -189,10 +198,19 @@ bool tc_viewer_key(int k, const char **label_ret, const char **help_ret)
     return true;
 }
 
+static bool has_key(const struct key *row, int key)
+{
+    bool has = false;
+    for (int k = 0; k < TC_VIEWER_LISTED; k++)
+        has |= row->keys[k] == key;
+    return has;
+}
+
 static void handle_key(session *s, int key)
 {
+    s->key = key;
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
-        if (keys[k].action && (keys[k].keys[0] == key || keys[k].keys[1] == key))
+        if (keys[k].action && has_key(&keys[k], key))
             keys[k].action(s);
 }
 
