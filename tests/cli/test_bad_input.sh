@@ -195,7 +195,7 @@ refuses 2 '--unlit: expected no --shade height with it' $viewer hills.tif $pictu
 refuses 2 '--nonsense: no such option' $viewer hills.tif $picture --nonsense
 refuses 2 '-x: no such option' $viewer hills.tif $picture -x
 refuses 2 'TERRAIN: expected one file, found also' $viewer hills.tif hills.tif $picture
-refuses 2 'TERRAIN: expected a file, found none' $viewer
+refuses 2 'TERRAIN: expected a file, found none' env -u DISPLAY -u WAYLAND_DISPLAY $viewer # with a display: test_default.sh
 refuses 2 '--path: expected --frames N' $viewer hills.tif --path views.txt
 refuses 2 '--frames: expected --path FILE' $viewer hills.tif $picture --frames 5
 refuses 2 '--output: expected one number such as %05d' $viewer hills.tif $picture --path views.txt --frames 5
