@@ -16,7 +16,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 beyond;           // x: depth where nothing is, in clip space; y: heights over the true ones
     vec4 contours;         // x: 1 / metres between lines, y: number of the one at the eye, modulo 5, z: those metres; of heights as they
                            // are drawn
-    vec4 around[5];        // of a flat terrain [0]: its west, south, east and north end from the eye; [1]: the sea from the eye
+    vec4 around[5];        // what is around the map, of a flat one [0]: its west, south, east and north end from the eye; [1]: the sea from the eye
                            // and above z_base, the foot of walls above that, depth of the sea at the edge; [2]: how far the sea
                            // goes, 1 / the terrain's extent, how far it goes below the terrain, how far inner walls rise above it;
                            // [3]: rgb of walls, 1 / height above the foot; [4]: latitude of the eye, radians, and by metres north of it, true height that

@@ -15,7 +15,7 @@
 extern const struct tc_video_plugin tc_plugin __attribute__((visibility("default"))); /* found by this name */
 
 struct tc_video {
-    char *path; /* owned */
+    char *path, *name; /* owned: where it is written, and what is told of */
     AVFormatContext *file;
     AVCodecContext *coder;
     AVStream *stream;
@@ -42,9 +42,9 @@ static tc_status fail(const tc_video *v, tc_error *error, tc_status status, cons
 {
     char reason[AV_ERROR_MAX_STRING_SIZE];
     if (code == AVERROR(ENOMEM))
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", v->path);
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", v->name);
     av_strerror(code, reason, sizeof reason);
-    return tc_fail(error, status, "%s: %s: %s", v->path, what, reason);
+    return tc_fail(error, status, "%s: %s: %s", v->name, what, reason);
 }
 
 /* ---- Beginning --------------------------------------------------------------------------------------------------- */
@@ -83,7 +83,7 @@ static tc_status begin_coder(tc_video *v, const char *ending, int width, int hei
             v->coder = open_encoder(&encoders[i], width, height, rate, head);
     if (!v->coder)
         return tc_fail(error, TC_ERR_UNSUPPORTED,
-                       "%s: the installed ffmpeg libraries have no encoder for %d x %d in %s", v->path, width, height,
+                       "%s: the installed ffmpeg libraries have no encoder for %d x %d in %s", v->name, width, height,
                        ending + 1);
     v->stream = avformat_new_stream(v->file, NULL);
     v->frame = av_frame_alloc();
@@ -110,7 +110,7 @@ static tc_status begin_colours(tc_video *v, tc_error *error)
                                 SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT, NULL, NULL, NULL);
     const int *table = sws_getCoefficients(SWS_CS_ITU709);
     if (!v->colours || sws_setColorspaceDetails(v->colours, table, 1, table, 0, 0, 1 << 16, 1 << 16) < 0)
-        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: the installed ffmpeg libraries cannot convert colours", v->path);
+        return tc_fail(error, TC_ERR_UNSUPPORTED, "%s: the installed ffmpeg libraries cannot convert colours", v->name);
     return TC_OK;
 }
 
@@ -136,23 +136,29 @@ static void free_video(tc_video *v)
         avio_closep(&v->file->pb);
     avformat_free_context(v->file);
     free(v->path);
+    free(v->name);
     free(v);
 }
 
-static tc_status video_begin(const char *path, int width, int height, int rate, tc_video **video_ret, tc_error *error)
+static tc_status video_begin(const char *path, const char *name, int width, int height, int rate, tc_video **video_ret,
+                             tc_error *error)
 {
     const char *ending = strrchr(path, '.');
     tc_video *v = calloc(1, sizeof *v);
-    av_log_set_level(AV_LOG_QUIET); /* errors are returned */
-    if (!v || !(v->path = strdup(path))) {
+    av_log_set_level(AV_LOG_QUIET);                   /* errors are returned */
+    if (v && asprintf(&v->path, "file:%s", path) < 0) /* whatever colons there are */
+        v->path = NULL;
+    if (!v || !v->path || !(v->name = strdup(name))) {
+        if (v)
+            free(v->path);
         free(v);
-        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
     }
     v->row_bytes = 3 * width;
     int code = avformat_alloc_output_context2(&v->file, NULL, ending ? ending + 1 : "", path);
     tc_status status = code < 0 ? fail(v, error, TC_ERR_UNSUPPORTED, "no such film can be made", code) : TC_OK;
     if (status == TC_OK && (width < 2 || height < 2))
-        status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at least 2 x 2 pixels, found %d x %d", path, width,
+        status = tc_fail(error, TC_ERR_UNSUPPORTED, "%s: expected at least 2 x 2 pixels, found %d x %d", name, width,
                          height);
     if (status == TC_OK)
         status = begin_coder(v, ending, width & ~1, height & ~1, rate, error);

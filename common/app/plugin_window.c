@@ -55,6 +55,11 @@ static int translate(int key, int scancode)
     case GLFW_KEY_TAB: return TC_KEY_TAB;
     default: break;
     }
+    /* These six fly, by their place, whatever they are labelled. */
+    static const int flying[] = {GLFW_KEY_W, GLFW_KEY_A, GLFW_KEY_S, GLFW_KEY_D, GLFW_KEY_Q, GLFW_KEY_E};
+    for (size_t i = 0; i < sizeof flying / sizeof *flying; i++)
+        if (key == flying[i])
+            return 0;
     const char *label = glfwGetKeyName(key, scancode);
     char c = label && label[0] && !label[1] ? label[0] : '\0';
     if (c >= 'a' && c <= 'z')

@@ -39,15 +39,18 @@ bool tc_viewer_keeps(const tc_options *options)
 
 tc_flight_box tc_viewer_box(const tc_viewer *v)
 {
-    const tc_terrain_info *info = tc_field_info(tc_map_field(v->map, 0));
-    double lo[2], hi[2];
+    double lo[2], hi[2], lowest = INFINITY, highest = -INFINITY;
     tc_map_extent(v->map, lo, hi);
+    for (int c = 0; c < v->map->charts; c++) {
+        const tc_terrain_info *info = tc_field_info(tc_map_field(v->map, c));
+        lowest = fmin(lowest, info->z_base + info->z_min), highest = fmax(highest, info->z_base + info->z_max);
+    }
     return (tc_flight_box){.west = lo[0],
                            .south = lo[1],
                            .east = hi[0],
                            .north = hi[1],
-                           .z_min = v->around.walls && !v->around.sea ? v->around.foot : info->z_base + info->z_min,
-                           .z_max = info->z_base + info->z_max,
+                           .z_min = v->around.walls && !v->around.sea ? v->around.foot : lowest,
+                           .z_max = highest,
                            .radius = v->map->body.radius};
 }
 
@@ -153,7 +156,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     if (tc_viewer_keeps(&v->options) && !v->scene.budget)
         v->scene.budget = -1;
     if (!v->scene.samples)
-        v->scene.samples = tc_viewer_keeps(&v->options) || tc_viewer_interactive(&v->options) ? 4 : 1;
+        v->scene.samples = tc_viewer_keeps(&v->options) || !v->options.path ? 4 : 1;
     int most = tc_canvas_samples(v->gl, v->scene.samples);
     if (v->options.scene.samples > most && !v->options.quiet)
         fprintf(stderr, "%s: warning: --samples: expected at most %d with this driver, found %d; %d are drawn\n",
@@ -378,6 +381,8 @@ static tc_status run(tc_viewer *v, tc_error *error)
         status = tc_viewer_flight(v, error);
     else
         status = tc_viewer_picture(v, error);
+    if (!v->renderer)
+        return status;
     /* A flight that was cut short still tells what it measured. */
     tc_error unused;
     tc_status reported = report(v, status == TC_OK ? error : &unused);

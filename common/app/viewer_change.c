@@ -125,6 +125,7 @@ static bool quickly(const tc_viewer *v, const tc_viewer_wish *wish)
     const bool by_error = v->surface && v->surface->by_error;
     w.scene.wireframe = v->scene.wireframe, w.scene.level_colours = v->scene.level_colours;
     w.scene.frame = v->scene.frame;
+    w.scene.samples = v->scene.samples;
     w.options.scene.frame.error = v->options.scene.frame.error;
     return v->renderer && by_error == (wish->scene.frame.error > 0 && tc_viewer_scheme(v)->by_error) &&
            memcmp(&w.scene, &v->scene, sizeof w.scene) == 0 && memcmp(&w.options, &v->options, sizeof w.options) == 0;
@@ -133,7 +134,6 @@ static bool quickly(const tc_viewer *v, const tc_viewer_wish *wish)
 tc_status tc_viewer_adopt(tc_viewer *v, const tc_viewer_wish *wish, tc_error *error)
 {
     const bool map = other_map(v, &wish->options);
-    v->shown = (struct tc_shown){0}; /* another renderer may lie where one lay before */
     if (map || !same_pictures(&wish->options, &v->options))
         return load_and_draw(v, wish, map, error);
     if (wish->options.exaggeration != v->options.exaggeration)

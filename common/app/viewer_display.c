@@ -11,7 +11,6 @@
 
 static const double HINT_SECONDS = 10, HINT_FADING = 1.5;
 static const double LOADING_MS = 250; /* that it must have lasted to be told */
-static const double MEAN_MS = 500;    /* over which a frame's time is the mean */
 static const double SCALE_PIXELS = 160;
 static const double LOOK_MS = 30; /* between looks at what is seen */
 
@@ -23,12 +22,9 @@ struct tc_viewer_display {
     tc_places *places; /* of this map; NULL: none yet */
     const tc_map *places_of;
     bool off, help, panel_shown;
-    bool unable;       /* the window has none */
-    double begun;      /* milliseconds of tc_clock_ms(): of the first frame; 0: none yet */
-    double loading;    /* since when; 0: all is there */
-    double mean_since; /* of the frames' times */
-    int mean_frames;
-    double frame_ms;       /* the last mean */
+    bool unable;           /* the window has none */
+    double begun;          /* milliseconds of tc_clock_ms(): of the first frame; 0: none yet */
+    double loading;        /* since when; 0: all is there */
     double looked;         /* when, */
     bool turn;             /* at which of two things: */
     bool pointed;          /* the ground is under the pointer, */
@@ -79,7 +75,7 @@ static void tell_loading(const tc_viewer *v, const tc_frame_stats *frame, double
 static void tell_state(const tc_viewer *v, const tc_frame_stats *frame)
 {
     tc_display *display = &v->display->display;
-    tc_display_say(display, TC_SIDE_CORNER, false, 1, "%.1f ms", v->display->frame_ms);
+    tc_display_say(display, TC_SIDE_CORNER, false, 1, "%.1f ms", v->recent_ms);
     if (frame->throttle > 0.05)
         tc_display_say(display, TC_SIDE_CORNER, true, 1, "coarser while it moves: too slow");
     if (v->quality.samples < v->quality.full)
@@ -190,11 +186,6 @@ void tc_viewer_display_show(tc_viewer *v, const tc_frame_stats *frame)
     const double start = tc_clock_ms();
     if (!d)
         return;
-    d->mean_frames++;
-    if (start - d->mean_since >= MEAN_MS) {
-        d->frame_ms = d->mean_since > 0 ? (start - d->mean_since) / d->mean_frames : 0;
-        d->mean_since = start, d->mean_frames = 0;
-    }
     d->ms = 0;
     if (!shown(v))
         return;
@@ -275,7 +266,7 @@ bool tc_viewer_display_act(tc_viewer *v, const tc_window_input *input, tc_pose *
         d->result.changed = -1, d->result.north = d->result.help_closed = d->result.panel_closed = false;
     }
     for (int i = 0; i < input->dropped_count; i++)
-        opened |= show_file(v, input, input->dropped[i], input->fast, view_ret);
+        opened |= show_file(v, input, input->dropped[i], false, view_ret);
     if (d && opened) /* another map may lie where one lay before */
         d->places_of = NULL;
     return opened;

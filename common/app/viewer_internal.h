@@ -48,6 +48,7 @@ typedef struct tc_viewer {
 
     tc_scene_options scene; /* as it is now: keys and what frames took change it */
     tc_throttle throttle;   /* of --target-ms, where each frame counts */
+    double recent_ms;       /* that a window's frames took of late */
     tc_quality quality;     /* of a window's frames */
     struct tc_shown {
         tc_camera camera;
@@ -163,7 +164,7 @@ void tc_viewer_throttle(tc_viewer *viewer, double frame_ms);
 bool tc_viewer_coarsens(const tc_viewer *viewer); /* its frames may be throttled */
 void tc_viewer_quality_begin(tc_viewer *viewer);
 bool tc_viewer_quality_before(tc_viewer *viewer, double dt);
-void tc_viewer_quality_after(tc_viewer *viewer, double frame_ms, const tc_frame_stats *frame);
+void tc_viewer_quality_drawn(tc_viewer *viewer, const tc_frame_stats *frame);
 tc_status tc_viewer_best_frame(tc_viewer *viewer, tc_error *error);
 
 /* Draws one frame of viewer->camera, waits for it and counts it as a measured one. */
@@ -195,7 +196,6 @@ void tc_viewer_tell(tc_viewer *viewer, tc_told how, const char *format, ...) __a
 typedef struct tc_telling {
     bool figures; /* are told; on the terminal */
     double title_since, figures_since;
-    int title_frames, figures_frames;
 } tc_telling;
 void tc_viewer_tell_figures(tc_telling *telling, bool on);
 void tc_viewer_tell_frame(tc_viewer *viewer, tc_telling *telling, const tc_frame_stats *frame);

@@ -76,8 +76,8 @@ static tc_status begin_video(const tc_viewer *v, kept_frames *kept, tc_error *er
     if ((width | height) & 1 && !v->options.quiet)
         fprintf(stderr, "%s: warning: --video: films have even sizes: the last %s is left out\n", v->program->name,
                 width & 1 ? height & 1 ? "row and column" : "column" : "row");
-    status = kept->plugin->begin(kept->file.temporary, width, height, v->options.rate ? v->options.rate : TC_VIDEO_RATE,
-                                 &kept->video, error);
+    status = kept->plugin->begin(kept->file.temporary, v->options.video, width, height,
+                                 v->options.rate ? v->options.rate : TC_VIDEO_RATE, &kept->video, error);
     return status == TC_OK ? TC_OK : tc_outfile_end(&kept->file, status, error);
 }
 

@@ -52,15 +52,21 @@ bool tc_viewer_quality_before(tc_viewer *v, double dt)
     return v->quality.draws;
 }
 
-void tc_viewer_quality_after(tc_viewer *v, double frame_ms, const tc_frame_stats *frame)
+/* What is wanted follows from the ground that was there before: only a frame that brings nothing new has it all. */
+void tc_viewer_quality_drawn(tc_viewer *v, const tc_frame_stats *frame)
 {
-    const bool whole = frame->resident && !frame->failed && !frame->imagery_failed;
-    tc_quality_after(&v->quality, frame_ms, whole, v->surface->most_throttle);
+    const bool still = frame->samples_updated == 0 && frame->texels_updated == 0;
+    tc_quality_drawn(&v->quality, still && frame->resident && !frame->failed && !frame->imagery_failed);
 }
 
+/* What cannot be read is shown as it is without it. */
 tc_status tc_viewer_best_frame(tc_viewer *v, tc_error *error)
 {
-    tc_frame_stats frame;
+    enum { MOST = 1000 };
+    tc_frame_stats frame = {0};
     draw_with(v, v->scene.samples, 0);
-    return tc_viewer_frame(v, true, &frame, error);
+    tc_status status = TC_OK;
+    for (int i = 0; i < MOST && status == TC_OK && !(frame.resident && frame.samples_updated == 0); i++)
+        status = tc_viewer_frame(v, true, &frame, error);
+    return status == TC_ERR_IO && v->renderer ? tc_viewer_frame(v, false, &frame, error) : status;
 }

@@ -40,7 +40,8 @@ static tc_status make(tc_viewer *v, tc_error *error)
     const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(tc_map_field(v->map, 0)));
     tc_surface_request request = request_of(v);
     request.needs = &needs;
-    drop(v); /* there may not be room for both */
+    drop(v);                         /* there may not be room for both */
+    v->shown = (struct tc_shown){0}; /* the next renderer may lie where this one lay */
     v->surface_size = tc_viewer_scheme(v)->size(&request);
     const tc_scheme *scheme = tc_viewer_scheme(v);
     tc_status status = scheme->create(scheme, v->map, &request, &v->surface, error);

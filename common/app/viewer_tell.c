@@ -47,41 +47,35 @@ static void tell_title(const tc_viewer *v, tc_telling *t, const tc_frame_stats *
 {
     char title[256];
     const char *slash = strrchr(v->options.terrain, '/');
-    t->title_frames++;
     if (now - t->title_since < 250)
         return;
     snprintf(title, sizeof title, "%.100s - %.1f ms, %" PRId64 " triangles, %d levels - %s",
-             slash ? slash + 1 : v->options.terrain, (now - t->title_since) / t->title_frames, frame->triangles,
-             frame->levels_active, v->program->name);
+             slash ? slash + 1 : v->options.terrain, v->recent_ms, frame->triangles, frame->levels_active,
+             v->program->name);
     v->window_plugin->set_title(v->window, title);
     t->title_since = now;
-    t->title_frames = 0;
 }
 
 static void tell_figures(const tc_viewer *v, tc_telling *t, const tc_frame_stats *frame, double now)
 {
-    t->figures_frames++;
     if (!t->figures || now - t->figures_since < 1000)
         return;
     fprintf(stderr,
             "%.2f ms a frame (update %.2f, draw %.2f); %" PRId64 " of %" PRId64
             " triangles, %d draws, %d levels; %" PRId64 " samples updated, %" PRId64 " bytes uploaded%s",
-            (now - t->figures_since) / t->figures_frames, frame->update_ms, frame->draw_ms, frame->triangles,
-            frame->triangles_unculled, frame->draws, frame->levels_active, frame->samples_updated,
-            frame->bytes_uploaded, frame->resident ? "" : "; loading");
+            v->recent_ms, frame->update_ms, frame->draw_ms, frame->triangles, frame->triangles_unculled, frame->draws,
+            frame->levels_active, frame->samples_updated, frame->bytes_uploaded, frame->resident ? "" : "; loading");
     if (v->options.target_ms > 0)
         fprintf(stderr, "; %.2f octaves coarser", frame->throttle);
     if (v->display)
         fprintf(stderr, "; display %.2f ms", tc_viewer_display_ms(v));
     fputc('\n', stderr);
     t->figures_since = now;
-    t->figures_frames = 0;
 }
 
 void tc_viewer_tell_figures(tc_telling *telling, bool on)
 {
     telling->figures = on;
-    telling->figures_frames = 0;
     telling->figures_since = tc_clock_ms();
 }
 

@@ -127,12 +127,11 @@ void tc_viewer_keep_view(tc_viewer *v, tc_pose *view)
     if (v->options.views && status == TC_OK) {
         tc_error unused;
         list_again(v, &unused);
-        if (!v->options.quiet)
-            fprintf(stderr, "%s: %s\n", v->options.views, name);
+        tc_viewer_tell(v, TC_TOLD_DONE, "%s: %s", v->options.views, name);
         return;
     }
     if (status != TC_OK)
-        fprintf(stderr, "%s: %s\n", v->program->name, error.text);
+        tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
     printf("--view %s\n", text);
     fflush(stdout);
 }

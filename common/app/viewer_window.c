@@ -101,6 +101,8 @@ static void do_scheme(session *s)
         tc_viewer_tell(v, TC_TOLD_DONE, "%s", next->name);
     if (status != TC_OK)
         v->scene.frame.cull_camera = frozen;
+    if (v->renderer)
+        tc_renderer_set_options(v->renderer, &v->scene);
     s->quit |= v->renderer == NULL;
 }
 
@@ -119,8 +121,15 @@ static void do_full_screen(session *s)
     s->viewer->window_plugin->toggle_full_screen(s->viewer->window);
 }
 
+/* What moves, moves from where the eye is seen: above ground that has risen since. */
+static void rise(session *s)
+{
+    s->flight.view.z = fmax(s->flight.view.z, s->viewer->camera.z);
+}
+
 static void do_reset(session *s)
 {
+    rise(s);
     s->flight.speed = s->start.speed;
     tc_gestures_fly(&s->gestures, &s->scenery, &s->flight.view, &s->start.view);
 }
@@ -141,11 +150,13 @@ static void do_look(session *s)
 
 static void do_view(session *s)
 {
+    rise(s);
     tc_viewer_keep_view(s->viewer, &s->flight.view);
 }
 
 static void do_north(session *s)
 {
+    rise(s);
     tc_gestures_north(&s->gestures, &s->scenery, &s->flight.view);
 }
 
@@ -269,6 +280,7 @@ static void fly(session *s, const tc_window_input *input, double dt)
         moved |= moves[i] != 0;
     if (!moved)
         return;
+    rise(s);
     tc_gestures_rest(&s->gestures);
     s->viewer->program->navigation->step(&s->flight, &flight_input, &s->viewer->ground);
 }
@@ -276,6 +288,8 @@ static void fly(session *s, const tc_window_input *input, double dt)
 /* Moves the view by what the user did in dt seconds. */
 static void move(session *s, const tc_window_input *input, double dt)
 {
+    if (input->event_count > 0)
+        rise(s);
     for (int i = 0; i < input->event_count; i++) {
         const tc_pointer_event *event = &input->events[i];
         if (!input->captured)
@@ -301,15 +315,15 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
 
     tc_status status = TC_OK;
     double last = now, took;
-    const bool throttled = v->options.target_ms > 0; /* GL's timers, then, or the clock: what a frame took */
     tc_frame_stats frame = {0};
     tc_viewer_quality_begin(v);
-    tc_frame_timer timer = throttled ? tc_frame_timer_create(v->gl) : (tc_frame_timer){0};
+    tc_frame_timer timer = tc_frame_timer_create(v->gl);
     for (int frames = 0; status == TC_OK && !s.quit && !tc_interrupted();) {
         tc_window_input input;
         v->window_plugin->poll(v->window, v->quality.stands ? STANDING : 0, &input);
         while ((input.width <= 0 || input.height <= 0) && !input.close && !tc_interrupted()) {
-            v->window_plugin->poll(v->window, 0.2, &input); /* iconified */
+            v->window_plugin->poll(v->window, 0.2, &input); /* iconified: buttons are let go meanwhile */
+            tc_gestures_rest(&s.gestures);
             last = tc_clock_ms();
         }
         if (input.close || input.width <= 0 || input.height <= 0 || (v->options.frames && frames == v->options.frames))
@@ -318,7 +332,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         v->camera.height = input.height;
         s.scenery = tc_viewer_scenery(v);
         s.captured = input.captured;
-        for (int i = 0; i < input.pressed_count; i++)
+        for (int i = 0; i < input.pressed_count && !s.quit; i++)
             handle_key(&s, input.pressed[i]);
         if (s.quit)
             break;
@@ -330,24 +344,25 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         tc_viewer_place(v, &s.flight.view);
         const bool draws = tc_viewer_quality_before(v, (now - last) / 1e3);
         last = now;
-        if (draws && throttled)
+        if (draws)
             tc_frame_timer_begin(v->gl, &timer);
         if (draws)
             status = tc_viewer_frame(v, false, &frame, error);
-        if (draws && throttled)
+        if (draws)
             tc_frame_timer_end(v->gl, &timer);
         if (status != TC_OK)
             break;
         tc_renderer_present(v->renderer, input.width, input.height);
         tc_viewer_display_show(v, &frame);
         v->window_plugin->swap(v->window);
-        const double frame_ms = tc_clock_ms() - now - tc_viewer_display_ms(v);
-        if (draws)
-            tc_stats_frame(v->stats, frame_ms, &frame);
-        while (throttled && tc_frame_timer_read(v->gl, &timer, &took))
-            tc_viewer_quality_after(v, took, &frame);
-        if (draws && !throttled)
-            tc_viewer_quality_after(v, frame_ms, &frame);
+        if (draws) {
+            const double frame_ms = tc_clock_ms() - now;
+            v->recent_ms += 0.2 * (frame_ms - v->recent_ms);
+            tc_stats_frame(v->stats, frame_ms - tc_viewer_display_ms(v), &frame);
+            tc_viewer_quality_drawn(v, &frame);
+        }
+        while (tc_frame_timer_read(v->gl, &timer, &took))
+            tc_quality_took(&v->quality, took, v->surface->most_throttle);
         tc_viewer_tell_frame(v, &s.telling, &frame);
         if (s.picture_wanted) {
             write_picture(&s);
@@ -356,7 +371,8 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         use_display(&s, &input);
         frames++;
     }
-    if (throttled)
-        tc_frame_timer_destroy(v->gl, &timer);
+    tc_frame_timer_destroy(v->gl, &timer);
+    if (status == TC_OK && !v->renderer)
+        status = tc_fail(error, TC_ERR_CONTEXT, "%s: cannot be drawn any more", v->options.terrain);
     return status;
 }

@@ -67,7 +67,7 @@ static void set_contours(tc_frame_uniforms *u, double eye, double metres)
     u->contours[2] = (float)metres;
 }
 
-/* Beside a flat terrain: its rectangle from the eye; heights of the sea and of the walls' foot. */
+/* Around the map, of a flat terrain: its rectangle from the eye; heights of the sea and of the walls' foot. */
 static void set_around(tc_frame_uniforms *u, const tc_view *view, const tc_scene_needs *needs,
                        const tc_palette *palette, double exaggeration)
 {

@@ -43,8 +43,8 @@ static const struct body {
 
 static const struct body *body_of(const tc_terrain_info *info)
 {
-    const struct body *b = bodies;
-    while (info->semi_major < b->least || info->semi_major > b->most || b->natural == info->other_body)
+    const struct body *b = bodies, *others = bodies + sizeof bodies / sizeof *bodies - 1;
+    while (b < others && (info->semi_major < b->least || info->semi_major > b->most || b->natural == info->other_body))
         b++;
     return b;
 }

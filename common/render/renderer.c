@@ -43,9 +43,7 @@ struct tc_renderer {
 static tc_status make_own(tc_renderer *r, tc_error *error)
 {
     r->view = tc_view_allocate(r->surface);
-    bool (*const allocate)(const tc_surface *, tc_frame *) =
-        r->needs.walls ? tc_frame_allocate_walled : tc_frame_allocate;
-    if (!r->view || !allocate(r->surface, &r->frame))
+    if (!r->view || !tc_frame_allocate(r->surface, &r->frame))
         return tc_fail(error, TC_ERR_MEMORY, "renderer: not enough memory");
     return r->surface->make_windows(r->surface, &r->windows, error);
 }

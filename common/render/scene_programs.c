@@ -94,7 +94,7 @@ static void add_sizes(const char *scene, char defines[DEFINES])
 }
 
 /* Defines of a program. Across a triangle without area nothing can be interpolated, so crack closers take all from one
- * corner. Where a pixel has several samples each is shaded by itself: at the middle of one
+ * corner. Where a pixel of the terrain has several samples each is shaded by itself: at the middle of one
  * that is covered in part, outside of the triangle, there is no ground (nor at a centroid, where drivers have none). */
 static void list_defines(const tc_surface *surface, const tc_scene_needs *needs, tc_program_kind kind,
                          char defines[SCENE])

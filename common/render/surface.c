@@ -28,25 +28,15 @@ tc_view *tc_view_allocate(const tc_surface *surface)
     return calloc(1, surface->view_bytes);
 }
 
-static bool allocate(const tc_surface *surface, int capacity, tc_frame *frame)
+bool tc_frame_allocate(const tc_surface *surface, tc_frame *frame)
 {
-    size_t most = (size_t)capacity;
+    size_t most = (size_t)(surface->draw_capacity + surface->wall_capacity);
     *frame = (tc_frame){.draws = calloc(most, sizeof *frame->draws),
                         .instances = surface->instances ? calloc(most, sizeof *frame->instances) : NULL};
     if (frame->draws && (frame->instances || !surface->instances))
         return true;
     tc_frame_free(frame);
     return false;
-}
-
-bool tc_frame_allocate(const tc_surface *surface, tc_frame *frame)
-{
-    return allocate(surface, surface->draw_capacity, frame);
-}
-
-bool tc_frame_allocate_walled(const tc_surface *surface, tc_frame *frame)
-{
-    return allocate(surface, surface->draw_capacity + surface->wall_capacity, frame);
 }
 
 void tc_frame_free(tc_frame *frame)

@@ -224,7 +224,6 @@ tc_view tc_view_of(const tc_surface *surface, const tc_windows *windows, const t
  * not enough. */
 tc_view *tc_view_allocate(const tc_surface *surface);
 bool tc_frame_allocate(const tc_surface *surface, tc_frame *frame);
-bool tc_frame_allocate_walled(const tc_surface *surface, tc_frame *frame); /* where frames have walls */
 void tc_frame_free(tc_frame *frame);
 
 /* The layer of a chart's level 1; of the chart behind the last: how many layers there are. */

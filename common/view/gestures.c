@@ -226,7 +226,7 @@ static void turn_north(tc_gestures *g, const tc_scenery *scenery, double dt, tc_
 static void begin_zoom(tc_gestures *g, const tc_scenery *scenery, const tc_pointer_event *e, const tc_pose *view)
 {
     static const double SAME = 3; /* pixels */
-    if (g->gesture == TC_GESTURE_FLY || g->coasting)
+    if (g->gesture == TC_GESTURE_FLY || g->gesture == TC_GESTURE_NORTH || g->coasting)
         tc_gestures_rest(g);
     if (g->zoom == 0 || hypot(e->x - g->zoom_x, e->y - g->zoom_y) > SAME) {
         g->zoom_x = e->x, g->zoom_y = e->y;

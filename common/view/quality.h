@@ -17,7 +17,9 @@ typedef struct tc_quality {
     tc_throttle throttle;
     bool rough;       /* one sample while moving */
     double recent;    /* milliseconds a frame, smoothed; 0: none heard */
+    int heard;        /* of the first frames */
     double unchanged; /* seconds */
+    bool whole;       /* at rest, a frame had all that it needs */
     bool stands;      /* the best frame is drawn */
     /* The next frame: whether there is to be one, and of how many samples a pixel and how many octaves coarser. */
     bool draws;
@@ -31,7 +33,10 @@ tc_quality tc_quality_of(int full, bool rests, bool coarsens, double target_ms, 
 /* Before a frame: dt seconds after the last one, of which something has changed or not. */
 void tc_quality_before(tc_quality *quality, bool changed, double dt);
 
-/* After it: what it took, milliseconds, whether it had all that it needs, and how coarse frames may become. */
-void tc_quality_after(tc_quality *quality, double frame_ms, bool whole, double most_octaves);
+/* After it: whether it had all that it needs. */
+void tc_quality_drawn(tc_quality *quality, bool whole);
+
+/* Once that is known: what one took, milliseconds, without waiting for the screen; and how coarse frames may become. */
+void tc_quality_took(tc_quality *quality, double frame_ms, double most_octaves);
 
 #endif

@@ -19,8 +19,10 @@ static int frames(tc_quality *q, int count, bool changed, double sample_ms)
     int drawn = 0;
     for (int i = 0; i < count; i++) {
         tc_quality_before(q, changed, 0.02);
-        if (q->draws)
-            tc_quality_after(q, took(q, sample_ms), true, 2);
+        if (q->draws) {
+            tc_quality_drawn(q, true);
+            tc_quality_took(q, took(q, sample_ms), 2);
+        }
         drawn += q->draws;
     }
     return drawn;
@@ -66,10 +68,11 @@ static void what_is_not_whole_is_drawn_on(void **state)
     for (int i = 0; i < 100; i++) {
         tc_quality_before(&q, false, 0.02);
         assert_true(q.draws);
-        tc_quality_after(&q, 10, false, 0);
+        tc_quality_drawn(&q, false);
+        tc_quality_took(&q, 10, 0);
     }
-    assert_int_equal(q.samples, 4);
     frames(&q, 2, false, 1);
+    assert_int_equal(q.samples, 4);
     assert_true(q.stands);
 }
 
@@ -90,6 +93,32 @@ static void it_becomes_fine_again_where_there_is_room(void **state)
     assert_true(changes <= 1);
 }
 
+/* With a heavy scene it became coarse; with a light one it is neither that any more nor of one sample. */
+static void all_comes_back_in_motion(void **state)
+{
+    (void)state;
+    tc_quality q = tc_quality_of(4, true, true, 50, false);
+    frames(&q, 600, true, 200);
+    assert_true(q.samples == 1 && q.octaves > 1);
+    frames(&q, 6000, true, 3);
+    assert_true(q.samples == 4 && q.octaves == 0);
+    /* One long frame is nothing, least of all the first. */
+    q = tc_quality_of(4, true, true, 50, false);
+    frames(&q, 1, true, 200);
+    frames(&q, 10, true, 4);
+    assert_int_equal(q.samples, 4);
+}
+
+/* A frame that takes long in the middle of a motion is no rest. */
+static void a_long_frame_is_no_rest(void **state)
+{
+    (void)state;
+    tc_quality q = tc_quality_of(4, true, true, 50, true);
+    frames(&q, 100, true, 80);
+    tc_quality_before(&q, false, 0.4);
+    assert_int_equal(q.samples, 1);
+}
+
 static void without_rest_each_frame_is_drawn(void **state)
 {
     (void)state;
@@ -104,9 +133,12 @@ static void without_rest_each_frame_is_drawn(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_fast_machine_draws_at_its_best_always), cmocka_unit_test(a_slow_one_while_it_rests),
-        cmocka_unit_test(what_is_not_whole_is_drawn_on), cmocka_unit_test(it_becomes_fine_again_where_there_is_room),
-        cmocka_unit_test(without_rest_each_frame_is_drawn)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_fast_machine_draws_at_its_best_always),
+                                       cmocka_unit_test(a_slow_one_while_it_rests),
+                                       cmocka_unit_test(what_is_not_whole_is_drawn_on),
+                                       cmocka_unit_test(it_becomes_fine_again_where_there_is_room),
+                                       cmocka_unit_test(all_comes_back_in_motion),
+                                       cmocka_unit_test(a_long_frame_is_no_rest),
+                                       cmocka_unit_test(without_rest_each_frame_is_drawn)};
     return cmocka_run_group_tests_name("quality", tests, NULL, NULL);
 }

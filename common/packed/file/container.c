@@ -208,7 +208,7 @@ static tc_status read_terrain(tc_pack_terrain *t, tc_byte_reader *r)
     bad |= r->failed || t->width < 1 || t->height < 1 || t->width > most || t->height > most;
     bad |= !positive(t->spacing_x) || !positive(t->spacing_y) || !isfinite(t->z_base);
     bad |= !positive(t->unit) || !isfinite(t->offset) || !isfinite(t->void_constant);
-    bad |= !isfinite(t->georef.semi_major) || (wkt && memchr(wkt, 0, length));
+    bad |= !(t->georef.semi_major >= 0 && isfinite(t->georef.semi_major)) || (wkt && memchr(wkt, 0, length));
     if (!bad && length > 0) {
         t->georef.crs_wkt = malloc(length + 1);
         if (!t->georef.crs_wkt)
