@@ -19,7 +19,7 @@ codec/mask       base codec/entropy codec/lifting
 chart            base field
 packed/file      base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart
 packed/read      base field codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
-packed/write     base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file
+packed/write     base field synthesis codec/entropy codec/lifting codec/exact codec/lh04 codec/mask chart packed/file packed/read
 map              base field synthesis chart packed/file packed/read
 imagery          base field chart packed/file packed/read map
 view             base chart map
