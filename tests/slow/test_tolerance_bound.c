@@ -5,7 +5,8 @@
  * far as that asks for. On a globe the finest mesh is that along the charts, not bent flat (tc_map_height()), and what
  * the finest cells are flat by, a millimetre on an Earth, is allowed besides. Of triangles that are seen edge-on a
  * pixel's depth may say nothing: where the place is off the surface drawn, in double, by more than a pixel to all
- * sides, it is counted and left out. */
+ * sides, it is counted and left out. Where windows end before the tolerance is kept, what is drawn is held against the
+ * error that the surface tells of itself. The whole sweep prints the table of docs/figures.md, "Error by name". */
 #include "tests/support/test.h"
 
 #include <math.h>
@@ -17,25 +18,52 @@
 #include "planar/square_internal.h"
 #include "spherical/faces_internal.h"
 #include "tests/support/measured.h"
+#include "tests/support/scheme_planets.h"
 #include "tests/support/sweep.h"
 #include "tests/support/watertight.h"
 
-enum { WIDTH = 160, HEIGHT = 120, LARGEST_N = 1023, LARGEST_SIDE = 16, VIEWS = 500 };
+enum { WIDTH = 160, HEIGHT = 120, LARGEST_N = 1023, LARGEST_SIDE = 16, VIEWS = 500, BINS = 2000 };
 #define MOST 1.1 /* of a tolerance */
 
 static tc_context *context;
 
 typedef struct totals {
     int views;
+    int wide;  /* of them told to be off by more than the tolerance */
     int below; /* more of them, from below what is drawn so coarsely */
     int64_t pixels, edge_on;
-    double worst; /* of tolerances */
+    int64_t polar;       /* of cells of hexagons that touch a pole: left out */
+    int64_t over, above; /* off by more than MOST; of those edge-on, by their depth alone */
+    double worst;        /* of tolerances */
+    int64_t count[BINS]; /* [n]: pixels of errors from n / BINS of a tolerance on, the last one of all above */
 } totals;
 
 static void add(totals *sum, const totals *t)
 {
     sum->views += t->views, sum->below += t->below, sum->pixels += t->pixels, sum->edge_on += t->edge_on;
-    sum->worst = fmax(sum->worst, t->worst);
+    sum->worst = fmax(sum->worst, t->worst), sum->above += t->above, sum->over += t->over;
+    sum->wide += t->wide, sum->polar += t->polar;
+    for (int n = 0; n < BINS; n++)
+        sum->count[n] += t->count[n];
+}
+
+/* The error that all but so large a share of pixels are below, of tolerances, to 1 / BINS. */
+static double percentile(const totals *t, double share)
+{
+    int64_t left = (int64_t)((1 - share) * (double)(t->pixels - t->edge_on));
+    int n = BINS - 1;
+    while (n > 0 && (left -= t->count[n]) >= 0)
+        n--;
+    return (n + 1) / (double)BINS;
+}
+
+/* A row of the table in docs/figures.md. */
+static void tell_row(const char *terrain, const char *by, const totals *t)
+{
+    printf("| %s | %s | %d, %d | %lld | %.3f | %.3f | %lld | %lld, %lld | %lld |\n", terrain, by, t->views, t->wide,
+           (long long)t->pixels, t->worst, percentile(t, 0.999), (long long)t->over, (long long)t->edge_on,
+           (long long)t->above, (long long)t->polar);
+    fflush(stdout);
 }
 
 /* What to print of a view where something is wrong. */
@@ -62,13 +90,14 @@ static bool passes_by(const scene *s, const tc_view *view, const double p[3], do
 
 /* flat: metres that are allowed besides. */
 static void look_at(scene *s, const tc_camera *c, const tc_scene_options *options, const tc_body *body,
-                    const tc_truth *truth, double flat, totals *t)
+                    const tc_truth *truth, double flat, double pole, totals *t)
 {
     const tc_lens lens = tc_view_lens(c);
     const double scale = tc_camera_pixel_scale(c), before = t->worst;
     double at[3] = {0}, worst = 0;
     tc_renderer_set_options(s->renderer, options);
-    scene_draw(s, c, true);
+    /* Where windows do not reach as far as the tolerance asks for, what is told. */
+    const double told = scene_draw(s, c, true).error_bound, allowed = fmax(told, options->frame.error);
     const tc_view *view = scene_look(s, c, &options->frame);
     double ground;
     if (s->surface->height(view, c->x, c->y, &ground) && ground >= c->z) {
@@ -92,17 +121,23 @@ static void look_at(scene *s, const tc_camera *c, const tc_scene_options *option
         t->pixels++;
         const double unit[2] = {body->radius > 0 ? body->radius * fmax(cos(p[1]), 1e-6) : 1,
                                 body->radius > 0 ? body->radius : 1};
+        if (pole > 0 && fabs(p[1]) > M_PI / 2 - pole) {
+            t->polar++;
+            continue; /* there chart_hex's heights go evenly with longitude, those of a flat triangle do not */
+        }
         const bool on_it = fabs(p[2] - drawn) <= a_pixel; /* else on a wall, which says more of x and y */
         if (!on_it && !passes_by(s, view, p, a_pixel, unit)) {
-            t->edge_on++;
+            t->edge_on++, t->above += fabs(p[2] - z) - flat > MOST * allowed * a_pixel;
             continue;
         }
-        const double off = fmax(fabs((on_it ? p[2] : drawn) - z) - flat, 0) / a_pixel / options->frame.error;
+        const double off = fmax(fabs((on_it ? p[2] : drawn) - z) - flat, 0) / a_pixel / allowed;
+        t->over += off > MOST;
+        t->count[(int)fmin(off * BINS, BINS - 1)]++;
         if (off > worst)
             worst = off, at[0] = p[0], at[1] = p[1], at[2] = p[2];
     }
     free(depth);
-    t->views++, t->worst = fmax(before, worst);
+    t->views++, t->wide += told > options->frame.error, t->worst = fmax(before, worst);
     if (worst > MOST)
         tell_view(c, options->frame.error, at, worst);
 }
@@ -150,13 +185,11 @@ static void flat(const char *name, tc_field *field, int views, uint64_t seed, to
         for (int view = size; view < views; view += SIZES) {
             const tc_camera c = watertight_view(&r, field, 50e3, WIDTH, HEIGHT);
             options.frame.error = from * pow(STEP, test_random_unit(&r)) * tc_camera_pixel_scale(&c);
-            look_at(&s, &c, &options, &(tc_body){&tc_plane_body, 0, 0}, &(tc_truth){flat_height, field}, 0, &t);
+            look_at(&s, &c, &options, &(tc_body){&tc_plane_body, 0, 0}, &(tc_truth){flat_height, field}, 0, 0, &t);
         }
         scene_destroy(&s);
     }
-    printf("%s: %d views, tolerances from %.2e of the distance on: at most %.3f of the tolerance\n", name, t.views,
-           least, t.worst);
-    fflush(stdout);
+    tell_row(name, "squares", &t);
     add(all, &t);
 }
 
@@ -170,15 +203,15 @@ static void round_by(const char *name, const tc_map *planet, const faces_kind *k
     tc_scene_options options = {.unlit = true, .background_set = true, .budget = -1, .frame.error = 1};
     scene s = planet_scene_of(context, planet, planet_faces(planet, kind, LARGEST_N, &options), &options);
     const double edge = FACES_LONGEST * ((const faces_surface *)s.surface)->cell,
-                 flat = edge * edge / 8 * planet->body.radius;
+                 flat = edge * edge / 8 * planet->body.radius,
+                 pole = kind == &tc_faces_hex ? 2 * ((const faces_surface *)s.surface)->cell : 0;
     for (int view = 0; view < views; view++) {
         const tc_camera c = planet_view(&r, planet, 0.5, 5 * planet->body.radius);
         options.frame.error = 0.1 * pow(200, test_random_unit(&r));
-        look_at(&s, &c, &options, &planet->body, &(tc_truth){planet_atlas_height, (void *)planet}, flat, &t);
+        look_at(&s, &c, &options, &planet->body, &(tc_truth){planet_atlas_height, (void *)planet}, flat, pole, &t);
     }
     scene_destroy(&s);
-    printf("%s by %s: %d views: at most %.3f of the tolerance\n", name, kind->name, t.views, t.worst);
-    fflush(stdout);
+    tell_row(name, kind->name, &t);
     add(all, &t);
 }
 
@@ -191,6 +224,17 @@ static void also_measured(void *unused, const measured *m)
     (void)unused;
     if (!m->round)
         flat(m->name, m->field, sweep_of(60), 9, &sum);
+}
+
+/* The default planet, the Moon and ETOPO. */
+static void also_planets(void *unused, const scheme_planet *planet)
+{
+    (void)unused;
+    static const faces_kind *const kinds[] = {&tc_faces_hex, &tc_faces_cube};
+    for (int k = 0; k < 2; k++)
+        for (int n = 0; n < planet->atlases; n++)
+            if (planet->own[n].atlas->class == kinds[k]->chart)
+                round_by(planet->name, planet->own[n].map, kinds[k], sweep_of(60), 30 + (uint64_t)k, &sum);
 }
 
 static void pictures_keep_to_the_tolerance(void **state)
@@ -206,6 +250,8 @@ static void pictures_keep_to_the_tolerance(void **state)
                     {TERRAIN_DEFAULT, "default terrain", 1000, 1000, 0},
                     {TERRAIN_DEFAULT, "default terrain, synthesised", 190, 190, 6}};
     static const faces_kind *const kinds[KINDS] = {&tc_faces_hex, &tc_faces_cube};
+    printf("| terrain | by | views, told wider | pixels | largest | 99.9 %% | above 1.1 | edge-on, of these above | at "
+           "a pole |\n");
     for (int k = 0; k < FLAT; k++) {
         tc_field *field = terrain_synthesised(terrain_field(made[k].kind, made[k].width, made[k].height, SPACING, 7),
                                               made[k].synthesised);
@@ -217,8 +263,11 @@ static void pictures_keep_to_the_tolerance(void **state)
         round_by("default planet", planet, kinds[k], sweep_of(VIEWS / (FLAT + KINDS)), 20 + (uint64_t)k, &sum);
         tc_map_destroy(planet);
     }
-    if (getenv("TERRACLIP_DATA") && sweep_whole())
+    if (getenv("TERRACLIP_DATA") && sweep_whole()) {
         measured_all(false, also_measured, NULL);
+        scheme_planets(false, also_planets, NULL);
+    }
+    tell_row("all", "", &sum);
     printf(
         "by tolerances: %d views, %lld pixels of ground, %lld of them seen edge-on (%.1e); largest error %.3f of the "
         "tolerance\n",
@@ -242,7 +291,7 @@ static void larger_errors_are_found(void **state)
     for (int view = 0; view < 10; view++) {
         const tc_camera c = watertight_view(&r, field, 50e3, WIDTH, HEIGHT);
         options.frame.error = least * tc_camera_pixel_scale(&c);
-        look_at(&s, &c, &options, &(tc_body){&tc_plane_body, 0, 0}, &(tc_truth){flat_height, field}, 0, &t);
+        look_at(&s, &c, &options, &(tc_body){&tc_plane_body, 0, 0}, &(tc_truth){flat_height, field}, 0, 0, &t);
     }
     scene_destroy(&s);
     tc_field_destroy(field);

@@ -144,7 +144,8 @@ static int leaf_shift(const tc_container *c, int l, int larger)
  * as keep to a share of the chart's bytes, about. */
 static int finest_leaves(const tc_container *c)
 {
-    enum { MOST = 4, SHARE = 64, LEAVES_A_BYTE = 1 /* and some */ };
+    enum { MOST = 4, SHARE = 64 };
+    const double leaf = 5.5 / 8; /* bytes */
     int64_t bytes = 0;
     for (int l = c->base + 1; l <= c->levels; l++)
         bytes += c->record[l - 1].end - c->record[l - 1].begin;
@@ -155,7 +156,7 @@ static int finest_leaves(const tc_container *c)
             const int shift = leaf_shift(c, l, larger);
             count += tc_ceil_shift(c->level[l - 1].width, shift) * tc_ceil_shift(c->level[l - 1].height, shift);
         }
-        if (count * SHARE <= bytes * LEAVES_A_BYTE)
+        if ((double)count * leaf * SHARE <= (double)bytes)
             break;
     }
     return larger;
