@@ -189,11 +189,16 @@ static void those_of_planets_too(void **state)
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         pack_planet(made_path("planet.tclip"), cases[k].atlas);
         memory m = memory_of(made_path("planet.tclip"));
+        int64_t tiles = (int64_t)tc_load(m.bytes + 12, 4), errors = 0; /* where they end and begin */
         for (int n = 0; n < cases[k].charts; n++) {
             tc_field *field = open_chart(&m, n, NULL);
+            const tc_container *c = tc_field_container(field);
             check_field(cases[k].atlas ? cases[k].atlas : "planet", field);
+            tiles += tc_packed_chart_bytes(field);
+            errors = n == 0 ? c->error[c->base].begin : errors;
             tc_field_destroy(field);
         }
+        assert_int_equal(tiles, errors); /* which no chart counts as its own */
         free(m.bytes);
         tc_map *map;
         assert_int_equal(tc_map_open(made_path("planet.tclip"), NULL, &map, NULL), TC_OK);
@@ -400,14 +405,16 @@ static void wrong_sections_are_refused(void **state)
     const uint64_t file = m.size;
     assert_true(size < sizeof kept);
     memcpy(kept, section + 8, size);
+    const uint64_t begin = tc_load(kept + 2, 8), last = tc_load(kept + size - 8, 8);
     const tc_byte_source source = {&m, (int64_t)m.size, read_memory, NULL};
     const struct {
         size_t at; /* from the end where a coded level's last row is: most, shift, bytes */
         uint64_t value;
         int bytes;
     } wrong[] = {
-        {2, file + 1, 8}, {2, file - 3, 8},  {10, 0x7f800000, 4}, {10, 0x7fc00000, 4}, {10, 0xbf800000, 4},
-        {size - 9, 3, 1}, {size - 9, 11, 1}, {size - 8, 19, 8},   {size - 8, file, 8}, {size - 8, UINT64_MAX, 8},
+        {2, file + 1, 8}, {2, file - 3, 8},  {10, 0x7f800000, 4}, {10, 0x7fc00000, 4},     {10, 0xbf800000, 4},
+        {size - 9, 3, 1}, {size - 9, 11, 1}, {size - 8, 19, 8},   {size - 8, file, 8},     {size - 8, UINT64_MAX, 8},
+        {2, 0, 8},        {2, begin - 1, 8}, {2, begin + 1, 8},   {size - 8, last - 1, 8}, {size - 8, last + 1, 8},
     };
     for (size_t k = 0; k < sizeof wrong / sizeof *wrong; k++) {
         tc_packed_file f;

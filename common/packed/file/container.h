@@ -97,6 +97,7 @@ typedef struct tc_container {
     uint8_t base_void[TC_BASE_SIZE * TC_BASE_SIZE];
     bool errors;                               /* the file tells them, of all levels; version 3 */
     tc_error_place error[TC_MAX_FIELD_LEVELS]; /* [l - 1]; for l > 1 */
+    int64_t error_bytes;                       /* of all charts: the finest level's record counts them as its own */
     tc_chart_kind kind;                        /* of files of version 3 */
     tc_face_source source;                     /* of the first of several faces; else of no width */
     struct tc_synthesis_fit *synthesis; /* of the file's first chart (synthesis.h); owned. NULL: none is stored */

@@ -110,12 +110,18 @@ void tc_envelope_lay_out(tc_envelope *e, size_t head_size)
         e->chart[n].container.info.bytes = at;
 }
 
-void tc_envelope_append(tc_envelope *e, int64_t bytes)
+/* The chart whose finest level lies last in the file, if any is coded. */
+static int last_chart(tc_envelope *e)
 {
     int last = e->charts - 1;
     while (last > 0 && !record_of(e, last, 0))
         last--;
-    tc_level_record *r = record_of(e, last, 0);
+    return last;
+}
+
+void tc_envelope_append(tc_envelope *e, int64_t bytes)
+{
+    tc_level_record *r = record_of(e, last_chart(e), 0);
     if (r)
         r->end += bytes;
 }
@@ -418,7 +424,30 @@ static tc_status keep_synthesis(const tc_byte_reader *section, tc_container *c)
     return TC_OK;
 }
 
-/* Likewise. */
+/* Whether errors lie where they must: chart by chart, behind the last level's tiles and up to the end of the file. The
+ * container of that level takes note of how many bytes they have. */
+static bool place_errors(tc_envelope *e)
+{
+    const tc_level_record *r = record_of(e, last_chart(e), 0);
+    tc_container *last = &e->chart[last_chart(e)].container;
+    int64_t begin = 0, at = 0;
+    for (int n = 0; n < e->charts; n++) {
+        const tc_container *c = &e->chart[n].container;
+        if (c->levels == c->base)
+            continue;
+        if (at > 0 && c->error[c->base].begin != at)
+            return false;
+        begin = begin > 0 ? begin : c->error[c->base].begin;
+        at = c->error[c->levels - 1].begin + c->error[c->levels - 1].bytes;
+    }
+    if (!r)
+        return true;
+    const tc_pages pages = tc_level_pages(&last->level[last->levels - 1]);
+    last->error_bytes = at - begin;
+    return begin >= r->begin + tc_directory_bytes(&pages) && at == e->bytes;
+}
+
+/* Likewise; once it is known that levels lie where they must. */
 static tc_status keep_errors(tc_byte_reader section, tc_envelope *e)
 {
     if (!section.at || tc_get(&section, 2) != ERRORS_FORM)
@@ -426,7 +455,7 @@ static tc_status keep_errors(tc_byte_reader section, tc_envelope *e)
     for (int n = 0; n < e->charts; n++)
         if (!tc_error_places_get(&e->chart[n].container, e->bytes, &section))
             return TC_ERR_FORMAT;
-    return section.at == section.end ? TC_OK : TC_ERR_FORMAT;
+    return section.at == section.end && place_errors(e) ? TC_OK : TC_ERR_FORMAT;
 }
 
 static tc_status fail_damaged(const char *subject, tc_error *error)
@@ -475,9 +504,9 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
     if (!status)
         status = keep_body(section[SECTION_BODY], &e->chart[0].container);
     if (!status)
-        status = keep_errors(section[SECTION_ERRORS], e);
-    if (!status)
         status = check(e, row, head_size);
+    if (!status)
+        status = keep_errors(section[SECTION_ERRORS], e);
     return status == TC_ERR_MEMORY ? tc_fail(error, status, "%s: not enough memory", subject)
            : status                ? fail_damaged(subject, error)
                                    : TC_OK;

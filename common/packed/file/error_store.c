@@ -132,7 +132,7 @@ void tc_error_places_put(const tc_container *c, tc_byte_writer *w)
 bool tc_error_places_get(tc_container *c, int64_t file_bytes, tc_byte_reader *r)
 {
     const uint64_t begin = tc_get(r, 8);
-    bool good = begin <= (uint64_t)file_bytes;
+    bool good = begin <= (uint64_t)file_bytes && (begin == 0) == (c->levels == c->base);
     int64_t at = good ? (int64_t)begin : 0;
     for (int l = 2; l <= c->levels; l++) {
         tc_error_place *e = &c->error[l - 1];

@@ -146,10 +146,14 @@ tc_status tc_packed_file_open_bytes(const char *name, const tc_byte_source *sour
     *f = (tc_packed_file){.path = strdup(name), .source = *source};
     tc_status status =
         f->path ? read_head(f, chart, error) : tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
-    if (!status && (tc_block_cache_init(&f->pages, PAGE_CACHE) || tc_block_cache_init(&f->errors, ERROR_CACHE))) {
-        tc_block_cache_free(&f->pages), tc_block_cache_free(&f->errors);
-        tc_container_free(&f->container);
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+    if (!status) {
+        const tc_status pages = tc_block_cache_init(&f->pages, PAGE_CACHE),
+                        errors = tc_block_cache_init(&f->errors, ERROR_CACHE);
+        if (pages || errors) {
+            tc_block_cache_free(&f->pages), tc_block_cache_free(&f->errors);
+            tc_container_free(&f->container);
+            status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", name);
+        }
     }
     if (status) {
         close_source(source);

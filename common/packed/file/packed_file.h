@@ -74,7 +74,7 @@ size_t tc_packed_file_memory(tc_packed_file *file);
 /* The bytes of a tile, tc_tile_bytes(entry) of them, which must not be more than room. TC_ERR_FORMAT: damaged. */
 tc_status tc_packed_file_tile(tc_packed_file *file, const tc_tile_entry *entry, uint8_t *bytes, size_t room);
 
-/* Bytes of a packed pyramid's own container, whatever follows it in the file. */
+/* Bytes of a packed pyramid's own container, whatever follows it in the file; without errors, of all levels at hand. */
 int64_t tc_packed_chart_bytes(const tc_field *field);
 
 #endif

@@ -167,14 +167,21 @@ const tc_packed_info *tc_field_packed_info(const tc_field *field)
     return c ? &c->info : NULL;
 }
 
+/* Bytes of a coded level, without the errors that lie behind the file's last one. */
+static int64_t level_bytes(const tc_container *c, int l)
+{
+    const tc_level_record *r = &c->record[l - 1];
+    return r->end - r->begin - (l == c->levels + c->info.levels_missing ? c->error_bytes : 0);
+}
+
 int64_t tc_packed_chart_bytes(const tc_field *field)
 {
     const tc_container *c = tc_field_container(field);
     int64_t bytes = 0;
     if (c && c->info.version < TC_ENVELOPE_VERSION)
         return tc_container_cap_begin(c, 0);
-    for (int l = c ? c->base : 0; c && l < c->levels; l++)
-        bytes += c->record[l].end - c->record[l].begin;
+    for (int l = c ? c->base + 1 : 1; c && l <= c->levels; l++)
+        bytes += level_bytes(c, l);
     return bytes;
 }
 
@@ -191,7 +198,7 @@ tc_packed_level tc_field_packed_level(const tc_field *field, int level)
     }
     bool corrects = tc_coder_corrects(r->coder);
     return (tc_packed_level){
-        .bytes = r->end - r->begin,
+        .bytes = level_bytes(c, level),
         .rms = r->rms,
         .max_error = r->max_error,
         .bound = corrects && r->correction_step > r->correction_snap
