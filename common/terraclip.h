@@ -167,10 +167,11 @@ typedef struct tc_range {
     float error; /* the finest level's mesh; INFINITY where that is not known */
 } tc_range;
 
-/* Finds what tc_range.error needs, once: of a field in memory, and of a packed one of up to 2^27 samples, by a look at
- * all of them; of a larger one, wider, from all of its index, unless that has more than 4,096 pages (some 8 billion
- * samples), for which errors stay unknown, as they do where something cannot be read. Before, they are not known.
- * Thread-safe. */
+/* Finds what tc_range.error needs, once. A packed file that stores errors, read whole and with voids as it was packed
+ * with, tells them page by page, without a look at samples. Else: of a field in memory, and of a packed one of up to
+ * 2^27 samples, by a look at all of them; of a larger one, wider, from all of its index, unless that has more than
+ * 4,096 pages (some 8 billion samples), for which errors stay unknown, as they do where something cannot be read.
+ * Before, they are not known. Thread-safe. */
 void tc_field_know_errors(const tc_field *field);
 
 /* What bounds the level's heights over rect (cut to the level where that does not wrap; all of the terrain where
@@ -186,8 +187,8 @@ bool tc_field_changed(const tc_field *field, uint64_t *since, tc_rect *finest_re
 typedef struct tc_field_stats {
     size_t bytes;       /* of memory held */
     size_t cache_bytes; /* of these for decoded tiles and masks */
-    int64_t damaged;    /* tiles found damaged, which were read from the next coarser level */
-    int64_t unreadable; /* tiles that could not be read when that was last tried, up to 256 */
+    int64_t damaged;    /* tiles found damaged and read from the next coarser level, each once (of up to 65,536) */
+    int64_t unreadable; /* tiles, and pages of index or errors, not readable when last tried, up to 256 */
     int64_t decoded;    /* bytes of tiles decoded */
     int64_t waits;      /* readings that had to wait for a file or for decoding on the thread that asked */
     int64_t ranges;     /* questions for a range, and reads of memory for them */

@@ -100,7 +100,7 @@ static void packed_tell(const tc_field *field, tc_field_stats *stats)
 {
     packed_field *p = (packed_field *)field;
     size_t cached = tc_block_cache_owned(&p->store->blocks, p->owner);
-    stats->bytes += sizeof *p + tc_packed_file_memory(&p->file) + cached;
+    stats->bytes += sizeof *p + tc_packed_file_memory(&p->file) + tc_tile_set_bytes(&p->damage) + cached;
     if (p->owner == 0)
         stats->bytes += sizeof *p->store + (size_t)p->store->blocks.buckets * sizeof(tc_block *);
     stats->cache_bytes += cached;
@@ -143,6 +143,7 @@ static void packed_destroy(tc_field *field)
     }
     pthread_mutex_destroy(&p->mutex);
     pthread_mutex_destroy(&p->errors_mutex);
+    tc_tile_set_free(&p->damage);
     tc_packed_file_close(&p->file);
     tc_tile_store_release(p->store);
     free(p);

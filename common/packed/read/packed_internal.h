@@ -18,6 +18,7 @@
 #include "common/packed/file/level_coder.h"
 #include "common/packed/file/packed_file.h"
 #include "common/field/measured_errors.h"
+#include "tile_set.h"
 #include "tile_store.h"
 
 enum {
@@ -89,7 +90,8 @@ typedef struct packed_field {
     pthread_mutex_t mutex;
     scratch *idle;
     tc_void_policy voids;
-    float void_height; /* metres above z_base */
+    float void_height;  /* metres above z_base */
+    tc_tile_set damage; /* tiles that `damaged` counts */
     _Atomic int64_t damaged, decoded, waits, ranges, range_reads, cancelled;
 } packed_field;
 

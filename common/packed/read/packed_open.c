@@ -99,6 +99,7 @@ static tc_status make_field(packed_field *p, tc_status opened, const tc_open_opt
     p->owner = p->store->owners++;
     pthread_mutex_init(&p->mutex, NULL);
     pthread_mutex_init(&p->errors_mutex, NULL);
+    tc_tile_set_init(&p->damage);
     for (int l = 0; l < TC_MAX_FIELD_LEVELS; l++)
         pthread_mutex_init(&p->level[l].mutex, NULL);
     set_info(p, options);

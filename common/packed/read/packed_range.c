@@ -61,7 +61,7 @@ tc_range tc_packed_range(const tc_field *field, int l, tc_rect rect)
     }
     if (c->voids > 0 && p->voids == TC_VOIDS_CONSTANT)
         all = (tc_range){fminf(all.lo, p->void_height), fmaxf(all.hi, p->void_height), INFINITY,
-                         p->errors == ERRORS_BY_STEPS ? INFINITY : all.error};
+                         p->errors_known && p->errors == ERRORS_BY_STEPS ? INFINITY : all.error};
     p->ranges++;
     p->range_reads += reads;
     return all;

@@ -142,8 +142,8 @@ static tc_status read_coarse(packed_field *p, int l, tc_rect need, const wanted_
     return status ? status : tc_packed_units(p, l - 1, coarse, s);
 }
 
-/* Tiles of one turn read and decoded, a few; those that are wanted once to `to`. What is wrong with them is counted,
- * and they count as empty. */
+/* Tiles of one turn read and decoded, a few; those that are wanted once to `to`. What is wrong with them is counted
+ * once, and they count as empty. */
 static tc_status make_few(packed_field *p, int l, const wanted_tile *const *tile, int count, const tc_plane *coarse,
                           const tile_planes *to, scratch *s)
 {
@@ -178,7 +178,7 @@ static tc_status make_few(packed_field *p, int l, const wanted_tile *const *tile
     tc_level_coder_decode(&p->level[l - 1].coder, job, count, &turned);
     for (int n = 0; n < count; n++)
         if (job[n].status)
-            p->damaged++;
+            p->damaged += tc_tile_set_add(&p->damage, tc_packed_tile_key(p, l, across, tile[n]));
         else
             p->decoded += tc_tile_bytes(&job[n].entry);
     return TC_OK;

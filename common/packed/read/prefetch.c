@@ -163,12 +163,12 @@ static tc_wish *find(tc_prefetch *p, const void *field, int level, int index, tc
     return NULL;
 }
 
-/* Whether there are as many wishes for the index, or for later, as may stand among others. */
+/* Whether there are as many wishes for the index, for errors, or for later, as may stand among others. */
 static bool enough(const tc_prefetch *p, const tc_wish *wish)
 {
     int count = 0;
     for (const tc_wish *w = p->wish; w < p->wish + TC_WISHES; w++)
-        count += w->field && (wish->index ? w->index > 0 : w->urgency == TC_LATER);
+        count += w->field && (wish->index ? w->index == wish->index : w->urgency == TC_LATER);
     return (wish->index || wish->urgency == TC_LATER) && count >= TC_WISHES / 4;
 }
 

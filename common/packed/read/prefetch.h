@@ -9,7 +9,7 @@
 
 #include "common/field/field.h"
 
-enum { TC_WISH_INDEX = 1, TC_WISH_ERRORS };
+enum { TC_WISH_ERRORS = 1, TC_WISH_INDEX }; /* what goes first is larger */
 typedef struct tc_wish {
     void *field; /* whose; NULL: no wish */
     int level;
@@ -57,8 +57,9 @@ typedef struct tc_prefetch {
 void tc_prefetch_init(tc_prefetch *prefetch, tc_read_piece read, size_t room, int threads);
 void tc_prefetch_free(tc_prefetch *prefetch);
 
-/* Has what the wish says (field to bytes; not rest) read; of the index, and of what is for later, only while there are
- * few such wishes. What is for later is not waited for to be collected. False where no thread can be started. */
+/* Has what the wish says (field to bytes; not rest) read; of the index, of errors, and of what is for later, only while
+ * there are few such wishes of the kind. What is for later is not waited for to be collected. False where no thread can
+ * be started. */
 bool tc_prefetch_ask(tc_prefetch *prefetch, const tc_wish *wish);
 
 /* What a wish fetched has been found ready. */
