@@ -168,6 +168,26 @@ static void large_blocks_are_the_same(void **state)
     }
 }
 
+/* A window finds the coarser one's tiles, whether that was read as one large block or as small ones. */
+static void finer_windows_find_coarser_tiles(void **state)
+{
+    enum { SIDE = 250, WINDOW = 1023 };
+    static float z[WINDOW * WINDOW];
+    int64_t decoded[2];
+    for (int large = 0; large < 2; large++) {
+        tc_field *f = slow_field(*state, NULL);
+        const int l = tc_field_info(f)->levels, side = large ? SIZE / 2 : SIDE;
+        for (int64_t y = 0; y < SIZE / 2; y += side)
+            for (int64_t x = 0; x < SIZE / 2; x += side)
+                assert_int_equal(tc_field_read(f, l - 1, (tc_rect){x, y, x + side, y + side}, z, NULL, side), TC_OK);
+        const int64_t before = tc_field_tell(f).decoded;
+        assert_int_equal(tc_field_read(f, l, (tc_rect){200, 200, 200 + WINDOW, 200 + WINDOW}, z, NULL, WINDOW), TC_OK);
+        decoded[large] = tc_field_tell(f).decoded - before;
+        tc_field_destroy(f);
+    }
+    assert_int_equal(decoded[0], decoded[1]);
+}
+
 /* Memory is what was asked for, once no window needs more. */
 static void the_cache_keeps_its_promise(void **state)
 {
@@ -301,6 +321,7 @@ int main(void)
         cmocka_unit_test(unreadable_tiles_are_told),
         cmocka_unit_test(damage_keeps_the_constant),
         cmocka_unit_test(large_blocks_are_the_same),
+        cmocka_unit_test(finer_windows_find_coarser_tiles),
         cmocka_unit_test(the_cache_keeps_its_promise),
         cmocka_unit_test(a_decorated_field_passes_all_on),
     };

@@ -19,7 +19,7 @@ tc_status tc_packed_read_block(packed_field *p, int l, tc_rect rect, const packe
     float *z = to->z ? to->z + at : NULL;
     uint8_t *voids = to->voids ? to->voids + at : NULL;
     mark m = tc_scratch_here(s);
-    s->large = tc_rect_area(rect) >= LARGE ? l : 0;
+    s->large = tc_rect_area(rect) >= LARGE && l == p->head.info.levels ? l : 0;
     tc_status status = z ? tc_packed_heights(p, l, &(packed_target){rect, z, NULL, stride}, s) : TC_OK;
     bool flat = z && p->voids == TC_VOIDS_CONSTANT;
     if (!status && c->voids > 0 && (voids || flat)) {

@@ -43,7 +43,7 @@ typedef struct scratch {
     bool only_ready; /* it must not wait; missed: it would have had to, and fails */
     bool missed;
     bool waited;        /* for the file, for decoding, for another thread that decodes */
-    int large;          /* the level whose block of at least LARGE samples is read; 0: it is smaller */
+    int large;          /* the finest level, where a block of at least LARGE of its samples is read; else 0 */
     chunk *top, *spare; /* spare: chunks let go of, largest last */
     void *work[AT_ONCE];
     uint8_t *stream[AT_ONCE]; /* bytes of a tile */

@@ -190,7 +190,8 @@ static size_t tile_bytes(const packed_field *p, int l)
     return tc_decoded_tile_bytes(p->file.container.record[l - 1].coder);
 }
 
-/* Whether a tile that a large block takes is of no use to what may be read next to it. */
+/* Whether a tile that a large block takes is of no use to what may be read next to it. Of a block of a coarser level
+ * all are of use, to the finer level's. */
 static bool is_wanted_once(const packed_field *p, int l, const wanted_tile *t, tc_rect positions, const scratch *s)
 {
     const tc_level_coder *c = &p->level[l - 1].coder;
