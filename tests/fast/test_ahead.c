@@ -79,6 +79,33 @@ static void what_is_urgent_and_coarse_is_first(void **state)
     tc_prefetch_free(&p);
 }
 
+/* Pages before samples, those of the index first; each kind has places of its own. */
+static void pages_of_the_index_are_first(void **state)
+{
+    (void)state;
+    notes n = {.mutex = PTHREAD_MUTEX_INITIALIZER};
+    tc_prefetch p;
+    tc_prefetch_init(&p, note, 1000, 1);
+    static const int kinds[] = {0, TC_WISH_ERRORS, TC_WISH_INDEX};
+    const tc_wish first = wish_of(&n, 1, TC_SOON);
+    assert_true(tc_prefetch_ask(&p, &first));
+    assert_true(wait_for(&n.count, 1)); /* it is begun */
+    for (int k = 0; k < 3; k++)
+        for (int x = 0; x < (kinds[k] ? TC_WISHES : 1); x++) {
+            tc_wish wish = wish_of(&n, 2 + k, TC_SOON);
+            wish.index = kinds[k], wish.rect.x0 = x, wish.rect.x1 = x + 1;
+            assert_true(tc_prefetch_ask(&p, &wish));
+        }
+    n.open = true;
+    enum { SHARE = TC_WISHES / 4 };
+    assert_true(wait_for(&n.count, 2 + 2 * SHARE));
+    for (int k = 1; k < 2 + 2 * SHARE; k++)
+        assert_int_equal(n.level[k], k <= SHARE ? 4 : k <= 2 * SHARE ? 3 : 2);
+    tc_prefetch_forget(&p, &n);
+    assert_int_equal(n.count, 2 + 2 * SHARE);
+    tc_prefetch_free(&p);
+}
+
 static void several_threads_read(void **state)
 {
     (void)state;
@@ -318,6 +345,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_urgent_and_coarse_is_first),
+        cmocka_unit_test(pages_of_the_index_are_first),
         cmocka_unit_test(several_threads_read),
         cmocka_unit_test(later_is_never_much),
         cmocka_unit_test(what_is_asked_for_ahead_does_not_come_late),
