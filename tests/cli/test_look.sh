@@ -117,7 +117,7 @@ refuses 2 '--lookat: expected a map that says where on a globe it lies, found pl
 for place in 1 1, 1,91 361,0 1,2,3,4 1,2, nan,0 0,inf 0,0,1e10 ' 1,2' 1,2x ''; do
     refuses 2 '--lookat: expected LON,LAT.,HEIGHT. in degrees' $globe globe.tif $picture --lookat "$place"
 done
-refuses 2 '--lookat: expected a height above the middle of globe.tif, found -7e' $globe globe.tif $picture --lookat 1,2,-7e6
+refuses 2 '--lookat: expected a height above the middle of globe.tif, found -7000000 m' $globe globe.tif $picture --lookat 1,2,-7e6
 for distance in 0 -5 nan inf 1e13 5km ''; do
     refuses 2 '--distance: expected metres above 0, up to 1e12' $globe globe.tif $picture --lookat 1,2 --distance "$distance"
 done
