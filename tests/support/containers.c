@@ -145,6 +145,7 @@ tc_byte_writer envelope_of_one(const tc_container *c, bool lay_out)
     if (!e)
         exit(99);
     e->charts = 1, e->chart[0].container = *c, e->bytes = c->info.bytes;
+    e->errors = c->errors && !lay_out; /* which stand behind the last level, where it is */
     tc_byte_writer w = envelope_bytes(e, lay_out);
     free(e);
     return w;
