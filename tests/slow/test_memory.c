@@ -234,7 +234,8 @@ static void items_add_up(void **state)
         assert_true(m.geometry >= mesh && m.geometry < mesh + (1 << 18));
         /* What our code holds is in the items, but for a view and lists of draws and of changes, which no terrain makes
          * longer. */
-        double listed = window * (8 + lit * 16) + scratch + (double)mesh + (double)s.surface->view_bytes,
+        double walls = (double)s.surface->wall_capacity * (double)(sizeof(tc_draw) + sizeof(tc_instance));
+        double listed = window * (8 + lit * 16) + scratch + (double)mesh + (double)s.surface->view_bytes + walls,
                rest = (double)held - listed;
         printf("memory: held by our own code: %.1f KiB, of it not in the items %.1f\n", (double)held / 1024,
                rest / 1024);
