@@ -40,7 +40,7 @@ shows() { # WHAT LEAST MOST: so many pixels, by and by
 }
 
 # Waits for some frames: a window that shows what it should says nothing of them.
-settle() { sleep 0.6; }
+settle() { sleep 1; }
 
 # The pointer goes there and does what is to be done, each seen by a frame of its own.
 at() { # X Y XDOTOOL...

@@ -3,7 +3,8 @@
 # their users rely on.
 . "${0%/*}/lib.sh"
 
-near='--view 30000,20000,3200,30,-15' # metres; over the terrain, so that several levels are drawn
+# Over the terrain, in metres, so that several levels are drawn; without the colours of a latitude, which not every format tells.
+near='--view 30000,20000,3200,30,-15 --no-surroundings'
 
 # ---- One grid, many formats
 
