@@ -137,7 +137,7 @@ static void on_wheel(GLFWwindow *glfw, double x, double y)
 {
     tc_window *window = glfwGetWindowUserPointer(glfw);
     if (!tc_overlay_wheel(window->overlay, x, y))
-        add_event(window, (tc_pointer_event){.kind = TC_POINTER_WHEEL, .wheel = y, .wheel_x = x});
+        add_event(window, (tc_pointer_event){.kind = TC_POINTER_WHEEL, .wheel = y});
 }
 
 static void on_character(GLFWwindow *glfw, unsigned int character)
@@ -287,9 +287,6 @@ static void window_poll(tc_window *window, double wait_seconds, tc_window_input 
         input->width = input->height = 0;
     input->close = glfwWindowShouldClose(window->glfw);
     input->captured = window->captured;
-    input->x = window->last_x, input->y = window->last_y;
-    pixels_of(window, &input->x, &input->y);
-    input->inside = !window->captured && glfwGetWindowAttrib(window->glfw, GLFW_HOVERED);
     *input_ret = *input;
 }
 

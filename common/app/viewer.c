@@ -413,12 +413,10 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     if (status != TC_OK && error.text[0])
         fprintf(stderr, "%s: %s\n", program->name, error.text);
 
-    tc_renderer_destroy(viewer.renderer);
+    tc_viewer_destroy_scene(&viewer);
     tc_context_destroy(viewer.context);
     if (viewer.window)
         viewer.window_plugin->close(viewer.window);
-    if (viewer.surface)
-        viewer.surface->destroy(viewer.surface);
     tc_viewer_unload(&viewer);
     tc_flight_path_free(&viewer.path);
     tc_outputs_free(&viewer.outputs);

@@ -60,14 +60,6 @@ static bool other_map(const tc_viewer *v, const tc_options *o)
            (!o->scheme && v->options.scheme) || !tc_atlas_same(scheme_of(v, o)->atlas, tc_viewer_scheme(v)->atlas);
 }
 
-static void destroy_drawing(tc_viewer *v)
-{
-    tc_renderer_destroy(v->renderer);
-    if (v->surface)
-        v->surface->destroy(v->surface);
-    v->renderer = NULL, v->surface = NULL;
-}
-
 /* Loads what changes beside what there is, which goes only once the new can be drawn. */
 static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool map, tc_error *error)
 {
@@ -89,7 +81,7 @@ static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool ma
     tc_viewer gone = status == TC_OK ? before : *v;
     if (!map)
         gone.map = NULL;
-    destroy_drawing(&gone);
+    tc_viewer_destroy_scene(&gone);
     tc_viewer_unload(&gone);
     if (status != TC_OK) { /* but for what was kept and told meanwhile */
         struct tc_kept_text *kept = v->kept;
@@ -110,7 +102,7 @@ static tc_status draw_again(tc_viewer *v, const tc_viewer_wish *wish, tc_error *
     if (status != TC_OK) {
         v->options = before.options, v->scene = before.scene;
         if (tc_viewer_make_surface(v, &unused) != TC_OK) {
-            destroy_drawing(v);
+            tc_viewer_destroy_scene(v);
             return tc_fail(error, status, "%s: cannot be drawn any more", v->options.terrain);
         }
     }

@@ -141,6 +141,9 @@ bool tc_viewer_interactive(const tc_options *options);
  * that; in place of those that there are (viewer_scene.c). */
 tc_status tc_viewer_make_surface(tc_viewer *viewer, tc_error *error);
 
+/* Frees what draws and then the surface, where there are any. */
+void tc_viewer_destroy_scene(tc_viewer *viewer);
+
 /* The way of drawing that was asked for, or the program's first one. */
 const tc_scheme *tc_viewer_scheme(const tc_viewer *viewer);
 

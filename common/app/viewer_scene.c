@@ -26,7 +26,7 @@ static bool halve(tc_viewer *v)
     return tc_viewer_scheme(v)->size(&after) < tc_viewer_scheme(v)->size(&before);
 }
 
-static void drop(tc_viewer *v)
+void tc_viewer_destroy_scene(tc_viewer *v)
 {
     tc_renderer_destroy(v->renderer);
     v->renderer = NULL;
@@ -40,7 +40,7 @@ static tc_status make(tc_viewer *v, tc_error *error)
     const tc_scene_needs needs = tc_scene_needs_of(&v->scene, tc_field_info(tc_map_field(v->map, 0)));
     tc_surface_request request = request_of(v);
     request.needs = &needs;
-    drop(v);                         /* there may not be room for both */
+    tc_viewer_destroy_scene(v);      /* there may not be room for both */
     v->shown = (struct tc_shown){0}; /* the next renderer may lie where this one lay */
     v->surface_size = tc_viewer_scheme(v)->size(&request);
     const tc_scheme *scheme = tc_viewer_scheme(v);
@@ -73,7 +73,7 @@ tc_status tc_viewer_exaggerate(tc_viewer *v, double factor, tc_error *error)
     tc_error unused;
     if (factor == v->map->exaggeration)
         return TC_OK;
-    drop(v); /* which looks at the fields that there are */
+    tc_viewer_destroy_scene(v); /* which looks at the fields that there are */
     tc_status status = tc_map_exaggerate(v->map, factor, error);
     v->options.exaggeration = v->scene.exaggeration = v->map->exaggeration;
     if (status == TC_OK)

@@ -42,8 +42,6 @@ typedef struct tc_window_input {
     tc_pointer_event events[TC_WINDOW_MAX_EVENTS]; /* of the mouse, in order; motion alone is joined into one. More than
                                                     * fit are dropped, but no release is */
     int event_count;
-    double x, y; /* where the pointer is, pixels of the framebuffer from its left and upper edge; */
-    bool inside; /* whether that is in the window, and not captured */
     const char *dropped[TC_WINDOW_MAX_DROPPED]; /* files dropped on the window; valid until the next poll */
     int dropped_count;
     int width, height; /* framebuffer in pixels; 0 while iconified */

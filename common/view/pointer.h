@@ -15,7 +15,7 @@ typedef struct tc_pointer_event {
     tc_pointer_kind kind;
     tc_pointer_button button; /* of a press and a release */
     double x, y;              /* where the pointer is: pixels of the frame, from its left and upper edge */
-    double wheel, wheel_x;    /* notches away from the user and to the right; touchpads send parts of them */
+    double wheel;             /* notches away from the user; touchpads send parts of them */
     double seconds;           /* when, on a clock that runs evenly */
 } tc_pointer_event;
 
