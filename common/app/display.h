@@ -62,6 +62,16 @@ typedef struct tc_display_row {
     int id;                   /* the panel's own */
 } tc_display_row;
 
+/* ---- What is waited for ------------------------------------------------------------------------------------------ */
+
+typedef struct tc_display_work {
+    char name[TC_DISPLAY_LENGTH]; /* "": nothing is */
+    char what[TC_DISPLAY_LENGTH]; /* is being done */
+    double share;                 /* of it, 0 to 1; negative: not known */
+    bool alone;                   /* there is no picture yet */
+    double seconds;               /* that it takes already */
+} tc_display_work;
+
 /* ---- The whole --------------------------------------------------------------------------------------------------- */
 
 typedef struct tc_display {
@@ -76,6 +86,7 @@ typedef struct tc_display {
     bool panel; /* is shown */
     tc_display_row row[TC_DISPLAY_ROWS];
     int rows;
+    tc_display_work work; /* in the middle */
 } tc_display;
 
 /* What the user did in it. */

@@ -2,15 +2,16 @@
 #include "interrupt.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
 
-/* A handler can only reach a global. */
-static volatile sig_atomic_t interrupted;
+/* A handler can only reach a global; threads read it. */
+static atomic_int interrupted;
 
 static void on_signal(int number)
 {
     (void)number;
-    interrupted = 1;
+    atomic_store(&interrupted, 1);
 }
 
 void tc_watch_interrupts(void)
@@ -22,7 +23,12 @@ void tc_watch_interrupts(void)
     signal(SIGXFSZ, SIG_IGN); /* a file too large is then an error like a full disk */
 }
 
+void tc_interrupt(void)
+{
+    atomic_store(&interrupted, 1);
+}
+
 bool tc_interrupted(void)
 {
-    return interrupted;
+    return atomic_load(&interrupted);
 }

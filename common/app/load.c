@@ -36,9 +36,13 @@ tc_status tc_load_build(tc_grid *grid, const tc_body *body, const tc_source_opti
 {
     double read = tc_clock_ms();
     tc_map *map;
-    tc_status status = body->radius > 0
-                           ? tc_map_build_ellipsoid(grid, body->radius, body->flattening, options->threads, &map, error)
-                           : tc_map_build(grid, 0, options->threads, &map, error);
+    tc_status status = tc_tell_progress(source, "making levels", -1, error);
+    if (status != TC_OK)
+        tc_grid_free(grid);
+    else if (body->radius > 0)
+        status = tc_map_build_ellipsoid(grid, body->radius, body->flattening, options->threads, &map, error);
+    else
+        status = tc_map_build(grid, 0, options->threads, &map, error);
     if (status != TC_OK)
         return status;
     map->voids = source->voids;
@@ -115,7 +119,8 @@ tc_status tc_map_load_packed(const char *path, const tc_source_options *source, 
 }
 
 /* Onto the charts that are asked for. */
-static tc_status lay_out(const char *path, bool packed, const tc_load_options *options, tc_map **map, tc_error *error)
+static tc_status lay_out(const char *path, bool packed, const tc_source_options *source, const tc_load_options *options,
+                         tc_map **map, tc_error *error)
 {
     const tc_atlas *has = tc_atlas_of((*map)->chart[0].class), *wanted = options->atlas;
     if (way_of(options->body)->flat && options->body && tc_map_radius(*map) > 0)
@@ -134,6 +139,8 @@ static tc_status lay_out(const char *path, bool packed, const tc_load_options *o
     double start = tc_clock_ms();
     tc_map *made;
     struct tc_synthesis_fit *fit = NULL;
+    if (status == TC_OK)
+        status = tc_tell_progress(source, "resampling to other charts", -1, error);
     if (status == TC_OK && options->synthesises)
         status = tc_map_learn(*map, &fit, error);
     if (status == TC_OK)
@@ -162,7 +169,7 @@ tc_status tc_map_load(const char *path, const tc_source_options *source, const t
                               : way_of(options->body)->load(path, source, options, &map, error);
     if (status)
         return status;
-    if ((status = lay_out(path, packed, options, &map, error)))
+    if ((status = lay_out(path, packed, source, options, &map, error)))
         tc_map_destroy(map);
     else
         *map_ret = map;

@@ -6,14 +6,21 @@
 #include "common/input/folder.h"
 #include "common/input/mosaic.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+typedef struct taking {
+    tc_grid *grid;
+    const tc_source_options *options;
+    double taken; /* samples; those of several files as often */
+} taking;
 
 /* Where two files have a sample the first one's holds, unless it is void. */
 static tc_status take_band(void *context, tc_rect rect, const float *z, const uint8_t *voids, tc_error *error)
 {
-    (void)error;
-    tc_grid *grid = context;
+    taking *t = context;
+    tc_grid *grid = t->grid;
     int64_t width = rect.x1 - rect.x0;
     for (int64_t j = rect.y0; j < rect.y1; j++)
         for (int64_t i = 0; i < width; i++) {
@@ -23,10 +30,13 @@ static tc_status take_band(void *context, tc_rect rect, const float *z, const ui
             grid->z[to] = z[from];
             grid->voids[to] = 0;
         }
-    return TC_OK;
+    t->taken += (double)width * (double)(rect.y1 - rect.y0);
+    return tc_tell_progress(t->options, "reading", fmin(1, t->taken / ((double)grid->width * (double)grid->height)),
+                            error);
 }
 
-static tc_status read_mosaic(const char *path, tc_mosaic *mosaic, tc_grid *grid, tc_error *error)
+static tc_status read_mosaic(const char *path, const tc_source_options *options, tc_mosaic *mosaic, tc_grid *grid,
+                             tc_error *error)
 {
     const tc_pack_terrain *t = tc_mosaic_terrain(mosaic);
     *grid = (tc_grid){.width = t->width,
@@ -46,7 +56,8 @@ static tc_status read_mosaic(const char *path, tc_mosaic *mosaic, tc_grid *grid,
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory for %zu samples", path, samples);
     memset(grid->z, 0, samples * sizeof *grid->z);
     memset(grid->voids, 1, samples);
-    status = tc_mosaic_read(mosaic, take_band, grid, error);
+    taking taken = {.grid = grid, .options = options};
+    status = tc_mosaic_read(mosaic, take_band, &taken, error);
     if (status != TC_OK)
         return status;
     tc_grid_measure(grid);
@@ -66,7 +77,7 @@ tc_status tc_grid_read_folder(const char *path, const tc_source_options *options
     tc_mosaic *mosaic = NULL;
     status = tc_mosaic_open((const char *const *)folder.file, folder.count, options, &mosaic, error);
     if (status == TC_OK)
-        status = read_mosaic(path, mosaic, grid, error);
+        status = read_mosaic(path, options, mosaic, grid, error);
     tc_mosaic_close(mosaic);
     tc_folder_free(&folder);
     return status;

@@ -111,8 +111,8 @@ void tc_grid_measure(tc_grid *grid)
 }
 
 /* Reads all rows, the file's first ones first. The mask comes into being with the first void. */
-static tc_status read_all(tc_source *source, const char *path, tc_grid *grid, tc_statistics *statistics,
-                          tc_error *error)
+static tc_status read_all(tc_source *source, const char *path, const tc_source_options *options, tc_grid *grid,
+                          tc_statistics *statistics, tc_error *error)
 {
     int64_t chunk = tc_source_chunk_rows(source);
     size_t width = (size_t)grid->width, samples = width * (size_t)grid->height;
@@ -123,8 +123,10 @@ static tc_status read_all(tc_source *source, const char *path, tc_grid *grid, tc
     for (int64_t end = grid->height; end > 0 && status == TC_OK; end -= chunk) {
         int64_t start = end > chunk ? end - chunk : 0;
         int64_t before = statistics->voids;
-        status = tc_source_read_counted(source, start, end - start, grid->z + (size_t)start * width, voids, statistics,
-                                        error);
+        status = tc_tell_progress(options, "reading", 1 - (double)end / (double)grid->height, error);
+        if (status == TC_OK)
+            status = tc_source_read_counted(source, start, end - start, grid->z + (size_t)start * width, voids,
+                                            statistics, error);
         if (status != TC_OK || statistics->voids == before)
             continue;
         if (!grid->voids)
@@ -145,7 +147,10 @@ static tc_status fill_voids(const char *path, const tc_source_options *options, 
     tc_say(options, false, "%" PRId64 " of %zu samples are void: %s", grid->void_count, samples, what[options->voids]);
     grid->voids_flat = options->voids == TC_VOIDS_CONSTANT;
     grid->void_height = (float)(options->void_constant - grid->z_base);
-    tc_status status = tc_fill_voids(grid->z, grid->voids, grid->width, grid->height);
+    tc_status status = tc_tell_progress(options, "filling voids", -1, error);
+    if (status != TC_OK)
+        return status;
+    status = tc_fill_voids(grid->z, grid->voids, grid->width, grid->height);
     return status == TC_OK ? TC_OK
                            : tc_fail(error, status, "%s: its voids cannot be filled: %s", path, tc_status_text(status));
 }
@@ -166,7 +171,7 @@ static tc_status read_file(const char *path, const tc_source_options *options, t
                       .z_base = info->z_base};
     grid->georef.crs_wkt = info->georef.crs_wkt ? strdup(info->georef.crs_wkt) : NULL;
     tc_statistics statistics = TC_STATISTICS_NONE;
-    status = read_all(source, path, grid, &statistics, error);
+    status = read_all(source, path, options, grid, &statistics, error);
     tc_source_close(source);
     grid->void_count = statistics.voids;
     grid->z_min = statistics.low;

@@ -22,9 +22,9 @@ namespace
 
 const float FONT_SIZE = 13;                        /* of ImGui's own font, whose pixels are whole then */
 const float LEAST_WIDTH = 150, LEAST_HEIGHT = 110; /* of a window that has room for anything */
-const float MARGIN = 8, GAP = 4, COMPASS = 56, LOW = 80, PANEL = 330, HELP = 560;
+const float MARGIN = 8, GAP = 4, COMPASS = 56, LOW = 80, PANEL = 330, HELP = 560, WORK = 360, BAR_HEIGHT = 8;
 const ImU32 SHADE = IM_COL32(0, 0, 0, 130), INK = IM_COL32(255, 255, 255, 255), WARNING = IM_COL32(255, 200, 90, 255),
-            NEEDLE = IM_COL32(235, 70, 60, 255), TAIL = IM_COL32(215, 215, 215, 255);
+            BAR = IM_COL32(90, 160, 240, 255), NEEDLE = IM_COL32(235, 70, 60, 255), TAIL = IM_COL32(215, 215, 215, 255);
 
 enum { ENTRIES = 4, KEYS = 512 };
 
@@ -198,6 +198,47 @@ bool draw_compass(const tc_overlay *o, const tc_display *display, float right, f
     ImGui::End();
     ImGui::PopStyleVar(2);
     return clicked;
+}
+
+/* ---- What is waited for ------------------------------------------------------------------------------------------ */
+
+/* A bar filled to a share, or a part that wanders where that is not known. */
+void draw_bar(const tc_overlay *o, const tc_display_work *work, ImVec2 from, ImVec2 to)
+{
+    const float u = o->unit, length = to.x - from.x, wanders = 0.25f;
+    float begin = 0, end = (float)std::min(work->share, 1.0);
+    if (work->share < 0) {
+        begin = (1 - wanders) * (float)(0.5 - 0.5 * std::cos(work->seconds * 2));
+        end = begin + wanders;
+    }
+    ImDrawList *list = ImGui::GetForegroundDrawList();
+    list->AddRectFilled(from, to, IM_COL32(70, 70, 75, 255), 2 * u);
+    if (end > 0)
+        list->AddRectFilled(ImVec2(from.x + begin * length, from.y), ImVec2(from.x + end * length, to.y), BAR, 2 * u);
+}
+
+/* In the middle: of which file, what, and how far. */
+void draw_work(const tc_overlay *o, const tc_display_work *work)
+{
+    char what[TC_DISPLAY_LENGTH + 32];
+    if (work->share >= 0)
+        snprintf(what, sizeof what, "%s: %.0f %%", work->what, std::floor(100 * work->share));
+    else
+        snprintf(what, sizeof what, work->seconds < 2 ? "%s ..." : "%s ... %.0f s", work->what, work->seconds);
+    const ImVec2 size = ImGui::GetIO().DisplaySize;
+    const float u = o->unit, pad = 2 * MARGIN * u, width = std::min(WORK * u, size.x - 2 * MARGIN * u),
+                wrap = width - 2 * pad;
+    const ImVec2 name = size_of(work->name, wrap), line = size_of(what, wrap);
+    const float height = name.y + line.y + 2 * pad + (2 * GAP + BAR_HEIGHT) * u;
+    const ImVec2 at(std::floor((size.x - width) / 2), std::floor((size.y - height) / 2));
+    ImDrawList *list = ImGui::GetForegroundDrawList();
+    list->AddRectFilled(at, ImVec2(at.x + width, at.y + height), IM_COL32(20, 20, 22, 235), 4 * u);
+    ImVec2 pen(at.x + pad, at.y + pad);
+    list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), pen, INK, work->name, nullptr, wrap);
+    pen.y += name.y + GAP * u;
+    draw_bar(o, work, pen, ImVec2(pen.x + wrap, pen.y + BAR_HEIGHT * u));
+    pen.y += (BAR_HEIGHT + GAP) * u;
+    list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), pen, INK, what, nullptr, wrap);
 }
 
 /* ---- Help -------------------------------------------------------------------------------------------------------- */
@@ -423,7 +464,7 @@ void tc_overlay_show(tc_overlay *o, const tc_display *display, tc_display_result
     o->panel_right = o->panel_bottom = 0;
     if (width >= LEAST_WIDTH * u && height >= LEAST_HEIGHT * u) {
         const float most = width - 2 * margin;
-        result->north = draw_compass(o, display, width - margin, margin);
+        result->north = !display->work.alone && draw_compass(o, display, width - margin, margin);
         result->panel_closed = display->panel && !draw_panel(o, display, result);
         result->help_closed = display->help && !draw_help(o, display);
         float unused = 0, left = 0;
@@ -439,6 +480,8 @@ void tc_overlay_show(tc_overlay *o, const tc_display *display, tc_display_result
         write_side(o, display, TC_SIDE_CORNER, width - margin, compass, 1, false, most, &unused);
         if (room > 100 * u)
             write_side(o, display, TC_SIDE_TOP, o->panel_right + margin + room / 2, margin, 0.5f, false, room, &unused);
+        if (display->work.name[0])
+            draw_work(o, &display->work);
     }
     ImGui::Render();
     if (io.DisplaySize.x > 0 && io.DisplaySize.y > 0) {

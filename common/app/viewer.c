@@ -101,10 +101,12 @@ static tc_status place_camera(tc_viewer *v, tc_error *error)
     return status;
 }
 
-static tc_status open_window(tc_viewer *v, tc_error *error)
+tc_status tc_viewer_open_window(tc_viewer *v, tc_error *error)
 {
     const void *table;
     tc_error reason;
+    if (v->window)
+        return TC_OK;
     tc_status status = tc_plugin_load("window", &table, &reason);
     if (status == TC_OK) {
         v->window_plugin = table;
@@ -129,7 +131,7 @@ static tc_status open_context(tc_viewer *v, tc_error *error)
 {
     tc_status status;
     if (tc_viewer_interactive(&v->options) || v->options.backend == TC_BACKEND_WINDOW) {
-        status = open_window(v, error);
+        status = tc_viewer_open_window(v, error);
     } else {
         status = tc_context_create(v->options.backend, &v->context, error);
         if (status == TC_OK)
@@ -327,9 +329,18 @@ static tc_status name_default(tc_viewer *v, tc_error *error)
 
 static tc_status make_default(tc_viewer *v, tc_error *error)
 {
-    tc_watch_interrupts();
+    tc_viewer_progress(v, "making the default terrain, once", -1);
     return tc_default_terrain_make(&v->program->by_default, tc_viewer_scheme(v)->atlas, v->options.terrain,
                                    v->options.quiet, error);
+}
+
+static tc_status load_default(tc_viewer *v, tc_error *error)
+{
+    tc_watch_interrupts();
+    v->writing = true;
+    tc_status status = tc_viewer_wait(v, make_default, NULL, error);
+    v->writing = false;
+    return status == TC_OK && !v->closed ? tc_viewer_wait(v, tc_viewer_load, NULL, error) : status;
 }
 
 /* ---- The whole ---------------------------------------------------------------------------------------------- */
@@ -355,9 +366,11 @@ static tc_status run(tc_viewer *v, tc_error *error)
     if (status == TC_OK)
         status = tc_viewer_begin_views(v, error);
     if (status == TC_OK && by_default)
-        status = make_default(v, error);
-    if (status == TC_OK)
-        status = tc_viewer_load(v, error);
+        status = load_default(v, error);
+    else if (status == TC_OK)
+        status = tc_viewer_wait(v, tc_viewer_load, NULL, error);
+    if (v->closed)
+        return TC_OK;
     if (status == TC_OK)
         status = place_camera(v, error);
     if (status == TC_OK)

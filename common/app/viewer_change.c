@@ -69,9 +69,9 @@ static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool ma
     v->imagery = NULL, v->surface = NULL, v->renderer = NULL;
     if (map)
         v->map = NULL, v->scene.frame.cull_camera = NULL; /* which was of the old one's */
-    tc_status status = map ? tc_viewer_load(v, error) : TC_OK;
-    if (!map && v->options.imagery_count > 0)
-        status = tc_viewer_load_imagery(v, error);
+    tc_status status = TC_OK;
+    if (map || v->options.imagery_count > 0)
+        status = tc_viewer_wait(v, map ? tc_viewer_load : tc_viewer_load_imagery, before.renderer, error);
     if (status == TC_OK) {
         v->scene.imagery = v->imagery;
         v->scene.around = v->around;
@@ -83,10 +83,12 @@ static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool ma
         gone.map = NULL;
     tc_viewer_destroy_scene(&gone);
     tc_viewer_unload(&gone);
-    if (status != TC_OK) { /* but for what was kept and told meanwhile */
+    if (status != TC_OK) { /* but for what was kept, told and done meanwhile */
         struct tc_kept_text *kept = v->kept;
+        const bool waited = v->waited, closed = v->closed;
         *v = before;
         v->kept = kept;
+        v->waited = waited, v->closed = closed;
     }
     return status;
 }

@@ -6,6 +6,7 @@
 #include "viewer_place.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ static const double LOOK_MS = 30; /* between looks at what is seen */
 struct tc_viewer_display {
     tc_display display;
     tc_display_result result;
+    pthread_mutex_t telling; /* lines, by any thread */
     tc_display_lines lines;
     tc_panel panel;
     tc_places *places; /* of this map; NULL: none yet */
@@ -35,17 +37,21 @@ struct tc_viewer_display {
 
 void tc_viewer_display_line(tc_viewer *v, bool warning, const char *text)
 {
-    if (v->display)
-        tc_display_lines_add(&v->display->lines, warning, tc_clock_ms(), text);
+    if (!v->display)
+        return;
+    pthread_mutex_lock(&v->display->telling);
+    tc_display_lines_add(&v->display->lines, warning, tc_clock_ms(), text);
+    pthread_mutex_unlock(&v->display->telling);
+}
+
+static void show_lines(struct tc_viewer_display *d, double now)
+{
+    pthread_mutex_lock(&d->telling);
+    tc_display_lines_show(&d->lines, now, &d->display);
+    pthread_mutex_unlock(&d->telling);
 }
 
 /* ---- What is told ------------------------------------------------------------------------------------------------ */
-
-static const char *name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
-}
 
 static void tell_hint(struct tc_viewer_display *d, double now)
 {
@@ -94,9 +100,9 @@ static void tell_files(const tc_viewer *v)
     tc_display *display = &v->display->display;
     const tc_options *o = &v->options;
     if (o->imagery_count > 0)
-        tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s%s", name_of(o->imagery[o->imagery_count - 1]),
+        tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s%s", tc_viewer_file_name(o->imagery[o->imagery_count - 1]),
                        o->imagery_count > 1 ? " and others" : "");
-    tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s", name_of(o->terrain));
+    tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s", tc_viewer_file_name(o->terrain));
 }
 
 /* Digits of a place that are as fine as what is seen from this height. */
@@ -162,7 +168,7 @@ static void fill(tc_viewer *v, const tc_frame_stats *frame)
     d->display.texts = d->display.rows = 0;
     d->display.heading = v->camera.heading;
     d->display.help = d->help, d->display.panel = d->panel_shown;
-    tc_display_lines_show(&d->lines, now, &d->display);
+    show_lines(d, now);
     tell_hint(d, now);
     tell_files(v);
     if (frame && v->renderer) {
@@ -194,6 +200,20 @@ void tc_viewer_display_show(tc_viewer *v, const tc_frame_stats *frame)
     d->ms = tc_clock_ms() - start;
 }
 
+/* What else is shown stays as it was; what the user does in it is not heard. */
+void tc_viewer_display_work(tc_viewer *v, const tc_display_work *work)
+{
+    struct tc_viewer_display *d = v->display;
+    tc_display_result unused;
+    if (!shown(v))
+        return;
+    d->display.texts = 0;
+    show_lines(d, tc_clock_ms());
+    d->display.work = *work;
+    d->unable = !v->window_plugin->show(v->window, &d->display, &unused);
+    d->display.work = (tc_display_work){.name = ""};
+}
+
 double tc_viewer_display_ms(const tc_viewer *v)
 {
     return v->display ? v->display->ms : 0;
@@ -201,40 +221,25 @@ double tc_viewer_display_ms(const tc_viewer *v)
 
 /* ---- What is done ------------------------------------------------------------------------------------------------ */
 
-/* Says what takes a while, before it does: over the picture that there is. */
-static void announce(tc_viewer *v, const tc_window_input *input, const char *what)
-{
-    if (!shown(v) || !v->renderer)
-        return;
-    tc_display_result unused;
-    tc_display_lines_add(&v->display->lines, false, tc_clock_ms(), what);
-    fill(v, NULL);
-    tc_renderer_present(v->renderer, input->width, input->height);
-    v->window_plugin->show(v->window, &v->display->display, &unused);
-    v->window_plugin->swap(v->window);
-}
-
 /* Shows a file; whether it is another terrain, seen by *view_ret. */
-static bool show_file(tc_viewer *v, const tc_window_input *input, const char *path, bool picture, tc_pose *view_ret)
+static bool show_file(tc_viewer *v, const char *path, bool picture, tc_pose *view_ret)
 {
     tc_error error;
     bool opened = false;
-    char line[TC_DISPLAY_LENGTH];
-    if (!v->renderer)
+    if (!v->renderer || v->closed)
         return false;
-    snprintf(line, sizeof line, "loading %s ...", name_of(path));
-    announce(v, input, line);
     const tc_status status = tc_viewer_drop(v, path, picture, &opened, view_ret, &error);
-    if (v->display)
-        tc_display_lines_drop(&v->display->lines, line);
+    if (v->closed)
+        return false;
     if (status != TC_OK)
         tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
     else
-        tc_viewer_tell(v, TC_TOLD_DONE, "%s: %s", name_of(path), opened ? "opened" : "laid over the terrain");
+        tc_viewer_tell(v, TC_TOLD_DONE, "%s: %s", tc_viewer_file_name(path),
+                       opened ? "opened" : "laid over the terrain");
     return opened;
 }
 
-static bool change_row(tc_viewer *v, const tc_window_input *input, tc_pose *view_ret, int *key_ret)
+static bool change_row(tc_viewer *v, tc_pose *view_ret, int *key_ret)
 {
     const tc_display_result *r = &v->display->result;
     bool picture, opened = false;
@@ -245,7 +250,7 @@ static bool change_row(tc_viewer *v, const tc_window_input *input, tc_pose *view
     } else if (tc_panel_is_file(row, &picture)) {
         char path[TC_DISPLAY_ENTRY];
         memcpy(path, r->entry, sizeof path);
-        opened = show_file(v, input, path, picture, view_ret);
+        opened = show_file(v, path, picture, view_ret);
     } else if (tc_panel_set(&v->display->panel, v, row, r->value, &error) != TC_OK) {
         tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
     }
@@ -262,11 +267,15 @@ bool tc_viewer_display_act(tc_viewer *v, const tc_window_input *input, tc_pose *
         d->help &= !d->result.help_closed;
         d->panel_shown &= !d->result.panel_closed;
         if (d->result.changed >= 0)
-            opened = change_row(v, input, view_ret, key_ret);
+            opened = change_row(v, view_ret, key_ret);
         d->result.changed = -1, d->result.north = d->result.help_closed = d->result.panel_closed = false;
     }
+    /* While a file is loaded the next events come, and with them other names. */
+    const char *dropped[TC_WINDOW_MAX_DROPPED];
     for (int i = 0; i < input->dropped_count; i++)
-        opened |= show_file(v, input, input->dropped[i], false, view_ret);
+        dropped[i] = tc_viewer_keep(v, input->dropped[i]);
+    for (int i = 0; i < input->dropped_count; i++)
+        opened |= dropped[i] && show_file(v, dropped[i], false, view_ret);
     if (d && opened) /* another map may lie where one lay before */
         d->places_of = NULL;
     return opened;
@@ -314,6 +323,7 @@ tc_status tc_viewer_display_open(tc_viewer *v, tc_error *error)
     struct tc_viewer_display *d = v->display = calloc(1, sizeof *d);
     if (!d)
         return tc_fail(error, TC_ERR_MEMORY, "display: not enough memory");
+    pthread_mutex_init(&d->telling, NULL);
     d->result.changed = -1;
     tc_display_key *key = d->display.key;
     for (int k = 0; k < TC_DISPLAY_KEYS && tc_viewer_key(k, &key[k].label, &key[k].help); k++)
@@ -323,8 +333,10 @@ tc_status tc_viewer_display_open(tc_viewer *v, tc_error *error)
 
 void tc_viewer_display_close(tc_viewer *v)
 {
-    if (v->display)
-        tc_places_close(v->display->places);
+    if (!v->display)
+        return;
+    tc_places_close(v->display->places);
+    pthread_mutex_destroy(&v->display->telling);
     free(v->display);
     v->display = NULL;
 }

@@ -18,6 +18,7 @@
 #include "stats.h"
 #include "viewer.h"
 #include "window.h"
+#include "display.h"
 
 struct tc_kept_text;
 struct tc_viewer_display;
@@ -38,6 +39,11 @@ typedef struct tc_viewer {
     double least_height; /* metres that the eye keeps above the ground */
     bool lifted;         /* it was under it */
     bool failing;        /* a window has said that a part of the terrain cannot be read at the moment */
+
+    struct tc_viewer_work *work; /* that is waited for; NULL: none */
+    bool waited;                 /* and the window's events were not heard meanwhile */
+    bool writing;                /* it is a program of its own, which ends what it writes */
+    bool closed;                 /* the window was, meanwhile: the program is to end */
 
     tc_context *context; /* offscreen, or NULL and a window: */
     const struct tc_window_plugin *window_plugin;
@@ -76,6 +82,23 @@ tc_status tc_viewer_load(tc_viewer *viewer, tc_error *error);
 void tc_viewer_unload(tc_viewer *viewer);
 tc_status tc_viewer_load_terrain(tc_viewer *viewer, tc_error *error); /* of it only that, or */
 tc_status tc_viewer_load_imagery(tc_viewer *viewer, tc_error *error); /* only the pictures */
+
+/* ---- What takes long (viewer_work.c) ----------------------------------------------------------------------------- */
+
+/* Does work that needs no OpenGL. Where there is, or will be, a window that a person sees, on a thread of its own:
+ * meanwhile the window tells how far it is, over the last picture of `behind` (NULL: over nothing). It is opened for
+ * that where it is not there yet and the work goes on for more than a moment. Who closes it ends the work:
+ * viewer->closed, and TC_ERR_IO unless all was done by then. The process ends by itself, with 0, where the work does
+ * not. */
+tc_status tc_viewer_wait(tc_viewer *viewer, tc_status (*work)(tc_viewer *, tc_error *), tc_renderer *behind,
+                         tc_error *error);
+
+/* Hears of work what is done and its share, 0 to 1, or negative where that is not known; on any thread. False: it is to
+ * stop. context: the viewer. */
+bool tc_viewer_progress(void *context, const char *what, double share);
+
+/* Opens the viewer's window, unless it is (viewer.c). */
+tc_status tc_viewer_open_window(tc_viewer *viewer, tc_error *error);
 
 /* ---- Changes while it runs (viewer_change.c, viewer_drop.c) ------------------------------------------------------ */
 
@@ -203,6 +226,9 @@ typedef struct tc_telling {
 void tc_viewer_tell_figures(tc_telling *telling, bool on);
 void tc_viewer_tell_frame(tc_viewer *viewer, tc_telling *telling, const tc_frame_stats *frame);
 
+/* A file's name without its folders, for a line. */
+const char *tc_viewer_file_name(const char *path);
+
 /* What a key's label and help are, by number (viewer_window.c); false: there are no more. */
 bool tc_viewer_key(int k, const char **label_ret, const char **help_ret);
 
@@ -215,6 +241,9 @@ void tc_viewer_display_line(tc_viewer *viewer, bool warning, const char *text);
 
 /* Draws it over the frame just drawn, before it is shown. */
 void tc_viewer_display_show(tc_viewer *viewer, const tc_frame_stats *frame);
+
+/* Draws it over what is there with what is waited for, alone. */
+void tc_viewer_display_work(tc_viewer *viewer, const tc_display_work *work);
 
 /* Does what the user did in it and with files that fell on the window, once the frame is shown. True: there is another
  * terrain, to be seen by *view_ret. *key_ret: the key of what was clicked (compass: N, a view: its number); 0: none.

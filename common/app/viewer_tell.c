@@ -21,6 +21,12 @@ void tc_viewer_tell(tc_viewer *v, tc_told how, const char *format, ...)
     tc_viewer_display_line(v, how != TC_TOLD_DONE, text);
 }
 
+const char *tc_viewer_file_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash && slash[1] ? slash + 1 : path;
+}
+
 /* ---- A frame ----------------------------------------------------------------------------------------------------- */
 
 /* Says once that a part of the terrain cannot be read, and again where it comes back. */
@@ -46,11 +52,10 @@ static void tell_failure(tc_viewer *v, const tc_frame_stats *frame)
 static void tell_title(const tc_viewer *v, tc_telling *t, const tc_frame_stats *frame, double now)
 {
     char title[256];
-    const char *slash = strrchr(v->options.terrain, '/');
     if (now - t->title_since < 250)
         return;
     snprintf(title, sizeof title, "%.100s - %.1f ms, %" PRId64 " triangles, %d levels - %s",
-             slash ? slash + 1 : v->options.terrain, v->recent_ms, frame->triangles, frame->levels_active,
+             tc_viewer_file_name(v->options.terrain), v->recent_ms, frame->triangles, frame->levels_active,
              v->program->name);
     v->window_plugin->set_title(v->window, title);
     t->title_since = now;

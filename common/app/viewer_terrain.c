@@ -25,7 +25,8 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
 {
     tc_source_options source = v->options.source;
     source.say = say;
-    source.say_context = v;
+    source.progress = tc_viewer_progress;
+    source.say_context = source.progress_context = v;
     source.outputs = &v->outputs;
     tc_load_options load = {.body = v->program->body,
                             .globe = v->options.globe,
@@ -46,6 +47,8 @@ static tc_status open_file(tc_viewer *v, tc_error *error)
     }
     if (status == TC_OK && !v->options.scheme) /* as the file has its charts */
         v->options.scheme = tc_scheme_for(v->program->schemes, v->map);
+    if (status == TC_OK && v->options.synthesis)
+        tc_viewer_progress(v, "fitting what is synthesised", -1);
     if (status == TC_OK)
         status = tc_map_synthesise(v->map, v->options.synthesis, error);
     return status;
@@ -100,6 +103,7 @@ tc_status tc_viewer_load_terrain(tc_viewer *v, tc_error *error)
 
 /* A line that tells a person how far making a picture's levels is. */
 typedef struct levels_line {
+    tc_viewer *viewer;
     bool shown, begun; /* to a person; and not ended yet */
 } levels_line;
 
@@ -118,14 +122,15 @@ static bool show_levels(void *context, double done)
         line->begun = fprintf(stderr, "\rimagery: %3.0f %%", floor(100 * done)) > 0;
     if (done >= 1)
         end_line(line);
-    return !tc_interrupted();
+    return tc_viewer_progress(line->viewer, "making levels of imagery", done);
 }
 
 tc_status tc_viewer_load_imagery(tc_viewer *v, tc_error *error)
 {
     const tc_source_options source = {.say = say, .say_context = v, .outputs = &v->outputs};
-    levels_line line = {.shown = !v->options.quiet && isatty(STDERR_FILENO)};
+    levels_line line = {.viewer = v, .shown = !v->options.quiet && isatty(STDERR_FILENO)};
     const tc_image_options options = {.source = &source, .progress = show_levels, .progress_context = &line};
+    tc_viewer_progress(v, "opening imagery", -1);
     tc_status status = tc_imagery_load(v->map, v->options.imagery, v->options.imagery_count, v->options.threads,
                                        &options, &v->imagery, error);
     end_line(&line); /* what is said of a failure has its own */

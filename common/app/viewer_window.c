@@ -369,6 +369,11 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
             s.picture_wanted = false;
         }
         use_display(&s, &input);
+        if (v->waited) { /* buttons may have been let go meanwhile */
+            tc_gestures_rest(&s.gestures);
+            v->waited = false;
+            last = tc_clock_ms();
+        }
         frames++;
     }
     tc_frame_timer_destroy(v->gl, &timer);

@@ -33,11 +33,18 @@ typedef struct tc_source_options {
      * (said with -v: how degrees became metres, ...). NULL: not said. */
     void (*say)(void *context, bool warning, const char *line);
     void *say_context;
+    /* Called now and then with what is being done and the share of it that is done, 0 to 1, or negative where that is
+     * not known; false stops it, with TC_ERR_IO. NULL: not called. */
+    bool (*progress)(void *context, const char *what, double share);
+    void *progress_context;
 } tc_source_options;
 
 /* Says one line to the user by options->say. */
 void tc_say(const tc_source_options *options, bool warning, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Tells by options->progress how far it is; fails where it is to stop. */
+tc_status tc_tell_progress(const tc_source_options *options, const char *what, double share, tc_error *error);
 
 typedef struct tc_source_info {
     int64_t width, height;       /* samples */

@@ -1,5 +1,5 @@
 /* drop_file.c - drop-file WINDOW FILE...: lets files fall on an X window, as a file manager does (XDND, version 5). 0:
- * the window took them. */
+ * the window took them. Without a file the window is asked to close, as its frame's button does. */
 #include <X11/Xatom.h>
 #include <X11/Xlib.h>
 
@@ -40,6 +40,15 @@ static void hand_over(Display *display, const XSelectionRequestEvent *asked, con
     XFlush(display);
 }
 
+static void ask_to_close(Display *display, Window target)
+{
+    const Atom protocols = XInternAtom(display, "WM_PROTOCOLS", False);
+    XEvent event = {.xclient = {.type = ClientMessage, .window = target, .message_type = protocols, .format = 32}};
+    event.xclient.data.l[0] = (long)XInternAtom(display, "WM_DELETE_WINDOW", False);
+    XSendEvent(display, target, False, NoEventMask, &event);
+    XSync(display, False);
+}
+
 /* Answers until a message comes, for five seconds at most. */
 static int await(Display *display, int what, const char *list)
 {
@@ -62,9 +71,13 @@ static int await(Display *display, int what, const char *list)
 int main(int argc, char **argv)
 {
     static char list[16 * PATH_MAX];
-    Display *display = argc > 2 ? XOpenDisplay(NULL) : NULL;
+    Display *display = argc > 1 ? XOpenDisplay(NULL) : NULL;
     if (!display)
         return 2;
+    if (argc == 2) {
+        ask_to_close(display, strtoul(argv[1], NULL, 0));
+        return 0;
+    }
     for (int i = 2; i < argc; i++) {
         char path[PATH_MAX];
         const size_t length = strlen(list);

@@ -71,6 +71,20 @@ for signal in TERM INT KILL; do
     [ $signal = KILL ] || grep -q '^planar-viewer: interrupted$' stderr.txt || report "SIG$signal"
     [ ! -e "$terrain" ] || fail "SIG$signal: there is a terrain"
 done
+# The window is there meanwhile, and may be closed.
+rm -rf "$XDG_CACHE_HOME"
+$viewer --size 320x240 >stdout.txt 2>stderr.txt </dev/null &
+pid=$!
+cases=$((cases + 1))
+if await has_window '^terrain-.* - making the default terrain, once - planar-viewer$'; then
+    "$build/tests/drop-file" "$(window ' - making the default terrain')"
+    ends 'closed while the terrain is made'
+    [ ! -s stderr.txt ] || report 'closed while the terrain is made: something is said'
+    [ -z "$(ls -A "$terrain.making")" ] || fail "closed while the terrain is made: there is $(ls -A "$terrain.making")"
+else
+    report 'no window while the terrain is made'
+    kill -9 $pid
+fi
 : >"$terrain.making/left" # and goes
 making() { [ ! -e "$terrain.making/left" ]; }
 
