@@ -120,7 +120,7 @@ static void measure(const crop *c, const tc_plane *z, int bound, double q, int u
         int64_t t = i * tiles / count;
         tile[i] = (tc_exact_tile){t % codec->tiles_x, t / codec->tiles_x, coarse, fine};
     }
-    if (tc_exact_train(&level, tile, count, step, &model))
+    if (tc_exact_train(&level, tile, count, step, 0, &model))
         exit(1);
     uint8_t *header = malloc(tc_exact_model_bound());
     size_t bytes = tc_exact_model_write(&model, header), header_bytes = bytes;

@@ -75,7 +75,7 @@ static tc_exact *trained(const example *e, int32_t step, int count, size_t *head
     int tiles = (int)tc_min64(codec->tiles_x * codec->tiles_y, count);
     for (int i = 0; i < tiles; i++)
         tile[i] = (tc_exact_tile){i % codec->tiles_x, i / codec->tiles_x, e->coarse, e->fine};
-    assert_int_equal(tc_exact_train(&e->level, tile, tiles, step, &model), TC_OK);
+    assert_int_equal(tc_exact_train(&e->level, tile, tiles, step, 2, &model), TC_OK);
     uint8_t *header = malloc(tc_exact_model_bound());
     size_t size = tc_exact_model_write(&model, header);
     assert_true(size <= tc_exact_model_bound());

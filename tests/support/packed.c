@@ -114,7 +114,8 @@ static tc_status choose(packed_level *l, const tc_lifting_level *level, const pa
         for (int b = 0; b < TC_BANDS; b++)
             crop(&band[b], &tiles[k].band[b]);
     }
-    tc_status status = tc_codec_choose(level, tiles, count, o->lambda, step, start, l->header, &l->header_size, model);
+    tc_status status =
+        tc_codec_choose(level, tiles, count, o->lambda, step, start, 1, l->header, &l->header_size, model);
     for (int k = 0; k < count; k++) {
         free(tiles[k].coarse.z);
         for (int b = 0; b < TC_BANDS; b++)

@@ -98,9 +98,10 @@ typedef struct tc_exact_tile {
     tc_plane coarse, fine;
 } tc_exact_tile;
 
-/* Trains a model on the tiles, 0 or more; a few dozens are enough. */
+/* Trains a model on the tiles, 0 or more; a few dozens are enough. threads: as in tc_parallel_for(); nothing depends
+ * on them. */
 tc_status tc_exact_train(const tc_lifting_level *level, const tc_exact_tile *tiles, int count, int32_t step,
-                         tc_exact_model *model);
+                         int threads, tc_exact_model *model);
 
 /* A level's header. The encoder must go on with the model that it reads back. Reading gives TC_ERR_FORMAT for bytes
  * that no writer makes or a size that is not exact. */

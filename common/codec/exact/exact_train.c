@@ -3,25 +3,36 @@
  * Prediction: least squares by the normal equations, samples weighted by the inverse square of the error expected
  * there, which comes near to the least code length; so twice around, the first time without weights. Expected errors:
  * maximum likelihood of exponentially distributed sizes over non-negative weights, by multiplicative updates
- * (Lee, Seung 2000). */
+ * (Lee, Seung 2000). What a tile teaches is found by any thread, and put together in the tiles' order, so that a model
+ * does not depend on how many threads there are. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "exact_tile.h"
+#include "common/base/parallel.h"
 
 enum { ROUNDS = 3, ITERATIONS = 12, MOST_TILES = 64, N = TC_EXACT_TERMS, SCALES = TC_EXACT_SCALES };
-
-typedef struct trainer {
-    tc_exact *codec;
-    const tc_exact_tile *tiles;
-    int count;
-    tc_exact_work **work; /* one for each tile */
-    double predict[TC_EXACT_PHASES][N], scale[TC_EXACT_PHASES][SCALES];
-} trainer;
 
 typedef struct normal {
     double a[N][N + 1];
 } normal;
+
+/* What one tile teaches. */
+typedef struct lesson {
+    tc_exact_work *work;
+    normal equations[TC_EXACT_PHASES];
+    double up[TC_EXACT_PHASES][SCALES], down[TC_EXACT_PHASES][SCALES];
+} lesson;
+
+typedef struct trainer {
+    tc_exact *codec;
+    const tc_exact_tile *tiles;
+    int count, threads;
+    int round;
+    lesson *lesson; /* one for each tile */
+    double scale[TC_EXACT_PHASES][SCALES];
+} trainer;
 
 /* Solves by elimination with pivots; a slight ridge keeps what the data does not say at zero. */
 static void solve(normal *n, double x[N])
@@ -71,36 +82,37 @@ static tc_rect tile_rect(const trainer *t, int n)
     return tc_exact_tile_rect(t->codec, t->tiles[n].tx, t->tiles[n].ty);
 }
 
-/* Fields of every tile as the prediction now is. */
-static void prepare(trainer *t, bool errors)
+/* Fields of a tile, the errors of the prediction among them from the first round on. */
+static void prepare(void *context, int64_t n)
 {
-    for (int n = 0; n < t->count; n++) {
-        const tc_exact_tile *tile = &t->tiles[n];
-        tc_exact_work *w = t->work[n];
-        tc_rect r = tile_rect(t, n);
-        tc_exact_prepare(t->codec, tile->tx, tile->ty, &tile->coarse, w);
-        for (int64_t y = 0; y < r.y1 - r.y0; y++)
-            for (int64_t x = 0; x < r.x1 - r.x0; x++) {
-                int64_t k = *tc_plane_at(&tile->fine, r.x0 + x, r.y0 + y) / t->codec->model.step - w->base;
-                w->signal[y + TC_EXACT_REACH][x + TC_EXACT_REACH] =
-                    tc_exact_clamp(k * TC_EXACT_PART - w->up[y][x], TC_EXACT_SIGNAL);
-            }
-        for (int y = 0; y < (int)(r.y1 - r.y0) && errors; y++)
-            for (int x = 0; x < (int)(r.x1 - r.x0); x++) {
-                int phase = (y & 1) * 2 + (x & 1);
-                int64_t k = *tc_plane_at(&tile->fine, r.x0 + x, r.y0 + y) / t->codec->model.step - w->base;
-                int32_t p = tc_exact_predict(w, t->codec->model.predict[phase] + TC_EXACT_COARSE, x, y);
-                w->error[y + TC_EXACT_REACH][x + TC_EXACT_REACH] =
-                    tc_exact_clamp(k * TC_EXACT_PART - p, TC_EXACT_ERROR);
-            }
-    }
+    const trainer *t = context;
+    const tc_exact_tile *tile = &t->tiles[n];
+    tc_exact_work *w = t->lesson[n].work;
+    tc_rect r = tile_rect(t, (int)n);
+    tc_exact_prepare(t->codec, tile->tx, tile->ty, &tile->coarse, w);
+    for (int64_t y = 0; y < r.y1 - r.y0; y++)
+        for (int64_t x = 0; x < r.x1 - r.x0; x++) {
+            int64_t k = *tc_plane_at(&tile->fine, r.x0 + x, r.y0 + y) / t->codec->model.step - w->base;
+            w->signal[y + TC_EXACT_REACH][x + TC_EXACT_REACH] =
+                tc_exact_clamp(k * TC_EXACT_PART - w->up[y][x], TC_EXACT_SIGNAL);
+        }
+    for (int y = 0; y < (int)(r.y1 - r.y0) && t->round >= 0; y++)
+        for (int x = 0; x < (int)(r.x1 - r.x0); x++) {
+            int phase = (y & 1) * 2 + (x & 1);
+            int64_t k = *tc_plane_at(&tile->fine, r.x0 + x, r.y0 + y) / t->codec->model.step - w->base;
+            int32_t p = tc_exact_predict(w, t->codec->model.predict[phase] + TC_EXACT_COARSE, x, y);
+            w->error[y + TC_EXACT_REACH][x + TC_EXACT_REACH] = tc_exact_clamp(k * TC_EXACT_PART - p, TC_EXACT_ERROR);
+        }
 }
 
-/* One tile's share of the normal equations. */
-static void add_tile(const trainer *t, int n, bool weighted, normal equations[TC_EXACT_PHASES])
+/* A tile's share of the normal equations. */
+static void add_equations(void *context, int64_t n)
 {
-    const tc_exact_work *w = t->work[n];
-    tc_rect r = tile_rect(t, n);
+    const trainer *t = context;
+    lesson *l = &t->lesson[n];
+    const tc_exact_work *w = l->work;
+    tc_rect r = tile_rect(t, (int)n);
+    memset(l->equations, 0, sizeof l->equations);
     for (int y = 0; y < (int)(r.y1 - r.y0); y++)
         for (int x = 0; x < (int)(r.x1 - r.x0); x++) {
             int phase = (y & 1) * 2 + (x & 1);
@@ -112,13 +124,13 @@ static void add_tile(const trainer *t, int n, bool weighted, normal equations[TC
             for (int k = 0; k < TC_EXACT_CAUSAL; k++)
                 f[TC_EXACT_COARSE + k] = d[tc_exact_causal_at[k][1] * TC_EXACT_ROW + tc_exact_causal_at[k][0]];
             f[N] = d[0];
-            if (weighted) {
+            if (t->round > 0) {
                 uint32_t g[SCALES - 1];
                 tc_exact_scale_features(w, x, y, g);
                 double s = expected(t, g, phase) + 0.2;
                 weight = 1 / (s * s);
             }
-            normal *e = &equations[phase];
+            normal *e = &l->equations[phase];
             for (int k = 0; k < N; k++) {
                 double v = f[k] * weight;
                 for (int i = k; i <= N; i++)
@@ -127,20 +139,43 @@ static void add_tile(const trainer *t, int n, bool weighted, normal equations[TC
         }
 }
 
-static void fit_prediction(trainer *t, bool weighted, normal equations[TC_EXACT_PHASES])
+static void fit_prediction(trainer *t)
 {
-    for (int p = 0; p < TC_EXACT_PHASES; p++)
-        equations[p] = (normal){0};
-    for (int n = 0; n < t->count; n++)
-        add_tile(t, n, weighted, equations);
+    tc_parallel_for(t->threads, t->count, add_equations, t);
     for (int p = 0; p < TC_EXACT_PHASES; p++) {
+        normal all = {{{0}}};
+        for (int n = 0; n < t->count; n++)
+            for (int k = 0; k < N; k++)
+                for (int i = k; i <= N; i++)
+                    all.a[k][i] += t->lesson[n].equations[p].a[k][i];
         double x[N];
-        solve(&equations[p], x);
+        solve(&all, x);
         for (int k = 0; k < N; k++) {
             double v = isfinite(x[k]) ? x[k] * 4096 : 0;
             t->codec->model.predict[p][k] = (int16_t)lrint(fmin(fmax(v, INT16_MIN), INT16_MAX));
         }
     }
+}
+
+/* A tile's share of what the weights of expected errors are multiplied by. */
+static void add_sizes(void *context, int64_t n)
+{
+    const trainer *t = context;
+    lesson *l = &t->lesson[n];
+    const tc_exact_work *w = l->work;
+    tc_rect r = tile_rect(t, (int)n);
+    memset(l->up, 0, sizeof l->up), memset(l->down, 0, sizeof l->down);
+    for (int y = 0; y < (int)(r.y1 - r.y0); y++)
+        for (int x = 0; x < (int)(r.x1 - r.x0); x++) {
+            int phase = (y & 1) * 2 + (x & 1);
+            uint32_t g[SCALES - 1];
+            tc_exact_scale_features(w, x, y, g);
+            double s = expected(t, g, phase), truth = w->error[y + TC_EXACT_REACH][x + TC_EXACT_REACH];
+            double a = fabs(truth) / TC_EXACT_PART / (s * s), b = 1 / s;
+            for (int k = 0; k < SCALES - 1; k++)
+                l->up[phase][k] += g[k] * a, l->down[phase][k] += g[k] * b;
+            l->up[phase][SCALES - 1] += a, l->down[phase][SCALES - 1] += b;
+        }
 }
 
 static void fit_scale(trainer *t)
@@ -149,27 +184,16 @@ static void fit_scale(trainer *t)
     for (int p = 0; p < TC_EXACT_PHASES; p++)
         for (int k = 0; k < SCALES; k++)
             t->scale[p][k] = first[k];
-    for (int round = 0; round < ITERATIONS; round++) {
-        double up[TC_EXACT_PHASES][SCALES] = {{0}}, down[TC_EXACT_PHASES][SCALES] = {{0}};
-        for (int n = 0; n < t->count; n++) {
-            const tc_exact_work *w = t->work[n];
-            tc_rect r = tile_rect(t, n);
-            for (int y = 0; y < (int)(r.y1 - r.y0); y++)
-                for (int x = 0; x < (int)(r.x1 - r.x0); x++) {
-                    int phase = (y & 1) * 2 + (x & 1);
-                    uint32_t g[SCALES - 1];
-                    tc_exact_scale_features(w, x, y, g);
-                    double s = expected(t, g, phase), truth = w->error[y + TC_EXACT_REACH][x + TC_EXACT_REACH];
-                    double a = fabs(truth) / TC_EXACT_PART / (s * s), b = 1 / s;
-                    for (int k = 0; k < SCALES - 1; k++)
-                        up[phase][k] += g[k] * a, down[phase][k] += g[k] * b;
-                    up[phase][SCALES - 1] += a, down[phase][SCALES - 1] += b;
-                }
-        }
+    for (int i = 0; i < ITERATIONS; i++) {
+        tc_parallel_for(t->threads, t->count, add_sizes, t);
         for (int p = 0; p < TC_EXACT_PHASES; p++)
-            for (int k = 0; k < SCALES; k++)
-                if (down[p][k] > 0)
-                    t->scale[p][k] *= sqrt(up[p][k] / down[p][k]);
+            for (int k = 0; k < SCALES; k++) {
+                double up = 0, down = 0;
+                for (int n = 0; n < t->count; n++)
+                    up += t->lesson[n].up[p][k], down += t->lesson[n].down[p][k];
+                if (down > 0)
+                    t->scale[p][k] *= sqrt(up / down);
+            }
     }
     for (int p = 0; p < TC_EXACT_PHASES; p++) {
         /* Three octaves above what any terrain needs, and small enough in sum (exact_model.c). */
@@ -186,7 +210,7 @@ typedef struct counts {
 
 static void count_tile(const trainer *t, int n, counts *seen)
 {
-    const tc_exact_work *w = t->work[n];
+    const tc_exact_work *w = t->lesson[n].work;
     const tc_exact_model *m = &t->codec->model;
     tc_rect r = tile_rect(t, n);
     for (int y = 0; y < (int)(r.y1 - r.y0); y++)
@@ -242,31 +266,30 @@ static void fit_start(trainer *t, counts *seen, int64_t tiles)
 }
 
 tc_status tc_exact_train(const tc_lifting_level *level, const tc_exact_tile *tiles, int count, int32_t step,
-                         tc_exact_model *model)
+                         int threads, tc_exact_model *model)
 {
-    trainer t = {.tiles = tiles, .count = count < MOST_TILES ? count : MOST_TILES};
+    trainer t = {.tiles = tiles, .count = count < MOST_TILES ? count : MOST_TILES, .threads = threads, .round = -1};
     tc_exact_model plain = {.step = step};
-    normal *equations = malloc(TC_EXACT_PHASES * sizeof *equations);
     counts *seen = malloc(sizeof *seen);
     t.codec = malloc(sizeof *t.codec);
-    t.work = calloc((size_t)t.count + 1, sizeof *t.work);
-    tc_status status = equations && seen && t.codec && t.work ? TC_OK : TC_ERR_MEMORY;
+    t.lesson = calloc((size_t)t.count + 1, sizeof *t.lesson);
+    tc_status status = seen && t.codec && t.lesson ? TC_OK : TC_ERR_MEMORY;
     for (int n = 0; n < t.count && !status; n++)
-        if (!(t.work[n] = malloc(tc_exact_work_bytes())))
+        if (!(t.lesson[n].work = malloc(tc_exact_work_bytes())))
             status = TC_ERR_MEMORY;
     if (!status) {
         tc_exact_init(t.codec, level, &plain);
-        prepare(&t, false);
-        for (int round = 0; round < ROUNDS; round++) {
-            fit_prediction(&t, round > 0, equations);
-            prepare(&t, true);
+        tc_parallel_for(threads, t.count, prepare, &t);
+        for (t.round = 0; t.round < ROUNDS; t.round++) {
+            fit_prediction(&t);
+            tc_parallel_for(threads, t.count, prepare, &t);
             fit_scale(&t);
         }
         fit_start(&t, seen, t.codec->tiles_x * t.codec->tiles_y);
         *model = t.codec->model;
     }
-    for (int n = 0; n < t.count && t.work; n++)
-        free(t.work[n]);
-    free(t.work), free(t.codec), free(equations), free(seen);
+    for (int n = 0; n < t.count && t.lesson; n++)
+        free(t.lesson[n].work);
+    free(t.lesson), free(t.codec), free(seen);
     return status;
 }

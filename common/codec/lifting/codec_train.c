@@ -1,92 +1,54 @@
 /* codec_train.c - fits a level's model to its details.
  *
- * Prediction: least squares, by the normal equations. Scales: maximum likelihood of magnitudes q that are geometrically
- * distributed (a quantised Laplacian) with expected value s = sum of w_k f_k over non-negative weights. The likelihood
- * of q is s^q / (1 + s)^(q + 1); Fisher scoring (McCullagh, Nelder 1989) climbs it by steps that solve
- *     (sum f f' / (s (1 + s))) step = sum f (q / s - (1 + q) / (1 + s)),
- * where weights that would fall below zero are held there. A continuous exponential would not do: where s is small, it
- * fears the rare one far more than the code does. Symbols: counts. Scales and symbols depend on quantisation, which
- * depends on them, so they go twice around. */
+ * Prediction: least squares. Scales: maximum likelihood (codec_fit.c). Symbols: counts. Scales and symbols depend on
+ * quantisation, which depends on them, so they go twice around. What a tile teaches is found by any thread, and put
+ * together in the tiles' order, so that a model does not depend on how many threads there are. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "codec_avx2.h"
+#include "codec_fit.h"
+#include "common/base/parallel.h"
 
 enum {
     ROUNDS = 2,
-    ITERATIONS = 3,
-    COLUMNS = TC_SCALE,
-    STRANDS = 8,      /* coefficients that are summed side by side */
-    PRICED_TILES = 6, /* for a choice among the built-in sets */
+    STRANDS = TC_FIT_STRANDS,
+    TILE_STRANDS = TC_TILE / 2 * HALF / STRANDS, /* of a phase of a band: every second row */
+    PRICED_TILES = 6,                            /* for a choice among the built-in sets */
 };
 
-/* Features of some coefficients, and their magnitudes; beyond the last coefficient all is zero. */
-typedef struct strands {
-    float of[TC_SCALE + 1][STRANDS];
-} strands;
+/* What coding tiles costs: symbols apart from all else, and errors as the bits that they are worth. */
+typedef struct price {
+    tc_symbol_counts count;
+    double rest, bits[TC_BANDS], error[TC_BANDS];
+} price;
+
+/* What one tile teaches. */
+typedef struct lesson {
+    tc_tile_work work;
+    tc_normal normal;
+    price price;
+    tc_status status;
+} lesson;
 
 typedef struct trainer {
     tc_codec *codec;
     const tc_training_tile *tile;
-    int tiles;
-    tc_tile_work *work;
+    int tiles, threads;
     double lambda;
-    strands *feature[TC_BANDS][TC_PHASES];
-    int64_t features[TC_BANDS][TC_PHASES]; /* coefficients */
+    lesson *lesson;                           /* one for each tile */
+    tc_strands *feature[TC_BANDS][TC_PHASES]; /* TILE_STRANDS for each tile */
+    int each;                                 /* tiles that are encoded: every such one */
+    bool keep;                                /* their features */
+    uint16_t (*scale)[TC_PHASES][TC_SCALE];   /* to be fitted */
 } trainer;
 
 /* ---- Prediction ---------------------------------------------------------------------------------------------- */
 
-typedef struct normal {
-    double a[COLUMNS][COLUMNS + 1];
-} normal;
-
-static void normal_add(normal *n, const uint32_t *term, int count, double truth)
+static void predictor_solve(tc_normal *n, int count, int16_t weight[TC_PREDICT])
 {
-    double t[COLUMNS];
-    for (int k = 0; k < count; k++)
-        t[k] = (int32_t)term[k];
-    for (int k = 0; k < count; k++) {
-        for (int i = 0; i < count; i++)
-            n->a[k][i] += t[k] * t[i];
-        n->a[k][COLUMNS] += t[k] * truth;
-    }
-}
-
-/* Solves by elimination with pivots; a slight ridge keeps what the data does not say at zero. */
-static void normal_solve(normal *n, int count, double x[])
-{
-    int order[COLUMNS];
-    for (int k = 0; k < count; k++)
-        n->a[k][k] = n->a[k][k] * (1 + 1e-6) + 1e-3, order[k] = k;
-    for (int k = 0; k < count; k++) {
-        int pivot = k;
-        for (int i = k + 1; i < count; i++)
-            if (fabs(n->a[order[i]][k]) > fabs(n->a[order[pivot]][k]))
-                pivot = i;
-        int swap = order[k];
-        order[k] = order[pivot], order[pivot] = swap;
-        double *p = n->a[order[k]];
-        for (int i = k + 1; i < count; i++) {
-            double *q = n->a[order[i]], f = q[k] / p[k];
-            for (int m = k; m < count; m++)
-                q[m] -= f * p[m];
-            q[COLUMNS] -= f * p[COLUMNS];
-        }
-    }
-    for (int k = count - 1; k >= 0; k--) {
-        const double *p = n->a[order[k]];
-        double sum = p[COLUMNS];
-        for (int i = k + 1; i < count; i++)
-            sum -= p[i] * x[i];
-        x[k] = sum / p[k];
-    }
-}
-
-static void predictor_solve(normal *n, int count, int16_t weight[TC_PREDICT])
-{
-    double x[COLUMNS] = {0};
-    normal_solve(n, count, x);
+    double x[TC_FIT_COLUMNS] = {0};
+    tc_normal_solve(n, count, x);
     for (int k = 0; k < TC_PREDICT; k++) {
         double v = k < count ? x[k] * (1 << TC_PREDICT_BITS) : 0;
         weight[k] = isfinite(v) ? (int16_t)lrint(fmin(fmax(v, INT16_MIN), INT16_MAX)) : 0;
@@ -98,175 +60,101 @@ static tc_rect tile_rect(const trainer *t, int n)
     return tc_codec_tile_rect(t->codec, t->tile[n].tx, t->tile[n].ty, 0);
 }
 
-static void train_hl(trainer *t)
+static void learn_hl(void *context, int64_t n)
 {
-    normal n = {0};
-    for (int k = 0; k < t->tiles; k++) {
-        tc_rect tile = tile_rect(t, k);
-        int columns, rows;
-        tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
-        tc_tile_load(t->codec, tile, TC_TILE, &t->tile[k].coarse, t->work);
-        for (int j = 0; j < rows; j += 2)
-            for (int i = j / 2 % 2; i < columns; i += 2) {
-                uint32_t term[TC_PREDICT_KERNEL];
-                tc_terms_hl(t->work, i, j, term);
-                normal_add(&n, term, TC_PREDICT_KERNEL,
-                           *tc_plane_at(&t->tile[k].band[TC_HL], tile.x0 + i, tile.y0 + j));
-            }
-    }
-    predictor_solve(&n, TC_PREDICT_KERNEL, t->codec->model.predict[TC_HL]);
+    trainer *t = context;
+    lesson *l = &t->lesson[n];
+    const tc_training_tile *from = &t->tile[n];
+    tc_rect tile = tile_rect(t, (int)n);
+    int columns, rows;
+    l->normal = (tc_normal){0};
+    tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
+    tc_tile_load(t->codec, tile, TC_TILE, &from->coarse, &l->work);
+    for (int j = 0; j < rows; j += 2)
+        for (int i = j / 2 % 2; i < columns; i += 2) {
+            uint32_t term[TC_PREDICT_KERNEL];
+            tc_terms_hl(&l->work, i, j, term);
+            tc_normal_add(&l->normal, term, TC_PREDICT_KERNEL,
+                          *tc_plane_at(&from->band[TC_HL], tile.x0 + i, tile.y0 + j));
+        }
 }
 
-static void train_lh(trainer *t)
+static void learn_lh(void *context, int64_t n)
 {
-    normal n = {0};
+    trainer *t = context;
+    lesson *l = &t->lesson[n];
+    const tc_training_tile *from = &t->tile[n];
+    tc_rect tile = tile_rect(t, (int)n);
+    int columns, rows;
     int32_t step = t->codec->model.step[TC_HL];
-    for (int k = 0; k < t->tiles; k++) {
-        tc_rect tile = tile_rect(t, k);
-        int columns, rows;
-        tc_tile_load(t->codec, tile, TC_TILE, &t->tile[k].coarse, t->work);
-        tc_predict_hl(t->codec, t->work, TC_TILE, TC_TILE);
-        tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
-        for (int j = 0; j < rows; j++)
-            for (int i = 0; i < columns; i++) { /* about what the decoder will have */
-                int32_t *p = &t->work->hl[j + 1][HL_X + i];
-                double size = ((double)*tc_plane_at(&t->tile[k].band[TC_HL], tile.x0 + i, tile.y0 + j) - *p) / step;
-                *p = (int32_t)(*p + copysign(step == 1 ? fabs(rint(size)) : floor(fabs(size) + 0.4), size) * step);
-            }
-        tc_tile_extent(t->codec, TC_LH, tile, 0, &columns, &rows);
-        for (int j = 0; j < rows; j += 2)
-            for (int i = j / 2 % 2; i < columns; i += 2) {
-                uint32_t term[TC_PREDICT];
-                tc_terms_lh(t->work, i, j, term);
-                tc_terms_cross(t->work, i, j, term + TC_PREDICT_KERNEL);
-                normal_add(&n, term, TC_PREDICT, *tc_plane_at(&t->tile[k].band[TC_LH], tile.x0 + i, tile.y0 + j));
-            }
-    }
-    predictor_solve(&n, TC_PREDICT, t->codec->model.predict[TC_LH]);
+    l->normal = (tc_normal){0};
+    tc_tile_load(t->codec, tile, TC_TILE, &from->coarse, &l->work);
+    tc_predict_hl(t->codec, &l->work, TC_TILE, TC_TILE);
+    tc_tile_extent(t->codec, TC_HL, tile, 0, &columns, &rows);
+    for (int j = 0; j < rows; j++)
+        for (int i = 0; i < columns; i++) { /* about what the decoder will have */
+            int32_t *p = &l->work.hl[j + 1][HL_X + i];
+            double size = ((double)*tc_plane_at(&from->band[TC_HL], tile.x0 + i, tile.y0 + j) - *p) / step;
+            *p = (int32_t)(*p + copysign(step == 1 ? fabs(rint(size)) : floor(fabs(size) + 0.4), size) * step);
+        }
+    tc_tile_extent(t->codec, TC_LH, tile, 0, &columns, &rows);
+    for (int j = 0; j < rows; j += 2)
+        for (int i = j / 2 % 2; i < columns; i += 2) {
+            uint32_t term[TC_PREDICT];
+            tc_terms_lh(&l->work, i, j, term);
+            tc_terms_cross(&l->work, i, j, term + TC_PREDICT_KERNEL);
+            tc_normal_add(&l->normal, term, TC_PREDICT, *tc_plane_at(&from->band[TC_LH], tile.x0 + i, tile.y0 + j));
+        }
+}
+
+/* Fits the weights of a band's prediction to all tiles. */
+static void train_prediction(trainer *t, int band, void (*learn)(void *context, int64_t n), int terms)
+{
+    tc_normal all = {0};
+    tc_parallel_for(t->threads, t->tiles, learn, t);
+    for (int n = 0; n < t->tiles; n++)
+        tc_normal_join(&all, &t->lesson[n].normal);
+    predictor_solve(&all, terms, t->codec->model.predict[band]);
 }
 
 /* ---- Scales and symbols -------------------------------------------------------------------------------------- */
 
-/* Features of the coefficients of every second row of a tile that encode() has left in the work. */
-static void gather(trainer *t, tc_rect tile)
+/* Features of the coefficients of every second row of a tile that encoding has left in its work. */
+static void gather(const trainer *t, int64_t n)
 {
     const tc_codec *c = t->codec;
+    tc_tile_work *work = &t->lesson[n].work;
     for (int b = 0; b < TC_BANDS; b++) {
         int columns, rows;
-        tc_tile_extent(c, b, tile, 0, &columns, &rows);
+        int64_t count[TC_PHASES] = {0};
+        tc_tile_extent(c, b, tile_rect(t, (int)n), 0, &columns, &rows);
         float scale = (float)c->coarse_scale[b] / (1 << 20);
+        for (int p = 0; p < TC_PHASES; p++)
+            memset(t->feature[b][p] + n * TILE_STRANDS, 0, TILE_STRANDS * sizeof(tc_strands));
         for (int j = 0; j < rows; j += 2)
             for (int i = 0; i < columns; i++) {
                 int phase = i % TC_PHASES, k = i / TC_PHASES;
-                int64_t at = t->features[b][phase]++;
-                strands *f = &t->feature[b][phase][at / STRANDS];
+                int64_t at = count[phase]++;
+                tc_strands *f = &t->feature[b][phase][n * TILE_STRANDS + at / STRANDS];
                 int lane = (int)(at % STRANDS), m = 0;
                 int32_t known[TC_SCALE_OWN + TC_SCALE_CROSS], coarse[TC_SCALE_COARSE];
-                if (lane == 0)
-                    *f = (strands){0};
-                tc_known_features(t->work, b, phase, k, j, known);
-                tc_coarse_features(t->work, b, phase, k, j, coarse);
-                for (int n = 0; n < TC_SCALE_OWN + TC_SCALE_CROSS; n++)
-                    f->of[m++][lane] = (float)known[n];
-                for (int n = 0; n < TC_SCALE_COARSE; n++)
-                    f->of[m++][lane] = (float)coarse[n] * scale;
+                tc_known_features(work, b, phase, k, j, known);
+                tc_coarse_features(work, b, phase, k, j, coarse);
+                for (int e = 0; e < TC_SCALE_OWN + TC_SCALE_CROSS; e++)
+                    f->of[m++][lane] = (float)known[e];
+                for (int e = 0; e < TC_SCALE_COARSE; e++)
+                    f->of[m++][lane] = (float)coarse[e] * scale;
                 f->of[m++][lane] = 1;
-                f->of[m][lane] = magnitude_at(t->work, b, j, phase)[k];
+                f->of[m][lane] = magnitude_at(work, b, j, phase)[k];
             }
     }
 }
 
-/* The matrix of a step and its right side. */
-TC_INLINE void scoring(const strands *feature, int64_t count, const float w[TC_SCALE], normal *sum)
+static void fit_phase(void *context, int64_t n)
 {
-    float matrix[TC_SCALE][TC_SCALE][STRANDS] = {{{0}}}, side[TC_SCALE][STRANDS] = {{0}};
-    for (int64_t i = 0; i < (count + STRANDS - 1) / STRANDS; i++) {
-        const strands *f = &feature[i];
-        float s[STRANDS], slope[STRANDS], inverse[STRANDS];
-        for (int l = 0; l < STRANDS; l++)
-            s[l] = 0.001F;
-        for (int k = 0; k < TC_SCALE; k++)
-            for (int l = 0; l < STRANDS; l++)
-                s[l] += w[k] * f->of[k][l];
-        for (int l = 0; l < STRANDS; l++) {
-            float q = f->of[TC_SCALE][l];
-            inverse[l] = 1 / (s[l] * (1 + s[l]));
-            slope[l] = (q - s[l]) * inverse[l]; /* q / s - (1 + q) / (1 + s) */
-        }
-        for (int k = 0; k < TC_SCALE; k++) {
-            float weighed[STRANDS];
-            for (int l = 0; l < STRANDS; l++) {
-                side[k][l] += f->of[k][l] * slope[l];
-                weighed[l] = f->of[k][l] * inverse[l];
-            }
-            for (int m = 0; m <= k; m++)
-                for (int l = 0; l < STRANDS; l++)
-                    matrix[k][m][l] += weighed[l] * f->of[m][l];
-        }
-    }
-    memset(sum, 0, sizeof *sum);
-    for (int k = 0; k < TC_SCALE; k++) {
-        for (int m = 0; m <= k; m++) {
-            for (int l = 0; l < STRANDS; l++)
-                sum->a[k][m] += matrix[k][m][l];
-            sum->a[m][k] = sum->a[k][m];
-        }
-        for (int l = 0; l < STRANDS; l++)
-            sum->a[k][COLUMNS] += side[k][l];
-    }
-}
-
-#if TC_AVX2
-TC_TARGET_AVX2 static void scoring_avx2(const strands *feature, int64_t count, const float w[TC_SCALE], normal *sum)
-{
-    scoring(feature, count, w, sum);
-}
-#endif
-
-/* Goes one step; weights that would fall below zero go to zero, which the others then answer to. */
-static void take_step(const normal *sum, float w[TC_SCALE])
-{
-    bool held[TC_SCALE] = {false};
-    double x[COLUMNS];
-    for (bool again = true; again;) {
-        normal n = *sum;
-        for (int k = 0; k < TC_SCALE; k++)
-            for (int m = 0; m < TC_SCALE && held[k]; m++) { /* x[k] is known: -w[k] */
-                n.a[m][COLUMNS] += n.a[m][k] * w[k];
-                n.a[m][k] = n.a[k][m] = 0;
-            }
-        for (int k = 0; k < TC_SCALE; k++)
-            if (held[k])
-                n.a[k][k] = 1, n.a[k][COLUMNS] = -w[k];
-        normal_solve(&n, TC_SCALE, x);
-        again = false;
-        for (int k = 0; k < TC_SCALE; k++)
-            if (!held[k] && !(w[k] + x[k] >= 0))
-                held[k] = again = true;
-    }
-    for (int k = 0; k < TC_SCALE; k++)
-        w[k] = held[k] ? 0 : (float)fmin(w[k] + x[k], 4);
-}
-
-/* Weights of one phase of a band from its features. */
-static void fit(const strands *feature, int64_t count, uint16_t weight[TC_SCALE])
-{
-    enum { UNIT = 1 << TC_SCALE_BITS };
-    float w[TC_SCALE];
-    for (int k = 0; k < TC_SCALE; k++)
-        w[k] = (float)weight[k] / UNIT;
-    for (int n = 0; n < ITERATIONS; n++) {
-        normal sum;
-#if TC_AVX2
-        if (tc_have_avx2())
-            scoring_avx2(feature, count, w, &sum);
-        else
-#endif
-            scoring(feature, count, w, &sum);
-        take_step(&sum, w);
-    }
-    for (int k = 0; k < TC_SCALE; k++)
-        weight[k] = (uint16_t)lrintf(w[k] * UNIT);
+    const trainer *t = context;
+    int64_t b = n / TC_PHASES, p = n % TC_PHASES;
+    tc_fit_scale(t->feature[b][p], (int64_t)t->tiles * TILE_STRANDS * STRANDS, t->scale[b][p]);
 }
 
 static void trainer_free(trainer *t)
@@ -274,15 +162,15 @@ static void trainer_free(trainer *t)
     for (int b = 0; b < TC_BANDS; b++)
         for (int p = 0; p < TC_PHASES; p++)
             free(t->feature[b][p]);
-    free(t->codec), free(t->work);
+    free(t->codec), free(t->lesson);
 }
 
 static tc_status trainer_init(trainer *t, const tc_lifting_level *level, const tc_training_tile *tiles, int count,
-                              double lambda, const tc_detail_model *model)
+                              double lambda, const tc_detail_model *model, int threads)
 {
-    *t = (trainer){.tile = tiles, .tiles = count, .lambda = lambda};
-    t->codec = malloc(sizeof *t->codec), t->work = malloc(sizeof *t->work);
-    if (!t->codec || !t->work)
+    *t = (trainer){.tile = tiles, .tiles = count, .threads = threads, .lambda = lambda};
+    t->codec = malloc(sizeof *t->codec), t->lesson = malloc((size_t)count * sizeof *t->lesson + 1);
+    if (!t->codec || !t->lesson)
         return TC_ERR_MEMORY;
     tc_codec_init(t->codec, level, model);
     return TC_OK;
@@ -290,19 +178,13 @@ static tc_status trainer_init(trainer *t, const tc_lifting_level *level, const t
 
 static tc_status make_room(trainer *t)
 {
-    size_t room = (size_t)t->tiles * (TC_TILE / 2) * HALF / STRANDS * sizeof(strands);
+    size_t room = (size_t)t->tiles * TILE_STRANDS * sizeof(tc_strands);
     for (int b = 0; b < TC_BANDS; b++)
         for (int p = 0; p < TC_PHASES; p++)
             if (!(t->feature[b][p] = malloc(room + !room)))
                 return TC_ERR_MEMORY;
     return TC_OK;
 }
-
-/* What coding tiles costs: symbols apart from all else, and errors as the bits that they are worth. */
-typedef struct price {
-    tc_symbol_counts count;
-    double rest, bits[TC_BANDS], error[TC_BANDS];
-} price;
 
 static double symbol_bits(const tc_symbol_counts *count, const tc_detail_model *model)
 {
@@ -314,23 +196,41 @@ static double symbol_bits(const tc_symbol_counts *count, const tc_detail_model *
     return bits;
 }
 
+static void encode_tile(void *context, int64_t n)
+{
+    trainer *t = context;
+    lesson *l = &t->lesson[n * t->each];
+    const tc_training_tile *tile = &t->tile[n * t->each];
+    size_t size;
+    memset(&l->price, 0, sizeof l->price);
+    tc_encode_options options = {
+        .lambda = t->lambda, .count = &l->price.count, .bits = l->price.bits, .error = l->price.error};
+    l->status =
+        tc_codec_encode_tile(t->codec, tile->tx, tile->ty, &tile->coarse, tile->band, &options, NULL, &size, &l->work);
+    if (!l->status && t->keep)
+        gather(t, n * t->each);
+}
+
+static void add_price(price *to, const price *from)
+{
+    for (int b = 0; b < TC_BINS; b++)
+        for (int s = 0; s < TC_RANS_SYMBOLS; s++)
+            to->count.of[b][s] += from->count.of[b][s];
+    for (int b = 0; b < TC_BANDS; b++)
+        to->bits[b] += from->bits[b], to->error[b] += from->error[b];
+}
+
 /* Encodes the tiles with the codec's model, every `each`-th of them; keeps their features where asked to. */
 static tc_status encode_all(trainer *t, int each, bool keep, price *p)
 {
     double lambda = t->lambda == 0 ? TC_DEFAULT_LAMBDA : t->lambda;
     memset(p, 0, sizeof *p);
-    if (keep)
-        memset(t->features, 0, sizeof t->features);
+    t->each = each, t->keep = keep;
+    tc_parallel_for(t->threads, (t->tiles + each - 1) / each, encode_tile, t);
     for (int n = 0; n < t->tiles; n += each) {
-        size_t size;
-        const tc_training_tile *tile = &t->tile[n];
-        tc_encode_options options = {.lambda = t->lambda, .count = &p->count, .bits = p->bits, .error = p->error};
-        tc_status status = tc_codec_encode_tile(t->codec, tile->tx, tile->ty, &tile->coarse, tile->band, &options, NULL,
-                                                &size, t->work);
-        if (status)
-            return status;
-        if (keep)
-            gather(t, tile_rect(t, n));
+        if (t->lesson[n].status)
+            return t->lesson[n].status;
+        add_price(p, &t->lesson[n].price);
     }
     for (int b = 0; b < TC_BANDS; b++)
         p->rest += p->bits[b] + (lambda > 0 ? p->error[b] / lambda : 0);
@@ -384,7 +284,7 @@ tc_status tc_codec_price(const tc_lifting_level *level, const tc_training_tile *
 {
     trainer t;
     price p;
-    tc_status status = trainer_init(&t, level, tiles, count, lambda, model);
+    tc_status status = trainer_init(&t, level, tiles, count, lambda, model, 1);
     if (!status && !(status = encode_all(&t, 1, false, &p)))
         for (int b = 0; b < TC_BANDS; b++)
             bits[b] = p.bits[b], error[b] = p.error[b] * ((double)model->step[b] * model->step[b]);
@@ -429,16 +329,15 @@ static tc_status train(trainer *t, int set, tc_detail_model *own, uint8_t *heade
     tc_status status = set_up(t, own, parts, header, &size);
     if (status)
         return status;
-    train_hl(t), train_lh(t);
+    train_prediction(t, TC_HL, learn_hl, TC_PREDICT_KERNEL);
+    train_prediction(t, TC_LH, learn_lh, TC_PREDICT);
     memcpy(own->predict, t->codec->model.predict, sizeof own->predict);
     if ((status = set_up(t, own, parts, header, &size)) || (status = encode_all(t, 1, true, &p)))
         return status;
     offer(best, t, parts, p.rest + symbol_bits(&p.count, &t->codec->model), size);
     for (int round = 0; round < ROUNDS; round++) {
-        for (int b = 0; b < TC_BANDS; b++)
-            for (int n = 0; n < TC_PHASES; n++)
-                if (t->features[b][n] > 0)
-                    fit(t->feature[b][n], t->features[b][n], own->scale[b][n]);
+        t->scale = own->scale;
+        tc_parallel_for(t->threads, TC_BANDS * TC_PHASES, fit_phase, t);
         if ((status = set_up(t, own, (tc_detail_parts){OWN, OWN, OWN}, header, &size)) ||
             (status = encode_all(t, 1, round < ROUNDS - 1, &p)))
             return status;
@@ -459,7 +358,7 @@ tc_status tc_codec_train(const tc_lifting_level *level, const tc_training_tile *
     trainer t;
     choice best = {{0}, INFINITY};
     tc_detail_model own = *model;
-    tc_status status = trainer_init(&t, level, tiles, count, lambda, model);
+    tc_status status = trainer_init(&t, level, tiles, count, lambda, model, 1);
     uint8_t *header = malloc(tc_detail_model_bound());
     if (!status && !header)
         status = TC_ERR_MEMORY;
@@ -493,8 +392,8 @@ static tc_status best_set(trainer *t, const tc_detail_model *steps, uint8_t *hea
 }
 
 tc_status tc_codec_choose(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
-                          const int32_t step[TC_BANDS], const tc_detail_model *start, uint8_t *header, size_t *size_ret,
-                          tc_detail_model *model_ret)
+                          const int32_t step[TC_BANDS], const tc_detail_model *start, int threads, uint8_t *header,
+                          size_t *size_ret, tc_detail_model *model_ret)
 {
     trainer t;
     tc_detail_model own;
@@ -502,7 +401,7 @@ tc_status tc_codec_choose(const tc_lifting_level *level, const tc_training_tile 
     int set = 0;
     tc_detail_model_builtin(0, &own);
     memcpy(own.step, step, sizeof own.step);
-    tc_status status = trainer_init(&t, level, tiles, count, lambda, &own);
+    tc_status status = trainer_init(&t, level, tiles, count, lambda, &own, threads);
     status = status ? status : make_room(&t);
     status = status || count == 0 ? status : best_set(&t, &own, header, &set, &best);
     if (!status && count > 0) {

@@ -80,7 +80,7 @@ static tc_status choose_exact(tc_coding *coding, int l, int32_t step, tc_error *
     if (!status) {
         for (int i = 0; i < sample->count; i++)
             tiles[i] = (tc_exact_tile){sample->tile[i].tx, sample->tile[i].ty, sample->tile[i].coarse, sample->fine[i]};
-        status = tc_exact_train(&sample->level, tiles, sample->count, step, model);
+        status = tc_exact_train(&sample->level, tiles, sample->count, step, p->options.threads, model);
         if (status)
             tc_fail(error, status, "%s: level %d cannot be coded: %s", p->path, l, tc_status_text(status));
         else

@@ -41,7 +41,8 @@ tc_status tc_coding_choose(tc_coding *coding, int l, double q, const tc_sample *
     tc_status status = TC_ERR_MEMORY;
     if (record->model)
         status = tc_codec_choose(&sample->level, sample->tile, (int)tc_min64(sample->count, TC_TRAINING_TILES), 0, step,
-                                 coding->has_model ? &coding->model : NULL, record->model, &record->model_size, &model);
+                                 coding->has_model ? &coding->model : NULL, p->options.threads, record->model,
+                                 &record->model_size, &model);
     if (status)
         return tc_fail(error, status, "%s: level %d cannot be coded: %s", p->path, l, tc_status_text(status));
     coding->model = model, coding->has_model = true;

@@ -2,6 +2,7 @@
  *
  * Packing goes through the terrain level by level, and holds only strips of rows in memory:
  *     put       (pack_source.c)   heights in any order into a spool of the finest level
+ *     fill      (pack_fill.c)     voids of what was put
  *     cascade   (pack_cascade.c)  heights become integers; each level's low band into a spool of its own, fine to
  * coarse levels    (pack_level.c)    coarse to fine: tiles encoded against the reconstructed coarser level, and decoded
  *                                 again, so that what the file will give is known and measured
@@ -69,12 +70,20 @@ tc_status tc_pack_source_rows(const tc_packer *p, int64_t y0, int64_t y1, float 
 /* Mean and standard deviation of the heights as they were given; the same in whatever order that was. */
 tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret, tc_error *error);
 
-/* Makes the mask and fills the voids of the source. */
-tc_status tc_pack_fill(tc_packer *p, tc_error *error);
+/* Puts other heights in their place. */
+tc_status tc_pack_set_source(const tc_packer *p, tc_rect rect, const float *z, ptrdiff_t stride, tc_error *error);
 
 /* Largest unit that all heights are multiples of, from the terrain's, the options' or a list; 0: none. Sets the height
  * of the multiple 0. */
 double tc_pack_lattice(const tc_packer *p, double *origin_ret);
+
+/* ---- pack_fill.c ----------------------------------------------------------------------------------------------- */
+
+/* Notes which levels have a void in row y of the mask, a level's mask being the finest one's on the same spots. */
+void tc_pack_note_voids(tc_packer *p, const uint8_t *row, int64_t y);
+
+/* Makes the mask and fills the voids of the source. */
+tc_status tc_pack_fill(tc_packer *p, tc_error *error);
 
 /* ---- pack_synthesis.c ------------------------------------------------------------------------------------------ */
 

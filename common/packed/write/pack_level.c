@@ -18,8 +18,8 @@ enum {
     BEFORE = 8, /* rows of positions kept before the group: more than the filters reach */
     BEYOND = 8, /* columns of planes beyond the seam: more than anything looks at */
     GROUP_BYTES = 96 << 20,
-    GROUP_TASKS = 64, /* for each thread, at least */
-    CHUNK = 32        /* fine rows synthesised by one task */
+    GROUP_TASKS = 128, /* for each thread, at least */
+    CHUNK = 32         /* rows that are one task */
 };
 
 /* ---- Group of rows of tiles ------------------------------------------------------------------------------------ */
@@ -67,16 +67,36 @@ static void release(level_state *s)
     pthread_mutex_destroy(&s->mutex);
 }
 
-/* Lets a plane of whole rows, and columns beyond their ends, start at row y0, keeping what it has from there on. */
-static void slide(tc_plane *plane, int64_t y0, int64_t width, int64_t beyond)
+/* A plane of whole rows, and columns beyond their ends, that is to start at row y0 and to keep what it has from there
+ * on. */
+typedef struct slide {
+    tc_plane *plane;
+    int64_t y0, width, beyond;
+} slide;
+
+static void slide_plane(void *context, int64_t n)
 {
-    int64_t from = tc_clamp64(y0, plane->rect.y0, plane->rect.y1), stride = width + 2 * beyond;
+    const slide *s = (slide *)context + n;
+    tc_plane *plane = s->plane;
+    int64_t from = tc_clamp64(s->y0, plane->rect.y0, plane->rect.y1), stride = s->width + 2 * s->beyond;
     memmove(plane->z, plane->z + (from - plane->rect.y0) * stride,
             (size_t)((plane->rect.y1 - from) * stride) * sizeof *plane->z);
     plane->stride = stride;
-    plane->rect = (tc_rect){-beyond, from, width + beyond, tc_max64(from, plane->rect.y1)};
+    plane->rect = (tc_rect){-s->beyond, from, s->width + s->beyond, tc_max64(from, plane->rect.y1)};
     if (plane->rect.y0 == plane->rect.y1)
-        plane->rect.y0 = plane->rect.y1 = y0;
+        plane->rect.y0 = plane->rect.y1 = s->y0;
+}
+
+/* Lets go of what the group does not need; the largest planes first, each by one thread. */
+static void slide_planes(level_state *s)
+{
+    const int64_t truth = tc_min64(s->finished * FINE, tc_max64(2 * (s->t0 * TC_TILE - MARGIN), 0));
+    const int64_t details = tc_max64(s->finished * TC_TILE - BEFORE, 0);
+    slide all[2 + TC_BANDS] = {{&s->truth, truth, s->level.width, s->beyond},
+                               {&s->fine, s->finished * FINE, s->level.width, 0}};
+    for (int b = 0; b < TC_BANDS; b++)
+        all[2 + b] = (slide){&s->band[b], details, s->cw, s->beyond};
+    tc_parallel_for(s->p->options.threads, 2 + TC_BANDS, slide_plane, all);
 }
 
 /* Copies the columns beyond either end of rows y0 .. y1 - 1 from the other side. */
@@ -102,49 +122,73 @@ static void close_mask_ring(const tc_mask_plane *mask, int64_t width)
     }
 }
 
-/* Rows that are read and converted, by all threads in chunks. */
-typedef struct row_load {
+/* Rows that go from or to a spool, and what they are turned into meanwhile. */
+typedef tc_status (*move_rows)(const level_state *s, tc_rect rows, void *memory, ptrdiff_t stride, tc_error *error);
+
+static tc_status truth_rows(const level_state *s, tc_rect rows, void *memory, ptrdiff_t stride, tc_error *error)
+{
+    return tc_pack_truth(s->p, s->coding->l, rows, memory, stride, error);
+}
+
+static tc_status coarse_rows(const level_state *s, tc_rect rows, void *memory, ptrdiff_t stride, tc_error *error)
+{
+    return tc_spool_read_round(s->coding->coarse, rows, memory, stride, error);
+}
+
+static tc_status source_rows(const level_state *s, tc_rect rows, void *memory, ptrdiff_t stride, tc_error *error)
+{
+    (void)stride;
+    return tc_pack_source_rows(s->p, rows.y0, rows.y1, memory, error);
+}
+
+static tc_status mask_rows(const level_state *s, tc_rect rows, void *memory, ptrdiff_t stride, tc_error *error)
+{
+    return tc_pack_mask(s->p, s->coding->l, rows, memory, stride, error);
+}
+
+static tc_status fine_rows(const level_state *s, tc_rect rows, void *memory, ptrdiff_t stride, tc_error *error)
+{
+    return tc_spool_write(s->coding->fine, rows, memory, stride, error);
+}
+
+typedef struct move {
     level_state *s;
-    enum { LOAD_TRUTH, LOAD_SOURCE, LOAD_MASK } what;
-    int64_t y0, y1;
-    void *to;
-    ptrdiff_t stride;
+    move_rows rows;
+    tc_rect rect;
+    char *memory;
+    ptrdiff_t stride; /* samples */
+    size_t size;      /* of a sample */
     pthread_mutex_t mutex;
     tc_status status;
     tc_error error;
-} row_load;
+} move;
 
-static void load_chunk(void *context, int64_t n)
+static void move_chunk(void *context, int64_t n)
 {
-    row_load *load = context;
-    const level_state *s = load->s;
-    int64_t y0 = load->y0 + n * CHUNK, y1 = tc_min64(y0 + CHUNK, load->y1), w = s->level.width;
-    ptrdiff_t at = (y0 - load->y0) * load->stride;
+    move *m = context;
+    tc_rect part = m->rect;
+    part.y0 += n * CHUNK, part.y1 = tc_min64(part.y0 + CHUNK, m->rect.y1);
     tc_error error = {TC_OK, ""};
-    tc_status status =
-        load->what == LOAD_TRUTH
-            ? tc_pack_truth(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (int32_t *)load->to + at, load->stride, &error)
-        : load->what == LOAD_SOURCE
-            ? tc_pack_source_rows(s->p, y0, y1, (float *)load->to + at, &error)
-            : tc_pack_mask(s->p, s->coding->l, (tc_rect){0, y0, w, y1}, (uint8_t *)load->to + at, load->stride, &error);
+    tc_status status = m->rows(m->s, part, m->memory + n * CHUNK * m->stride * (ptrdiff_t)m->size, m->stride, &error);
     if (!status)
         return;
-    pthread_mutex_lock(&load->mutex);
-    if (!load->status)
-        load->status = status, load->error = error;
-    pthread_mutex_unlock(&load->mutex);
+    pthread_mutex_lock(&m->mutex);
+    if (!m->status)
+        m->status = status, m->error = error;
+    pthread_mutex_unlock(&m->mutex);
 }
 
-static tc_status load_rows(level_state *s, int what, int64_t y0, int64_t y1, void *to, ptrdiff_t stride,
-                           tc_error *error)
+/* Has all threads move the rows of a rectangle in chunks; memory: where its first sample is, or goes. */
+static tc_status move_by_all(level_state *s, move_rows rows, tc_rect rect, void *memory, ptrdiff_t stride, size_t size,
+                             tc_error *error)
 {
-    row_load load = {.s = s, .what = what, .y0 = y0, .y1 = y1, .to = to, .stride = stride};
-    pthread_mutex_init(&load.mutex, NULL);
-    tc_parallel_for(s->p->options.threads, (y1 - y0 + CHUNK - 1) / CHUNK, load_chunk, &load);
-    pthread_mutex_destroy(&load.mutex);
-    if (load.status && error)
-        *error = load.error;
-    return load.status;
+    move m = {.s = s, .rows = rows, .rect = rect, .memory = memory, .stride = stride, .size = size};
+    pthread_mutex_init(&m.mutex, NULL);
+    tc_parallel_for(s->p->options.threads, (rect.y1 - rect.y0 + CHUNK - 1) / CHUNK, move_chunk, &m);
+    pthread_mutex_destroy(&m.mutex);
+    if (m.status && error)
+        *error = m.error;
+    return m.status;
 }
 
 /* Brings in what rows t0 .. t1 - 1 of tiles need. */
@@ -152,20 +196,18 @@ static tc_status load_group(level_state *s, tc_error *error)
 {
     int64_t w = s->level.width, h = s->level.height;
     int64_t j0 = s->t0 * TC_TILE, j1 = tc_min64(s->t1 * TC_TILE, s->ch);
-    slide(&s->truth, tc_min64(s->finished * FINE, tc_max64(2 * (j0 - MARGIN), 0)), w, s->beyond);
-    int64_t from = s->truth.rect.y1, until = tc_min64(2 * (j1 + MARGIN), h);
-    tc_status status = load_rows(s, LOAD_TRUTH, from, until, tc_plane_at(&s->truth, 0, from), s->truth.stride, error);
-    s->truth.rect.y1 = tc_max64(from, until);
-    close_ring(&s->truth, from, s->truth.rect.y1, w);
+    slide_planes(s);
+    int64_t from = s->truth.rect.y1, until = tc_max64(from, tc_min64(2 * (j1 + MARGIN), h));
+    tc_status status = move_by_all(s, truth_rows, (tc_rect){0, from, w, until}, tc_plane_at(&s->truth, 0, from),
+                                   s->truth.stride, sizeof *s->truth.z, error);
+    s->truth.rect.y1 = until;
+    close_ring(&s->truth, from, until, w);
     s->coarse.stride = s->cw + 2 * s->beyond;
     s->coarse.rect = (tc_rect){-s->beyond, tc_max64(j0 - BEFORE, 0), s->cw + s->beyond, tc_min64(j1 + BEFORE, s->ch)};
     if (!status)
-        status = tc_spool_read_round(s->coding->coarse, s->coarse.rect, s->coarse.z, s->coarse.stride, error);
-    for (int b = 0; b < TC_BANDS; b++) {
-        slide(&s->band[b], tc_max64(s->finished * TC_TILE - BEFORE, 0), s->cw, s->beyond);
+        status = move_by_all(s, coarse_rows, s->coarse.rect, s->coarse.z, s->coarse.stride, sizeof *s->coarse.z, error);
+    for (int b = 0; b < TC_BANDS; b++)
         s->band[b].rect.y1 = j1;
-    }
-    slide(&s->fine, s->finished * FINE, w, 0);
     s->ready_before = s->ready;
     bool at_once = !s->coding->coder->codec; /* tiles give heights by themselves */
     s->ready = j1 == s->ch ? h : tc_max64(s->ready, 2 * (at_once ? j1 : j1 - TC_LIFTING_REACH));
@@ -244,13 +286,13 @@ static tc_status finish_rows(level_state *s, tc_error *error)
     int64_t y0 = s->finished * FINE, y1 = tc_min64(s->finish_to * FINE, h);
     tc_status status = TC_OK;
     if (s->source)
-        status = load_rows(s, LOAD_SOURCE, y0, y1, s->source, w, error);
+        status = move_by_all(s, source_rows, (tc_rect){0, y0, w, y1}, s->source, w, sizeof *s->source, error);
     if (!status && s->voids.v) {
         s->voids.stride = w + 2 * s->beyond;
         s->voids.rect = (tc_rect){-s->beyond, tc_max64(y0 - 2 * TC_MASK_MARGIN, 0), w + s->beyond,
                                   tc_min64(y1 + 2 * TC_MASK_MARGIN, h)};
-        status =
-            load_rows(s, LOAD_MASK, s->voids.rect.y0, s->voids.rect.y1, s->voids.v + s->beyond, s->voids.stride, error);
+        status = move_by_all(s, mask_rows, (tc_rect){0, s->voids.rect.y0, w, s->voids.rect.y1}, s->voids.v + s->beyond,
+                             s->voids.stride, 1, error);
         if (!status)
             close_mask_ring(&s->voids, w);
     }
@@ -258,13 +300,14 @@ static tc_status finish_rows(level_state *s, tc_error *error)
         return status;
     s->below.rect = (tc_rect){0, tc_max64(0, tc_min64(y0 / 2, s->ch - 2)), s->cw, tc_min64(y1 / 2 + 1, s->ch)};
     s->below.stride = s->cw;
-    if ((status = tc_spool_read(s->coding->coarse, s->below.rect, s->below.z, s->cw, error)))
+    if ((status = move_by_all(s, coarse_rows, s->below.rect, s->below.z, s->cw, sizeof *s->below.z, error)))
         return status;
     tc_parallel_for(s->p->options.threads, (s->finish_to - s->finished) * across, tc_pack_finish_tile, s);
     if (s->status)
         return tc_fail(error, s->status, "%s: %s", s->p->path, tc_status_text(s->status));
     if (s->coding->fine)
-        status = tc_spool_write(s->coding->fine, (tc_rect){0, y0, w, y1}, tc_plane_at(&s->fine, 0, y0), w, error);
+        status = move_by_all(s, fine_rows, (tc_rect){0, y0, w, y1}, tc_plane_at(&s->fine, 0, y0), w, sizeof *s->fine.z,
+                             error);
     for (int64_t ty = s->finished; ty < s->finish_to && !status; ty++) {
         for (int64_t tx = 0; tx < across; tx++) {
             coded_tile *tile = &s->tile[(ty - s->finished) * across + tx];

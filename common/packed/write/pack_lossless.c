@@ -45,13 +45,14 @@ static void price_tile(void *context, int64_t n)
 }
 
 /* A model from some of the tiles, spread over all of them: training takes longer than coding. */
-static tc_status learn(const pricing *all, const tc_sample *sample, int count, int32_t step, tc_exact_model *model)
+static tc_status learn(const pricing *all, const tc_sample *sample, int count, int32_t step, int threads,
+                       tc_exact_model *model)
 {
     tc_exact_tile tile[TRAINED];
     int trained = (int)tc_min64(count, TRAINED);
     for (int n = 0; n < trained; n++)
         tile[n] = all->tile[n * count / trained];
-    return tc_exact_train(&sample->level, tile, trained, step, model);
+    return tc_exact_train(&sample->level, tile, trained, step, threads, model);
 }
 
 static tc_status price(pricing *all, const tc_sample *sample, int count, int32_t step, int threads, double *bytes_ret)
@@ -61,7 +62,7 @@ static tc_status price(pricing *all, const tc_sample *sample, int count, int32_t
     all->codec = malloc(sizeof *all->codec);
     tc_status status = model && header && all->codec ? TC_OK : TC_ERR_MEMORY;
     if (!status)
-        status = learn(all, sample, count, step, model);
+        status = learn(all, sample, count, step, threads, model);
     double bytes = 0, samples = 0;
     if (!status) {
         tc_exact_init(all->codec, &sample->level, model);

@@ -1,9 +1,10 @@
 /* pack_source.c - the heights as they are given, in any order, and their voids. */
 #include <math.h>
+#include <pthread.h>
 
+#include "common/base/parallel.h"
 #include "common/base/rect.h"
 #include "common/base/status.h"
-#include "common/field/fill_rows.h"
 #include "pack_internal.h"
 
 /* The spool starts as zeros, which must mean void, since nothing else can be had for free; a height of zero is written
@@ -98,39 +99,88 @@ static bool was_given(const tc_packer *p, tc_rect rect)
     return false;
 }
 
-/* One row: bits holds what is there already (where `old`), and gets what shall be. */
-static void merge_row(tc_packer *p, const float *z, const uint8_t *voids, int64_t count, bool old, uint32_t *bits)
+/* Rows that are put, and what is there already (where `old`). Threads take a run of rows each; what they find is put
+ * together afterwards. */
+typedef struct run_found {
+    int64_t valid, disagreeing;
+    double largest_disagreement;
+    float low, high;
+    unsigned lattices;
+} run_found;
+
+enum { MOST_RUNS = 64 };
+
+typedef struct merge {
+    const tc_packer *p;
+    const float *z;
+    const uint8_t *voids; /* or NULL */
+    ptrdiff_t stride;
+    int64_t count, rows; /* columns; rows in all */
+    int64_t run_rows;
+    bool old;
+    uint32_t *bits; /* gets what shall be there; stride: count */
+    run_found found[MOST_RUNS];
+} merge;
+
+static void merge_row(const merge *m, const float *z, const uint8_t *voids, uint32_t *bits, run_found *found)
 {
-    float lo = p->z_min, hi = p->z_max;
+    float lo = found->low, hi = found->high;
     int64_t valid = 0;
-    for (int64_t i = 0; i < count; i++) {
-        uint32_t before = old ? bits[i] : VOID_BITS;
+    for (int64_t i = 0; i < m->count; i++) {
+        uint32_t before = m->old ? bits[i] : VOID_BITS;
         bool is_void = (voids && voids[i]) || !isfinite(z[i]);
         if (before != VOID_BITS) {
             double difference = is_void ? 0 : fabs((double)z[i] - from_bits(before));
             if (difference > 0) {
-                p->result.disagreeing++;
-                p->result.largest_disagreement = fmax(p->result.largest_disagreement, difference);
+                found->disagreeing++;
+                found->largest_disagreement = fmax(found->largest_disagreement, difference);
             }
             continue;
         }
-        bits[i] = is_void && !p->filled ? VOID_BITS : to_bits(z[i]);
+        bits[i] = is_void && !m->p->filled ? VOID_BITS : to_bits(z[i]);
         if (is_void)
             continue;
         valid++;
         lo = z[i] < lo ? z[i] : lo, hi = z[i] > hi ? z[i] : hi;
     }
-    p->result.samples += valid;
-    p->z_min = lo, p->z_max = hi;
+    found->valid += valid;
+    found->low = lo, found->high = hi;
 }
 
-static void note_levels(tc_packer *p, const uint8_t *row, int64_t y);
+static void merge_run(void *context, int64_t n)
+{
+    merge *m = context;
+    run_found *found = &m->found[n];
+    *found = (run_found){.low = INFINITY, .high = -INFINITY, .lattices = m->p->lattices};
+    for (int64_t y = n * m->run_rows; y < tc_min64((n + 1) * m->run_rows, m->rows); y++) {
+        const float *z = m->z + y * m->stride;
+        const uint8_t *voids = m->voids ? m->voids + y * m->stride : NULL;
+        merge_row(m, z, voids, m->bits + y * m->count, found);
+        if (found->lattices)
+            found->lattices = strike_lattices(found->lattices, z, voids, m->count, 0);
+    }
+}
+
+static void merge_rows(tc_packer *p, merge *m)
+{
+    enum { SAMPLES = 1 << 15 }; /* a run that is worth a task */
+    m->run_rows = tc_max64((m->rows + MOST_RUNS - 1) / MOST_RUNS, (SAMPLES + m->count - 1) / m->count);
+    int64_t runs = (m->rows + m->run_rows - 1) / m->run_rows;
+    tc_parallel_for(p->options.threads, runs, merge_run, m);
+    for (int64_t n = 0; n < runs; n++) {
+        const run_found *f = &m->found[n];
+        p->result.samples += f->valid, p->result.disagreeing += f->disagreeing;
+        p->result.largest_disagreement = fmax(p->result.largest_disagreement, f->largest_disagreement);
+        p->z_min = f->low < p->z_min ? f->low : p->z_min, p->z_max = f->high > p->z_max ? f->high : p->z_max;
+        p->lattices &= f->lattices;
+    }
+}
 
 /* The mask of whole rows whose heights under voids are given. */
 static tc_status put_mask(tc_packer *p, tc_rect rect, const uint8_t *voids, ptrdiff_t stride, tc_error *error)
 {
     for (int64_t y = rect.y0; y < rect.y1; y++)
-        note_levels(p, voids + (y - rect.y0) * stride, y);
+        tc_pack_note_voids(p, voids + (y - rect.y0) * stride, y);
     tc_status status = TC_OK;
     if (p->mask.file < 0)
         status = tc_spool_create(p->path, p->source.width, p->source.height, 1, &p->mask, error);
@@ -158,15 +208,12 @@ tc_status tc_packer_put(tc_packer *p, tc_rect rect, const float *z, const uint8_
         tc_rect part = {rect.x0, y, rect.x1, tc_min64(y + rows, rect.y1)};
         if (old)
             status = tc_spool_read(&p->source, part, bits, count, error);
-        for (int64_t j = 0; j < part.y1 - part.y0 && !status; j++) {
-            ptrdiff_t at = (ptrdiff_t)(y + j - rect.y0) * stride;
-            const uint8_t *v = voids ? voids + at : NULL;
-            merge_row(p, z + at, v, count, old, bits + j * count);
-            if (p->lattices)
-                p->lattices = strike_lattices(p->lattices, z + at, v, count, 0);
-        }
-        if (!status)
-            status = tc_spool_write(&p->source, part, bits, count, error);
+        if (status)
+            break;
+        ptrdiff_t at = (ptrdiff_t)(y - rect.y0) * stride;
+        merge m = {p, z + at, voids ? voids + at : NULL, stride, count, part.y1 - part.y0, .old = old, .bits = bits};
+        merge_rows(p, &m);
+        status = tc_spool_write(&p->source, part, bits, count, error);
     }
     free(bits);
     if (!status && p->filled && voids)
@@ -175,6 +222,21 @@ tc_status tc_packer_put(tc_packer *p, tc_rect rect, const float *z, const uint8_
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
     double share = TC_SHARE_PUT * (double)tc_rect_area(rect) / ((double)t->width * (double)t->height);
     return status ? status : tc_pack_progress(p, fmin(share, TC_SHARE_PUT - p->done), error);
+}
+
+tc_status tc_pack_set_source(const tc_packer *p, tc_rect rect, const float *z, ptrdiff_t stride, tc_error *error)
+{
+    uint32_t bits[1024];
+    for (int64_t y = rect.y0; y < rect.y1; y++)
+        for (int64_t x = rect.x0; x < rect.x1; x += 1024) {
+            int64_t count = tc_min64(1024, rect.x1 - x);
+            for (int64_t i = 0; i < count; i++)
+                bits[i] = to_bits(z[(y - rect.y0) * stride + x - rect.x0 + i]);
+            tc_status status = tc_spool_write(&p->source, (tc_rect){x, y, x + count, y + 1}, bits, count, error);
+            if (status)
+                return status;
+        }
+    return TC_OK;
 }
 
 tc_status tc_pack_source_rows(const tc_packer *p, int64_t y0, int64_t y1, float *z, tc_error *error)
@@ -189,182 +251,71 @@ tc_status tc_pack_source_rows(const tc_packer *p, int64_t y0, int64_t y1, float 
     return status;
 }
 
+/* Rows in bands, whose sums any thread finds. */
+typedef struct moments {
+    const tc_packer *p;
+    double base;
+    int64_t rows; /* of a band */
+    struct {
+        double sum, square;
+        int64_t valid;
+    } * band;
+    pthread_mutex_t mutex;
+    tc_status status;
+    tc_error error;
+} moments;
+
+static void add_band(void *context, int64_t n)
+{
+    moments *m = context;
+    const tc_packer *p = m->p;
+    const tc_pack_terrain *t = &p->container.info.terrain;
+    int64_t w = t->width, y0 = n * m->rows, y1 = tc_min64(y0 + m->rows, t->height);
+    bool masked = p->filled && p->mask.file >= 0;
+    float *z = malloc((size_t)((y1 - y0) * w) * sizeof *z);
+    uint8_t *voids = masked ? malloc((size_t)((y1 - y0) * w)) : NULL;
+    tc_error error = {TC_OK, ""};
+    tc_status status = z && (voids || !masked) ? tc_pack_source_rows(p, y0, y1, z, &error)
+                                               : tc_fail(&error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    if (!status && masked)
+        status = tc_pack_mask(p, p->container.levels, (tc_rect){0, y0, w, y1}, voids, w, &error);
+    double sum = 0, square = 0;
+    int64_t valid = 0;
+    for (int64_t i = 0; i < (y1 - y0) * w && !status; i++)
+        if (!isnan(z[i]) && !(masked && voids[i])) {
+            double d = z[i] - m->base;
+            sum += d, square += d * d, valid++;
+        }
+    m->band[n].sum = sum, m->band[n].square = square, m->band[n].valid = valid;
+    free(z), free(voids);
+    if (!status)
+        return;
+    pthread_mutex_lock(&m->mutex);
+    if (!m->status)
+        m->status = status, m->error = error;
+    pthread_mutex_unlock(&m->mutex);
+}
+
 tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret, tc_error *error)
 {
     const tc_pack_terrain *t = &p->container.info.terrain;
-    int64_t w = t->width, h = t->height, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, h), valid = 0;
-    double base = 0.5 * ((double)p->z_min + p->z_max), sum = 0, square = 0;
-    bool masked = p->filled && p->mask.file >= 0;
-    float *z = malloc((size_t)(rows * w) * sizeof *z);
-    uint8_t *voids = masked ? malloc((size_t)(rows * w)) : NULL;
-    tc_status status = TC_OK;
-    if (!z || (masked && !voids))
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    for (int64_t y = 0; y < h && !status; y++) {
-        if (y % rows == 0)
-            status = tc_pack_source_rows(p, y, tc_min64(y + rows, h), z, error);
-        if (y % rows == 0 && masked && !status)
-            status = tc_pack_mask(p, p->container.levels, (tc_rect){0, y, w, tc_min64(y + rows, h)}, voids, w, error);
-        double row_sum = 0, row_square = 0;
-        for (int64_t i = y % rows * w; i < (y % rows + 1) * w && !status; i++)
-            if (!isnan(z[i]) && !(masked && voids[i])) {
-                double d = z[i] - base;
-                row_sum += d, row_square += d * d, valid++;
-            }
-        sum += row_sum, square += row_square;
-    }
-    free(z), free(voids);
+    moments m = {.p = p, .base = 0.5 * ((double)p->z_min + p->z_max)};
+    m.rows = tc_clamp64(((int64_t)1 << 18) / t->width, 1, t->height);
+    int64_t bands = (t->height + m.rows - 1) / m.rows, valid = 0;
+    double sum = 0, square = 0;
+    m.band = calloc((size_t)bands, sizeof *m.band);
+    if (!m.band)
+        return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
+    pthread_mutex_init(&m.mutex, NULL);
+    tc_parallel_for(p->options.threads, bands, add_band, &m);
+    pthread_mutex_destroy(&m.mutex);
+    for (int64_t n = 0; n < bands; n++)
+        sum += m.band[n].sum, square += m.band[n].square, valid += m.band[n].valid;
+    free(m.band);
+    if (m.status && error)
+        *error = m.error;
     double mean = valid ? sum / (double)valid : 0;
-    *mean_ret = mean + base;
+    *mean_ret = mean + m.base;
     *deviation_ret = valid ? sqrt(fmax(square / (double)valid - mean * mean, 0)) : 0;
-    return status;
-}
-
-/* ---- Voids --------------------------------------------------------------------------------------------------- */
-
-/* Notes which levels have a void, a level's mask being the finest one's on the same spots. */
-static void note_levels(tc_packer *p, const uint8_t *row, int64_t y)
-{
-    tc_container *c = &p->container;
-    for (int k = 0; k < c->levels - c->base && (y & (((int64_t)1 << k) - 1)) == 0; k++) {
-        tc_level_record *record = &c->record[c->levels - 1 - k];
-        for (int64_t i = 0; i < c->info.terrain.width && !record->mask; i += (int64_t)1 << k)
-            record->mask = row[i];
-    }
-}
-
-/* Rows of the source, or of a coarser level, for the filling. Around a globe the source's rows go on beyond either end
- * by so many columns: a void on the seam is filled from both sides, and its surface meets there. */
-typedef struct fill_context {
-    const tc_packer *p;
-    tc_spool *spool;
-    int64_t beyond;
-    tc_error *error;
-} fill_context;
-
-/* More than most voids are wide, but no more than the globe is. A multiple of what coarser levels of the filling halve
- * first, so that they have the same samples on both sides. */
-static int64_t columns_beyond(const tc_pack_terrain *t)
-{
-    enum { MOST = 512, MULTIPLE = 64 };
-    return t->wraps_x ? tc_min64(t->width / 2, MOST) / MULTIPLE * MULTIPLE : 0;
-}
-
-static tc_status read_source(void *context, int64_t y0, int64_t rows, float *z)
-{
-    const fill_context *f = context;
-    int64_t w = f->spool->width, b = f->beyond, stride = w + 2 * b;
-    if (b == 0)
-        return tc_pack_source_rows(f->p, y0, y0 + rows, z, f->error);
-    float *row = malloc((size_t)w * sizeof *row);
-    tc_status status = row ? TC_OK : TC_ERR_MEMORY;
-    for (int64_t j = 0; j < rows && !status; j++) {
-        status = tc_pack_source_rows(f->p, y0 + j, y0 + j + 1, row, f->error);
-        memcpy(z + j * stride, row + w - b, (size_t)b * sizeof *z);
-        memcpy(z + j * stride + b, row, (size_t)w * sizeof *z);
-        memcpy(z + j * stride + b + w, row, (size_t)b * sizeof *z);
-    }
-    free(row);
-    return status;
-}
-
-static tc_status write_source(void *context, int64_t y0, int64_t rows, const float *z)
-{
-    const fill_context *f = context;
-    uint32_t bits[1024];
-    for (int64_t y = y0; y < y0 + rows; y++)
-        for (int64_t x = 0; x < f->spool->width; x += 1024) {
-            int64_t count = tc_min64(1024, f->spool->width - x);
-            for (int64_t i = 0; i < count; i++)
-                bits[i] = to_bits(z[(y - y0) * (f->spool->width + 2 * f->beyond) + f->beyond + x + i]);
-            tc_status status = tc_spool_write(f->spool, (tc_rect){x, y, x + count, y + 1}, bits, count, f->error);
-            if (status)
-                return status;
-        }
-    return TC_OK;
-}
-
-static tc_status read_level(void *context, int64_t y0, int64_t rows, float *z)
-{
-    const fill_context *f = context;
-    return tc_spool_read(f->spool, (tc_rect){0, y0, f->spool->width, y0 + rows}, z, f->spool->width, f->error);
-}
-
-static tc_status write_level(void *context, int64_t y0, int64_t rows, const float *z)
-{
-    const fill_context *f = context;
-    return tc_spool_write(f->spool, (tc_rect){0, y0, f->spool->width, y0 + rows}, z, f->spool->width, f->error);
-}
-
-/* Spools for the coarser levels. */
-typedef struct fill_levels {
-    fill_context context[TC_MAX_FIELD_LEVELS];
-    tc_spool spool[TC_MAX_FIELD_LEVELS];
-    int count;
-} fill_levels;
-
-static tc_status make_level(void *context, int64_t width, int64_t height, tc_fill_rows *rows_ret)
-{
-    fill_levels *f = context;
-    if (f->count == TC_MAX_FIELD_LEVELS)
-        return TC_ERR_MEMORY;
-    fill_context *c = &f->context[f->count];
-    *c = (fill_context){f->context[0].p, &f->spool[f->count], 0, f->context[0].error};
-    tc_status status = tc_spool_create(c->p->path, width, height, sizeof(float), c->spool, c->error);
-    if (!status) {
-        f->count++;
-        *rows_ret = (tc_fill_rows){c, width, height, read_level, write_level};
-    }
-    return status;
-}
-
-static tc_status make_mask(tc_packer *p, tc_error *error)
-{
-    const tc_pack_terrain *t = &p->container.info.terrain;
-    int64_t w = t->width, h = t->height, rows = tc_clamp64(((int64_t)1 << 20) / w, 1, h);
-    tc_status status = tc_spool_create(p->path, w, h, 1, &p->mask, error);
-    if (status)
-        return status;
-    float *z = malloc((size_t)(rows * w) * sizeof *z);
-    uint8_t *voids = malloc((size_t)(rows * w));
-    if (!z || !voids)
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    for (int64_t y = 0; y < h && !status; y += rows) {
-        int64_t y1 = tc_min64(y + rows, h);
-        if ((status = tc_pack_source_rows(p, y, y1, z, error)))
-            break;
-        bool some = false;
-        for (int64_t i = 0; i < (y1 - y) * w; i++)
-            some |= voids[i] = isnan(z[i]);
-        for (int64_t j = y; j < y1 && some; j++)
-            note_levels(p, voids + (j - y) * w, j);
-        if (some)
-            status = tc_spool_write(&p->mask, (tc_rect){0, y, w, y1}, voids, w, error);
-    }
-    free(z), free(voids);
-    return status;
-}
-
-tc_status tc_pack_fill(tc_packer *p, tc_error *error)
-{
-    tc_status status = make_mask(p, error);
-    fill_levels *levels = calloc(1, sizeof *levels);
-    if (!status && !levels)
-        status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    if (!status) {
-        tc_error why = {TC_OK, ""};
-        int64_t beyond = columns_beyond(&p->container.info.terrain);
-        levels->context[0] = (fill_context){p, &p->source, beyond, &why};
-        levels->spool[0] = p->source;
-        levels->count = 1;
-        tc_fill_rows rows = {&levels->context[0], p->source.width + 2 * beyond, p->source.height, read_source,
-                             write_source};
-        if ((status = tc_fill_void_rows(&rows, make_level, levels, NULL)))
-            tc_fail(error, status, "%s: its voids cannot be filled: %s", p->path,
-                    why.status ? why.text : tc_status_text(status));
-        for (int i = 1; i < levels->count; i++)
-            tc_spool_close(&levels->spool[i]);
-    }
-    free(levels);
-    return status;
+    return m.status;
 }
