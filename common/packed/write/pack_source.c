@@ -99,34 +99,37 @@ static bool was_given(const tc_packer *p, tc_rect rect)
     return false;
 }
 
-/* Rows that are put, and what is there already (where `old`). Threads take a run of rows each; what they find is put
- * together afterwards. */
+/* What a thread finds in a run of the rows that are put. */
 typedef struct run_found {
     int64_t valid, disagreeing;
     double largest_disagreement;
     float low, high;
     unsigned lattices;
+    tc_status status;
+    tc_error error;
 } run_found;
 
 enum { MOST_RUNS = 64 };
 
+/* Rows that are put, into what is there already (where `old`), a run of them by a thread. */
 typedef struct merge {
     const tc_packer *p;
     const float *z;
     const uint8_t *voids; /* or NULL */
     ptrdiff_t stride;
-    int64_t count, rows; /* columns; rows in all */
+    tc_rect rect;
     int64_t run_rows;
     bool old;
-    uint32_t *bits; /* gets what shall be there; stride: count */
+    uint32_t *bits; /* gets what shall be there */
     run_found found[MOST_RUNS];
 } merge;
 
 static void merge_row(const merge *m, const float *z, const uint8_t *voids, uint32_t *bits, run_found *found)
 {
+    const int64_t count = m->rect.x1 - m->rect.x0;
     float lo = found->low, hi = found->high;
     int64_t valid = 0;
-    for (int64_t i = 0; i < m->count; i++) {
+    for (int64_t i = 0; i < count; i++) {
         uint32_t before = m->old ? bits[i] : VOID_BITS;
         bool is_void = (voids && voids[i]) || !isfinite(z[i]);
         if (before != VOID_BITS) {
@@ -150,30 +153,44 @@ static void merge_row(const merge *m, const float *z, const uint8_t *voids, uint
 static void merge_run(void *context, int64_t n)
 {
     merge *m = context;
-    run_found *found = &m->found[n];
-    *found = (run_found){.low = INFINITY, .high = -INFINITY, .lattices = m->p->lattices};
-    for (int64_t y = n * m->run_rows; y < tc_min64((n + 1) * m->run_rows, m->rows); y++) {
-        const float *z = m->z + y * m->stride;
-        const uint8_t *voids = m->voids ? m->voids + y * m->stride : NULL;
-        merge_row(m, z, voids, m->bits + y * m->count, found);
-        if (found->lattices)
-            found->lattices = strike_lattices(found->lattices, z, voids, m->count, 0);
+    run_found *f = &m->found[n];
+    *f = (run_found){.low = INFINITY, .high = -INFINITY, .lattices = m->p->lattices};
+    tc_rect run = m->rect;
+    run.y0 += n * m->run_rows, run.y1 = tc_min64(run.y0 + m->run_rows, run.y1);
+    const int64_t count = run.x1 - run.x0;
+    uint32_t *bits = m->bits + (run.y0 - m->rect.y0) * count;
+    if (m->old && (f->status = tc_spool_read(&m->p->source, run, bits, count, &f->error)))
+        return;
+    for (int64_t y = run.y0; y < run.y1; y++) {
+        const float *z = m->z + (y - m->rect.y0) * m->stride;
+        const uint8_t *voids = m->voids ? m->voids + (y - m->rect.y0) * m->stride : NULL;
+        merge_row(m, z, voids, bits + (y - run.y0) * count, f);
+        if (f->lattices)
+            f->lattices = strike_lattices(f->lattices, z, voids, count, 0);
     }
+    f->status = tc_spool_write(&m->p->source, run, bits, count, &f->error);
 }
 
-static void merge_rows(tc_packer *p, merge *m)
+static tc_status merge_rows(tc_packer *p, merge *m, tc_error *error)
 {
     enum { SAMPLES = 1 << 15 }; /* a run that is worth a task */
-    m->run_rows = tc_max64((m->rows + MOST_RUNS - 1) / MOST_RUNS, (SAMPLES + m->count - 1) / m->count);
-    int64_t runs = (m->rows + m->run_rows - 1) / m->run_rows;
+    const int64_t rows = m->rect.y1 - m->rect.y0, count = m->rect.x1 - m->rect.x0;
+    m->run_rows = tc_max64((rows + MOST_RUNS - 1) / MOST_RUNS, (SAMPLES + count - 1) / count);
+    const int64_t runs = (rows + m->run_rows - 1) / m->run_rows;
     tc_parallel_for(p->options.threads, runs, merge_run, m);
     for (int64_t n = 0; n < runs; n++) {
         const run_found *f = &m->found[n];
+        if (f->status) {
+            if (error)
+                *error = f->error;
+            return f->status;
+        }
         p->result.samples += f->valid, p->result.disagreeing += f->disagreeing;
         p->result.largest_disagreement = fmax(p->result.largest_disagreement, f->largest_disagreement);
         p->z_min = f->low < p->z_min ? f->low : p->z_min, p->z_max = f->high > p->z_max ? f->high : p->z_max;
         p->lattices &= f->lattices;
     }
+    return TC_OK;
 }
 
 /* The mask of whole rows whose heights under voids are given. */
@@ -206,14 +223,9 @@ tc_status tc_packer_put(tc_packer *p, tc_rect rect, const float *z, const uint8_
     bool old = was_given(p, rect);
     for (int64_t y = rect.y0; y < rect.y1 && !status; y += rows) {
         tc_rect part = {rect.x0, y, rect.x1, tc_min64(y + rows, rect.y1)};
-        if (old)
-            status = tc_spool_read(&p->source, part, bits, count, error);
-        if (status)
-            break;
         ptrdiff_t at = (ptrdiff_t)(y - rect.y0) * stride;
-        merge m = {p, z + at, voids ? voids + at : NULL, stride, count, part.y1 - part.y0, .old = old, .bits = bits};
-        merge_rows(p, &m);
-        status = tc_spool_write(&p->source, part, bits, count, error);
+        merge m = {p, z + at, voids ? voids + at : NULL, stride, part, .old = old, .bits = bits};
+        status = merge_rows(p, &m, error);
     }
     free(bits);
     if (!status && p->filled && voids)
