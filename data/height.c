@@ -8,6 +8,7 @@
  * map that was not packed as one goes straight to the row's mean, at the pole. */
 #include "height.h"
 #include "points.h"
+#include "ray.h"
 
 #include "common/chart/lonlat.h"
 #include "common/field/field.h"
@@ -27,6 +28,7 @@ struct arguments {
     const char *file;
     const char *texts[2]; /* of the point */
     int count;            /* of them */
+    const char *ray;      /* instead of a point */
     int level;            /* 0: the finest */
     int synthesis;        /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     bool quiet, verbose;
@@ -43,6 +45,10 @@ static const tc_option table[] = {
     {0, "voids", "POLICY", TC_EXPECTED_VOIDS,
      "where there is no height: fill, constant=V, or hole, which is told as nan (fill; as packed)", tc_read_voids,
      offsetof(struct arguments, source)},
+    {0, "ray", "X,Y,Z,HEADING,PITCH", "a view, as the viewers' --view has it",
+     "instead of a point: where a look in that direction from there meets the ground first, as X Y Z DISTANCE; of a "
+     "packed planet LON,LAT,HEIGHT,HEADING,PITCH",
+     tc_read_text, offsetof(struct arguments, ray)},
     {.help = "How a DEM is read; a packed terrain knows"},
     TC_READING_ROWS(struct arguments, source),
     {.help = "What is told"},
@@ -72,7 +78,7 @@ static const tc_command_line line = {.options = table,
 void tc_height_help(FILE *file)
 {
     fprintf(file,
-            "Usage: terraclip height [OPTION]... FILE [X Y | LON LAT]\n"
+            "Usage: terraclip height [OPTION]... FILE [X Y | LON LAT | --ray VIEW]\n"
             "Tells the height at a point in metres; without a point, at those of the standard input, one a line.\n"
             "FILE is a packed terrain, a DEM or a picture of heights. Where it has geographic coordinates a point is\n"
             "LON LAT in degrees; where it has projected ones X Y of its coordinate system; without a georeference\n"
@@ -367,7 +373,9 @@ static tc_status tell(const struct arguments *a, const tc_map *map, double x, do
     p.stride_x = tc_level_stride(level.spacing_x, map->spacing_x);
     p.stride_y = tc_level_stride(level.spacing_y, map->spacing_y);
     find_around(&p);
-    tc_status status = a->count ? tell_one(a, &p, x, y, error) : tell_all(a, &p, error);
+    tc_status status = a->ray     ? tc_ray_tell(map, a->file, a->ray, error)
+                       : a->count ? tell_one(a, &p, x, y, error)
+                                  : tell_all(a, &p, error);
     int64_t damaged = tc_map_damaged(map);
     if (status == TC_OK && damaged > 0)
         status = tc_fail(error, TC_ERR_FORMAT,
@@ -387,6 +395,8 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
         return tc_fail(error, TC_ERR_USAGE, "FILE: expected a terrain, found none");
     if (a.count == 1)
         return tc_fail(error, TC_ERR_USAGE, "point: expected two numbers, found one");
+    if (a.ray && (a.count || a.level))
+        return tc_fail(error, TC_ERR_USAGE, "--ray: expected no %s with it, found one", a.count ? "point" : "--level");
     double point[2] = {0};
     for (int i = 0; i < a.count; i++)
         if (!tc_read_number(a.texts[i], -1e12, 1e12, &point[i]))
@@ -397,6 +407,10 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
     status = tc_map_load(a.file, &a.source, NULL, &map, error);
     if (status == TC_OK)
         status = tc_map_synthesise(map, a.synthesis, error);
+    if (status == TC_OK && a.ray && map->georef.known && map->georef.geographic && tc_map_radius(map) == 0)
+        say(&a, true,
+            "--ray: the map in degrees is taken flat, X and Y in metres, as planar-viewer has it; 'terraclip pack "
+            "--planet' makes a globe of it, whose rays have degrees");
     if (status == TC_OK)
         status = tell(&a, map, point[0], point[1], error);
     tc_map_destroy(map);

@@ -61,7 +61,8 @@ bool tc_pixel_of(const tc_scenery *scenery, const tc_pose *view, const double p[
 /* A ray's point t metres from the eye: height above ground, and above the body; INFINITY deep inside it. */
 typedef struct ray {
     const tc_ground *ground;
-    double eye[3], way[3];
+    double eye[3];
+    const double *way;
 } ray;
 
 static void point_at(const ray *r, double t, double p_ret[3])
@@ -81,33 +82,42 @@ static double above_ground(const ray *r, double t, double *altitude_ret)
     return place[2] - r->ground->height(r->ground->context, place[0], place[1]);
 }
 
-bool tc_pick(const tc_scenery *scenery, const tc_pose *view, double x, double y, double p_ret[3])
+bool tc_meet_ground(const tc_ground *ground, const double place[3], const double way[3], double highest, double far,
+                    const tc_ray_steps *steps, double *distance_ret, double p_ret[3])
 {
-    enum { MOST_STEPS = 4000, HALVINGS = 60 };
-    const double place[3] = {view->x, view->y, view->z};
-    ray r = {.ground = scenery->ground};
-    const tc_body *body = &r.ground->body;
-    body->class->position(body, place, r.eye);
-    tc_pixel_ray(scenery, view, x, y, r.way);
-    double altitude, before = view->z, above = above_ground(&r, 0, &altitude), last = 0, t = 0;
-    const double far = 4 * (scenery->far + fabs(view->z)), least = 1e-3 * r.ground->clearance;
-    for (int i = 0; i < MOST_STEPS && above > 0; i++) {
+    enum { HALVINGS = 60 };
+    ray r = {.ground = ground, .way = way};
+    ground->body.class->position(&ground->body, place, r.eye);
+    double altitude, before = place[2], above = above_ground(&r, 0, &altitude), last = 0, t = 0;
+    for (int i = 0; (i < steps->most || steps->most == 0) && above > 0; i++) {
         last = t;
-        t += fmax(0.4 * above, fmax(5e-3 * t, least));
+        /* Not by the height above where no ground is: that is no number to go by. */
+        t += fmax(fmax(isfinite(above) ? steps->by_height * above : 0, altitude - highest),
+                  fmax(steps->by_way * t, steps->least));
         above = above_ground(&r, t, &altitude);
-        if ((altitude > before && altitude > scenery->highest && above > 0) || t > far)
+        if ((altitude > before && altitude > highest && above > 0) || t > far)
             return false;
         before = altitude;
     }
-    if (!(above <= 0))
+    if (!(above <= 0) || (t == 0 && above < 0))
         return false;
-    for (int i = 0; i < HALVINGS && t - last > 1e-7 * t; i++) {
+    for (int i = 0; i < HALVINGS && t - last > 1e-11 * t; i++) {
         double middle = 0.5 * (last + t);
         if (above_ground(&r, middle, &altitude) > 0)
             last = middle;
         else
             t = middle;
     }
+    *distance_ret = t;
     point_at(&r, t, p_ret);
     return true;
+}
+
+bool tc_pick(const tc_scenery *scenery, const tc_pose *view, double x, double y, double p_ret[3])
+{
+    const tc_ray_steps steps = {0.4, 5e-3, 1e-3 * scenery->ground->clearance, 4000};
+    double way[3], distance;
+    tc_pixel_ray(scenery, view, x, y, way);
+    return tc_meet_ground(scenery->ground, (double[3]){view->x, view->y, view->z}, way, scenery->highest,
+                          4 * (scenery->far + fabs(view->z)), &steps, &distance, p_ret);
 }

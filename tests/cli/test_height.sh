@@ -59,4 +59,28 @@ found 1 of 1 lines bad"
 done
 echo '0 0' >points.txt && answers 1 'nan ' 'found 1 outside$'
 
+# ---- Rays: z = 1064 + x - 0.1 (640 - y) on the plane, whose sides are there, too
+
+meets() { # ANSWER RAY [FILE]
+    run $terraclip height "${3:-plane.tif}" --ray "$2"
+    [ $rc = 0 ] || fail "height --ray $2: exit code $rc"
+    [ "$(cat stdout.txt)" = "$1" ] || fail "height --ray $2: '$(cat stdout.txt)' instead of '$1'"
+}
+meets '0 0 1064 936' 0,0,2000,0,-90
+meets '468 0 1532 661.851947' 0,0,2000,90,-45
+meets '0 320 1000 1000' -1000,320,1000,90,0
+refuses 1 '^terraclip: --ray: expected a ray that meets the ground of plane.tif' $terraclip height plane.tif --ray 640,320,5000,0,0
+refuses 1 '^terraclip: --ray: expected an eye above the ground of plane.tif, found one 1672.* m below it' \
+    $terraclip height plane.tif --ray 640,320,0,0,0
+refuses 2 '^terraclip: --ray: expected X,Y,Z,HEADING,PITCH' $terraclip height plane.tif --ray 0,0,2000,90
+refuses 2 '^terraclip: --ray: expected X,Y,Z,HEADING,PITCH' $terraclip height plane.tif --ray 0,0,nan,90,0
+refuses 2 '^terraclip: --ray: expected no point with it' $terraclip height plane.tif --ray 0,0,2000,0,-90 5 5
+refuses 2 '^terraclip: --ray: expected no --level with it' $terraclip height plane.tif --ray 0,0,2000,0,-90 --level 1
+# A wall of one sample, which a walk by the height above ground would step over.
+awk 'BEGIN { print "ncols 2049\nnrows 5\nxllcorner 0\nyllcorner 0\ncellsize 10"
+    for (j = 0; j < 5; j++) { for (i = 0; i < 2049; i++) printf "%d ", i == 1500 ? 100 : 0; print "" } }' >wall.asc
+meets '14995 20 50 14995' 0,20,50,90,0 wall.asc
+meets '14999 20 90 9999' 5000,20,90,90,0 wall.asc
+refuses 1 '^terraclip: --ray: expected a ray that meets' $terraclip height wall.asc --ray 0,20,101,90,0
+
 finish

@@ -1,0 +1,85 @@
+/* ray.c - where a ray meets a terrain: of a flat one's mesh, or of a packed planet's surface, as the viewers stand on
+ * them. Nothing is there beside a flat terrain; beside a part of a planet there is the planet. */
+#include "ray.h"
+
+#include "common/base/status.h"
+#include "common/field/field.h"
+#include "common/view/flight.h"
+#include "common/view/pick.h"
+
+#include <math.h>
+#include <stdio.h>
+
+typedef struct target {
+    const tc_map *map;
+    double low[2], high[2]; /* of the map */
+    tc_status status;       /* of reading it */
+} target;
+
+static double ground_height(void *context, double x, double y)
+{
+    target *t = context;
+    const bool flat = tc_map_radius(t->map) == 0;
+    double z = 0;
+    if (flat && !(x >= t->low[0] && x <= t->high[0] && y >= t->low[1] && y <= t->high[1]))
+        return -INFINITY;
+    const tc_status status = tc_map_height(t->map, x, y, &z);
+    if (status != TC_OK)
+        t->status = status;
+    return isnan(z) ? -INFINITY : z;
+}
+
+/* The highest ground that there may be. */
+static double highest(const tc_map *map)
+{
+    double z = tc_map_radius(map) > 0 ? 0 : -INFINITY; /* of what is no map's */
+    for (int c = 0; c < tc_map_charts(map); c++) {
+        const tc_terrain_info *info = tc_field_info(tc_map_field(map, c));
+        z = fmax(z, info->z_base + info->z_max);
+    }
+    return z;
+}
+
+/* Without what arithmetic leaves behind a number's last digit that means something. */
+static double rounded(double v, double places)
+{
+    return rint(v * places) / places + 0.0; /* no -0 */
+}
+
+tc_status tc_ray_tell(const tc_map *map, const char *name, const char *text, tc_error *error)
+{
+    const bool flat = tc_map_radius(map) == 0;
+    const tc_navigation *navigation = flat ? &tc_plane_navigation : &tc_sphere_navigation;
+    const tc_field *field = tc_map_field(map, 0);
+    const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
+    tc_pose eye;
+    if (!tc_pose_parse(navigation, text, &eye))
+        return tc_fail(error, TC_ERR_USAGE, "--ray: expected %s, %s, found '%s'", navigation->form, navigation->bounds,
+                       text);
+    target t = {.map = map};
+    tc_map_extent(map, t.low, t.high);
+    const double spacing = fmin(finest.spacing_x, finest.spacing_y), top = highest(map);
+    const tc_ground ground = {ground_height, &t, spacing, map->body};
+    const tc_scenery straight = {.navigation = navigation, .ground = &ground, .fov = 1, .width = 1, .height = 1};
+    const double place[3] = {eye.x, eye.y, eye.z};
+    const double size = flat ? hypot(t.high[0] - t.low[0], t.high[1] - t.low[1]) : 2 * tc_map_radius(map);
+    const double away = flat ? hypot(eye.x - t.low[0], eye.y - t.low[1]) : 0;
+    const tc_ray_steps steps = {.least = 0.125 * spacing};
+    double way[3], distance, p[3], met[3];
+    const double below = ground_height(&t, eye.x, eye.y) - eye.z;
+    if (below > 0)
+        return tc_fail(error, TC_ERR_IO, "--ray: expected an eye above the ground of %s, found one %.3f m below it",
+                       name, below);
+    tc_pixel_ray(&straight, &eye, 0.5, 0.5, way);
+    const bool meets =
+        tc_meet_ground(&ground, place, way, top, 2 * (size + away + fabs(eye.z) + fabs(top)), &steps, &distance, p);
+    if (t.status != TC_OK)
+        return tc_fail(error, t.status, "%s: cannot be read: %s", name, tc_status_text(t.status));
+    if (!meets || !map->body.class->place(&map->body, p, met))
+        return tc_fail(error, TC_ERR_IO, "--ray: expected a ray that meets the ground of %s, found one that does not",
+                       name);
+    const double places = flat ? 1e6 : 1e9;
+    printf("%.10g %.10g %.10g %.10g\n", rounded(met[0] / navigation->unit, places),
+           rounded(met[1] / navigation->unit, places), rounded(met[2], 1e6), rounded(distance, 1e6));
+    return TC_OK;
+}
