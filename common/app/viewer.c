@@ -227,6 +227,10 @@ static void explain(const tc_viewer *v, const tc_left_out *left_out)
     if (v->options.target_ms > 0)
         printf("uses: throttling: for frames of %g ms the last one was drawn %.2f of at most %.2f octaves coarser\n",
                v->options.target_ms, tc_renderer_used(v->renderer).frame->throttle, v->surface->most_throttle);
+    for (int i = 0; i < v->terrain_credits.count; i++)
+        printf("credit: terrain: %s\n", v->terrain_credits.line[i]);
+    for (int i = 0; i < v->imagery_credits.count; i++)
+        printf("credit: imagery: %s\n", v->imagery_credits.line[i]);
     for (int i = 0; i < left_out->count; i++)
         printf("left out: %s\n", left_out->lines[i]);
 }

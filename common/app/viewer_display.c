@@ -95,6 +95,12 @@ static void tell_state(const tc_viewer *v, const tc_frame_stats *frame)
         tc_display_say(display, TC_SIDE_CORNER, true, 1, "a part cannot be read");
 }
 
+static void tell_credits(tc_display *display, const tc_credits *credits)
+{
+    for (int i = 0; i < credits->count; i++)
+        tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s", credits->line[i]);
+}
+
 static void tell_files(const tc_viewer *v)
 {
     tc_display *display = &v->display->display;
@@ -102,7 +108,10 @@ static void tell_files(const tc_viewer *v)
     if (o->imagery_count > 0)
         tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s%s", tc_viewer_file_name(o->imagery[o->imagery_count - 1]),
                        o->imagery_count > 1 ? " and others" : "");
+    if (o->imagery_count > 0)
+        tell_credits(display, &v->imagery_credits);
     tc_display_say(display, TC_SIDE_LEFT, false, 1, "%s", tc_viewer_file_name(o->terrain));
+    tell_credits(display, &v->terrain_credits);
 }
 
 /* Digits of a place that are as fine as what is seen from this height. */

@@ -12,6 +12,7 @@
 #include "common/view/pick.h"
 #include "common/view/quality.h"
 #include "common/view/throttle.h"
+#include "credits.h"
 #include "load.h"
 #include "options.h"
 #include "common/render/renderer.h"
@@ -60,10 +61,11 @@ typedef struct tc_viewer {
         tc_camera camera;
         tc_scene_options scene;
         const tc_renderer *renderer;
-    } shown;                /* what its last frame was drawn of */
-    tc_colour_ramp colours; /* of the options; count 0: none */
-    tc_imagery *imagery;    /* likewise; NULL: none */
-    tc_surroundings around; /* of the map */
+    } shown;                                     /* what its last frame was drawn of */
+    tc_colour_ramp colours;                      /* of the options; count 0: none */
+    tc_imagery *imagery;                         /* likewise; NULL: none */
+    tc_credits terrain_credits, imagery_credits; /* of the files that they were loaded from */
+    tc_surroundings around;                      /* of the map */
     tc_camera camera;
     tc_flight_path path; /* no keys: none */
     tc_outputs outputs;  /* files to be written, none of which may be read */

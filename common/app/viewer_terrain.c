@@ -21,12 +21,21 @@ static void say(void *context, bool warning, const char *line)
         fprintf(stderr, "%s: %s\n", viewer->program->name, line);
 }
 
+/* What a file says of whose it is. */
+static void keep_credit(void *credits, const char *text)
+{
+    tc_credits_add(credits, text);
+}
+
 static tc_status open_file(tc_viewer *v, tc_error *error)
 {
     tc_source_options source = v->options.source;
     source.say = say;
     source.progress = tc_viewer_progress;
     source.say_context = source.progress_context = v;
+    source.credit = keep_credit;
+    source.credit_context = &v->terrain_credits;
+    v->terrain_credits.count = 0;
     source.outputs = &v->outputs;
     tc_load_options load = {.body = v->program->body,
                             .globe = v->options.globe,
@@ -127,7 +136,12 @@ static bool show_levels(void *context, double done)
 
 tc_status tc_viewer_load_imagery(tc_viewer *v, tc_error *error)
 {
-    const tc_source_options source = {.say = say, .say_context = v, .outputs = &v->outputs};
+    const tc_source_options source = {.say = say,
+                                      .say_context = v,
+                                      .credit = keep_credit,
+                                      .credit_context = &v->imagery_credits,
+                                      .outputs = &v->outputs};
+    v->imagery_credits.count = 0;
     levels_line line = {.viewer = v, .shown = !v->options.quiet && isatty(STDERR_FILENO)};
     const tc_image_options options = {.source = &source, .progress = show_levels, .progress_context = &line};
     tc_viewer_progress(v, "opening imagery", -1);

@@ -429,6 +429,19 @@ tc_status tc_gdal_open_dataset(const char *path, const char *name, GDALDatasetH 
     return TC_OK;
 }
 
+void tc_gdal_tell_credit(GDALDatasetH dataset, const tc_source_options *options)
+{
+    static const char *const items[] = {"TIFFTAG_COPYRIGHT", "EXIF_Copyright", "COPYRIGHT", "ATTRIBUTION", "CREDIT",
+                                        "TIFFTAG_ARTIST",    "EXIF_Artist",    "AUTHOR"};
+    const char *text = NULL;
+    if (!options || !options->credit)
+        return;
+    for (size_t k = 0; k < sizeof items / sizeof *items && (!text || !*text); k++)
+        text = GDALGetMetadataItem(dataset, items[k], NULL);
+    if (text && *text)
+        options->credit(options->credit_context, text);
+}
+
 static tc_status open_raster(const char *path, const tc_source_options *options, bool *recognised,
                              tc_raster **raster_ret, tc_error *error)
 {
@@ -454,6 +467,8 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
         r->base.info.parts = tc_gdal_all_files(r->dataset);
         status = tc_gdal_take_layer(path, options, layer_taken, &r->dataset, error);
     }
+    if (status == TC_OK)
+        tc_gdal_tell_credit(r->dataset, options);
     if (status == TC_OK)
         status = describe(r, options, error);
     tc_gdal_heard(&said);

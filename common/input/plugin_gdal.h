@@ -27,6 +27,9 @@ const char *tc_gdal_heard(const tc_gdal_messages *messages);
 tc_status tc_gdal_open_dataset(const char *path, const char *name, GDALDatasetH *dataset_ret, bool *recognised,
                                tc_error *error);
 
+/* Tells options->credit what a dataset says of whose it is. */
+void tc_gdal_tell_credit(GDALDatasetH dataset, const tc_source_options *options);
+
 /* All files of a dataset, to be freed with CSLDestroy. */
 char **tc_gdal_all_files(GDALDatasetH dataset);
 

@@ -145,6 +145,8 @@ tc_status tc_gdal_open_image(const char *path, const tc_image_map *map, const tc
     if (status == TC_OK)
         g->base.parts = tc_gdal_all_files(g->dataset);
     if (status == TC_OK)
+        tc_gdal_tell_credit(g->dataset, options->source);
+    if (status == TC_OK)
         status = tc_gdal_pixels_of(path, g->dataset, options->source, &g->pixels, error);
     if (status == TC_OK)
         status = place(g, map, options, error);

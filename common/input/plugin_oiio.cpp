@@ -189,6 +189,16 @@ tc_status check_whole(const char *path, const OIIO::ImageSpec &spec, tc_error *e
     return TC_OK;
 }
 
+/* Tells what a file says of whose it is. */
+void tell_credit(const OIIO::ImageSpec &spec, const tc_source_options *options)
+{
+    std::string text;
+    for (const char *item : {"Copyright", "Artist"})
+        text = text.empty() ? std::string(spec.get_string_attribute(item)) : text;
+    if (options->credit && !text.empty())
+        options->credit(options->credit_context, text.c_str());
+}
+
 tc_status describe(oiio_raster *r, const tc_source_options *options, tc_error *error)
 {
     const OIIO::ImageSpec &spec = r->input.spec();
@@ -213,6 +223,7 @@ tc_status describe(oiio_raster *r, const tc_source_options *options, tc_error *e
     info.has_mask = r->alpha >= 0;
     info.scale = 1;
     r->input.begin();
+    tell_credit(spec, options);
     if (options->say && r->input.file->seek_subimage(1, 0)) {
         options->say(options->say_context, true, "the file holds several pictures; the first is shown");
         r->input.file->seek_subimage(0, 0);
@@ -322,6 +333,7 @@ tc_status open_rows(const char *path, const tc_image_options *options, tc_image_
                                  "floats are taken for light: 0 is black, 1 and above white");
         r->input.type = OIIO::TypeFloat;
         r->input.begin();
+        tell_credit(spec, options->source);
         r->base.name = r->path.c_str();
         r->base.width = spec.width;
         r->base.height = spec.height;

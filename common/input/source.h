@@ -37,6 +37,9 @@ typedef struct tc_source_options {
      * not known; false stops it, with TC_ERR_IO. NULL: not called. */
     bool (*progress)(void *context, const char *what, double share);
     void *progress_context;
+    /* Called with what an opened file says of whose it is, as it says it. NULL: not called. */
+    void (*credit)(void *context, const char *text);
+    void *credit_context;
 } tc_source_options;
 
 /* Says one line to the user by options->say. */

@@ -114,6 +114,23 @@ if start hills.tif $sky --no-display; then
     ends '--no-display'
 fi
 
+# Whose the terrain is, in its own words, below its name.
+sed 's/@/(c) Somebody, somewhere, who took great pains over every single height in this file/' >credited.vrt <<'end'
+<VRTDataset rasterXSize="513" rasterYSize="513"><Metadata><MDI key="COPYRIGHT">@</MDI></Metadata>
+<VRTRasterBand dataType="Float32" band="1"><SimpleSource><SourceFilename relativeToVRT="1">hills.tif</SourceFilename>
+<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>
+end
+if start hills.tif $sky; then
+    sleep 12 # the hint is gone
+    before=$(marks)
+    ends 'a terrain that does not say whose it is'
+fi
+if start credited.vrt $sky --spacing 30; then
+    sleep 12
+    shows 'whose the terrain is' $((before + 5000)) $((before + 20000))
+    ends 'a terrain that says whose it is'
+fi
+
 # ---- Compass and panel
 
 if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then

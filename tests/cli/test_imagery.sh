@@ -327,4 +327,29 @@ echo "7000 x 3600 pixels, a file of $size MB: $first MB read, then $read MB"
 [ $first -ge $size ] && [ $first -le $((size * 11 / 10 + 8)) ] || fail "$first MB were read of a file of $size MB"
 [ $read -le 8 ] || fail "$read MB were read once its levels are in the cache"
 
+# ---- Whose it is: in the words of the files, as short lines without control characters
+
+credited() { # FILE ITEM TEXT SIZE TYPE MEANING...: a virtual one of that file, with bands, that says so
+    echo "<VRTDataset rasterXSize=\"$4\" rasterYSize=\"$4\"><Metadata><MDI key=\"$2\">$3</MDI></Metadata>"
+    of=$1 type=$5 band=0
+    shift 5
+    for meaning; do
+        band=$((band + 1))
+        echo "<VRTRasterBand dataType=\"$type\" band=\"$band\"><ColorInterp>$meaning</ColorInterp><SimpleSource>"
+        echo "<SourceFilename relativeToVRT=\"1\">$of</SourceFilename><SourceBand>$band</SourceBand>"
+        echo '</SimpleSource></VRTRasterBand>'
+    done
+    echo '</VRTDataset>'
+}
+$make_file tiff whose.tif size=65x65 metres=30
+$make_picture make whose.png driver=PNG size=64x64
+credited whose.tif TIFFTAG_COPYRIGHT "(c) A. Person&#10;&#27;[31mand   others" 65 Float32 Gray >whose.vrt
+credited whose.png attribution "$(seq 400 | tr '\n' ' ')" 64 Byte Red Green Blue >picture.vrt
+does '' $viewer whose.vrt --spacing 30 --imagery picture.vrt $picture --explain
+echo "$out" | grep -Fqx 'credit: terrain: (c) A. Person [31mand others' || fail "whose the terrain is: $out"
+echo "$out" | grep -Eqx 'credit: imagery: 1 2 3 4 [0-9 ]{100,150} \.\.\.' || fail "whose the picture is: $out"
+does '' $viewer whose.tif --imagery whose.png $picture --explain
+echo "$out" | grep -q '^credit:' && fail "files that do not say whose they are: $out"
+rm -rf out && mkdir out
+
 finish

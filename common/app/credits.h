@@ -1,0 +1,18 @@
+/* credits.h - whose data are shown, in the words of their files: a few short lines, of which nothing but letters is
+ * left, since they come from strangers. */
+#ifndef TC_CREDITS_H
+#define TC_CREDITS_H
+
+enum { TC_CREDITS = 6, TC_CREDIT_LENGTH = 160 /* bytes, UTF-8, with its end */ };
+
+typedef struct tc_credits {
+    char line[TC_CREDITS][TC_CREDIT_LENGTH];
+    int count;
+} tc_credits;
+
+/* Adds what a file says; not what is there already, nor what is empty. Where there is no room the last line tells of
+ * others. Signs that are no letters become spaces, of which one is left where there are several; bytes that are no
+ * UTF-8 are taken for Latin-1; what is too long is cut between characters, and ends in dots. */
+void tc_credits_add(tc_credits *credits, const char *text);
+
+#endif
