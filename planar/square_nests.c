@@ -139,7 +139,7 @@ static tc_status nests_prepare(square_surface *s, tc_error *error)
         most++;
     s->strips = most * (across * across + 4 * across * 3);
     s->lists = most * 4 * across;
-    s->head.wall_capacity = most * 8 * across;
+    s->head.wall_capacity = most * 8 * across + 1; /* the floor */
     s->head.most_throttle = tc_square_most_throttle(n);
     return TC_OK;
 }

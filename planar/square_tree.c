@@ -382,7 +382,7 @@ static tc_status tree_prepare(square_surface *s, tc_error *error)
             (long long)tc_field_level(field, finest).width, (long long)tc_field_level(field, finest).height);
     s->strips = levels * TC_BLOCKS_ACROSS * TC_BLOCKS_ACROSS;
     s->lists = levels * TC_BLOCKS_ACROSS * TC_BLOCKS_ACROSS / 2;
-    s->head.wall_capacity = levels * 4 * TC_BLOCKS_ACROSS;
+    s->head.wall_capacity = levels * 4 * TC_BLOCKS_ACROSS + 1; /* the floor */
     s->head.by_error = true;
     /* A block next to what a finer level's window can hold still has an alpha of 0. */
     s->head.most_throttle = fmax(0, fmin(3, log2((0.5 - PASSAGE) * reach_of(n, tree_block(s)) / tree_block(s))));

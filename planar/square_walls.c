@@ -1,4 +1,4 @@
-/* square_walls.c - square grids: walls below the edge of the terrain.
+/* square_walls.c - square grids: walls below the edge of the terrain, and the floor of the block that they make of it.
  *
  * A block at the edge has a strip of triangles there: its own vertices, from the same numbers by the same expressions,
  * and below each of them one at the walls' foot. So walls and terrain meet bit for bit, whichever levels are drawn.
@@ -67,9 +67,24 @@ void tc_square_add_walls(square_draws *a, int level, tc_rect cells, const float 
         }
 }
 
+/* Between the walls' feet, for an eye below them: two triangles, of the numbers of vertices beyond all walls'. Where
+ * there is a sea they end in it. */
+static void add_floor(square_draws *a)
+{
+    const tc_frame_options *o = &a->view->options;
+    if (!o->walls || o->shore > -INFINITY || a->view->camera.z >= o->foot || a->walls == a->s->head.wall_capacity)
+        return;
+    const tc_rect whole = tc_clipmap_level(a->clipmap, 1)->extent;
+    const int at = a->s->head.draw_capacity + a->walls++;
+    a->frame->wall_triangles += 2;
+    a->frame->instances[at] = tc_square_instance(a, 1, whole.x0, whole.y0, NULL);
+    a->frame->draws[at] = (tc_draw){.count = 4, 1, .first_index = 1u << 21};
+}
+
 void tc_square_end_walls(square_draws *a)
 {
     tc_frame *f = a->frame;
+    add_floor(a);
     const int others = a->strips + a->lists;
     for (int i = 0; i < a->walls; i++) {
         f->draws[others + i] = f->draws[a->s->head.draw_capacity + i];

@@ -16,6 +16,12 @@ bool at_foot()
     return (gl_VertexID & 1) != 0;
 }
 
+// Of the floor, whose corners they are.
+bool of_floor()
+{
+    return gl_VertexID >= 1 << 21;
+}
+
 ivec2 wall_vertex()
 {
     ivec2 place = ivec2(gl_VertexID >> 10 & 1023, gl_VertexID >> 1 & 511);
@@ -38,7 +44,7 @@ out float v_void;
 // left of it where a triangle begins at the near plane and ends at a skyline.
 #ifdef WALLS
 INTERPOLATED out float v_height; // above the eye
-flat out vec3 v_wall;            // x, y: outwards; z: level
+flat out vec3 v_wall;            // x, y: outwards, 0 of the floor; z: level
 #else
 #if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED) || defined(TOLERANCE)
 #define PLACED
@@ -106,8 +112,33 @@ void map_vertex(out ivec2 texel, out vec2 plane, out vec2 cell, out vec2 c, out 
 #endif
 }
 
+#ifdef WALLS
+// A little above the walls' feet, whose many vertices lie beside its four sides, not on them: seen from below, walls hang
+// before its near sides by more than a part of a pixel, and what is beyond the far ones is beyond the block.
+vec3 floor_vertex()
+{
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1 & 1);
+    vec2 far = max(abs(around[0].xy), abs(around[0].zw));
+    v_height = (around[1].z - eye.x) - eye.y;
+    v_height += 5e-5 * length(vec3(far, v_height));
+    v_wall = vec3(0.0, 0.0, float(block_layer()));
+#ifdef HOLES
+    v_void = 0.0;
+#endif
+    vec2 plane = mix(around[0].xy, around[0].zw, corner);
+#if defined(IMAGERY) && !defined(MULTISAMPLED)
+    v_plane = plane;
+#endif
+    return vec3(plane, v_height);
+}
+#endif
+
 vec3 surface_vertex()
 {
+#ifdef WALLS
+    if (of_floor())
+        return floor_vertex();
+#endif
     ivec2 texel;
     vec2 plane, cell, c;
     float alpha;

@@ -1,4 +1,5 @@
-// square_walls.frag - walls below the edge of a flat terrain: the ground as it is cut there (ground.glsl); planar/square_walls.c.
+// square_walls.frag - walls below the edge of a flat terrain, and the floor between them: the ground as it is cut there
+// (ground.glsl); planar/square_walls.c.
 INTERPOLATED in float v_height; // square.glsl
 flat in vec3 v_wall;
 #ifdef HOLES
@@ -30,7 +31,7 @@ Ground surface_ground()
 #endif
 #ifdef NORMALS
     g.up = vec3(0.0, 0.0, 1.0);
-    g.normal = wet ? g.up : vec3(v_wall.xy, 0.0);
+    g.normal = wet ? g.up : vec3(v_wall.xy, dot(v_wall.xy, v_wall.xy) - 1.0);
     g.fall = vec2(0.0);
 #endif
 #ifdef ZONES

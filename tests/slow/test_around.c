@@ -1,10 +1,11 @@
 /* test_around.c - what a flat terrain is shown with: its walls leave no gap below its edge, and the sea around it goes
- * to the horizon without one. */
+ * to the horizon without one; nor has it one from below. */
 #include "tests/support/test.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#include "common/measure/view_error.h"
 #include "tests/support/scene.h"
 #include "tests/support/terrains.h"
 
@@ -117,6 +118,65 @@ static void walls_are_drawn_where_they_can_be_seen(void **state)
     tc_field_destroy(field);
 }
 
+static bool over_ground(const tc_camera *c, const double ray[3], double t)
+{
+    const double margin = 10, east = c->x + t * ray[0], north = c->y + t * ray[1];
+    return east > margin && north > margin && east < (COLUMNS - 1) * SPACING - margin &&
+           north < (ROWS - 1) * SPACING - margin;
+}
+
+/* From below its foot the block is closed: what rays through the floor meet is the floor, and above it no gap is. */
+static void a_block_has_a_floor(void **state)
+{
+    (void)state;
+    const double foot = -2500, most = 3; /* that the floor is above it */
+    tc_field *field = terrain_field(TERRAIN_DEFAULT, COLUMNS, ROWS, SPACING, 5);
+    float *depth = malloc(sizeof *depth * WIDTH * HEIGHT);
+    uint8_t *rgb = malloc((size_t)3 * WIDTH * HEIGHT);
+    assert_non_null(depth);
+    assert_non_null(rgb);
+    for (int by_error = 0; by_error < 2; by_error++) {
+        const tc_scene_options options = walled(by_error, true);
+        scene s = scene_create(context, field, 127, &options);
+        test_random r = {19};
+        int through = 0, others = 0, open = 0;
+        for (int k = 0; k < VIEWS; k++) {
+            tc_camera c = camera_of(&r, k % 4 != 0);
+            c.z = foot - exp(test_random_range(&r, log(0.5), log(12000)));
+            c.pitch = 0, c.fov = 1.4;
+            scene_draw(&s, &c, true);
+            tc_renderer_read(s.renderer, rgb, depth);
+            open += gaps(rgb);
+            double tx, ty;
+            tc_camera_tangents(&c, &tx, &ty);
+            const tc_basis b = tc_camera_basis(&c);
+            for (int y = 0; y < HEIGHT; y++)
+                for (int x = 0; x < WIDTH; x++) {
+                    const double u = tx * ((x + 0.5) / WIDTH * 2 - 1), v = ty * (1 - (y + 0.5) / HEIGHT * 2);
+                    double ray[3];
+                    for (int i = 0; i < 3; i++)
+                        ray[i] = b.forward[i] + u * b.right[i] + v * b.up[i];
+                    const double t = (foot - c.z) / ray[2], raised = (foot + most - c.z) / ray[2];
+                    if (!(ray[2] > 1e-3) || !over_ground(&c, ray, t) || !over_ground(&c, ray, raised))
+                        continue;
+                    double place[3];
+                    tc_view_unproject(&c, s.surface->near_plane, &(tc_body){&tc_plane_body, 0, 0}, x + 0.5, y + 0.5,
+                                      depth[y * WIDTH + x], place);
+                    through++, others += !(depth[y * WIDTH + x] > 0) || place[2] < foot - 1e-4 * t - 0.1 ||
+                                         place[2] > foot + most;
+                }
+        }
+        print_message("%d pixels of the floor, %d of them show something else, %d gaps\n", through, others, open);
+        assert_true(through > VIEWS * WIDTH * HEIGHT / 20);
+        assert_int_equal(others, 0);
+        assert_int_equal(open, 0);
+        scene_destroy(&s);
+    }
+    free(depth);
+    free(rgb);
+    tc_field_destroy(field);
+}
+
 /* All that lies below the horizon is drawn, and nothing is above it where no terrain is. */
 static void the_sea_reaches_the_horizon(void **state)
 {
@@ -164,6 +224,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(walls_leave_no_gap),
         cmocka_unit_test(walls_are_drawn_where_they_can_be_seen),
+        cmocka_unit_test(a_block_has_a_floor),
         cmocka_unit_test(the_sea_reaches_the_horizon),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
