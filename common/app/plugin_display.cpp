@@ -138,6 +138,16 @@ float width_of(const tc_display *display, tc_display_side side, float most)
     return width;
 }
 
+/* Beside the pointer, in as many lines as there is room for. */
+void tip(const tc_overlay *o, const char *text)
+{
+    ImGui::BeginTooltip();
+    ImGui::PushTextWrapPos(std::min(PANEL * o->unit, ImGui::GetIO().DisplaySize.x - 4 * MARGIN * o->unit));
+    ImGui::TextUnformatted(text);
+    ImGui::PopTextWrapPos();
+    ImGui::EndTooltip();
+}
+
 /* ---- Scale and compass ------------------------------------------------------------------------------------------- */
 
 /* A bar with its length above, at the bottom left; returns the y above it. */
@@ -194,7 +204,7 @@ bool draw_compass(const tc_overlay *o, const tc_display *display, float right, f
     list->AddText(ImVec2(std::floor(north.x - letter.x / 2 + 0.5f), std::floor(north.y - letter.y / 2 + 0.5f)), INK,
                   "N");
     if (hovered)
-        ImGui::SetTooltip("north up");
+        tip(o, "north up");
     ImGui::End();
     ImGui::PopStyleVar(2);
     return clicked;
@@ -377,7 +387,7 @@ bool draw_panel(tc_overlay *o, const tc_display *display, tc_display_result *res
         }
         row_kinds[row->kind].draw(o, row, result);
         if (row->help && row->kind != TC_ROW_ENTRY && ImGui::IsItemHovered())
-            ImGui::SetTooltip("%s", row->help);
+            tip(o, row->help);
         ImGui::PopID();
     }
     o->panel_right = ImGui::GetWindowPos().x + ImGui::GetWindowSize().x;

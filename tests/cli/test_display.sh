@@ -287,6 +287,33 @@ if start globe.tif --size 640x480 --background 20c040 --view 20,30,2e7,0,80; the
 fi
 viewer=$viewer_before
 
+# ---- A screen of twice as many dots: texts are twice as large, the picture has a pixel of its own for each of the window's
+
+measured() { # sets texts, picture_colours: the display's pixels; colours of a terrain without it
+    start hills.tif $sky || return
+    sleep 12 # the hint is gone
+    texts=$(marks)
+    ends 'a scaled display'
+    start hills.tif --size 640x480 --view 2000,1500,2500,30,-15 --no-display || return
+    sleep 3
+    picture_colours=$(shown colours)
+    ends 'a scaled picture'
+}
+if command -v xrdb >/dev/null 2>&1; then
+    cases=$((cases + 2))
+    measured
+    texts_before=$texts colours_before=$picture_colours
+    echo 'Xft.dpi: 192' | xrdb -merge
+    measured
+    { [ "$texts" -gt $((3 * texts_before)) ] && [ "$texts" -lt $((5 * texts_before)) ]; } ||
+        fail "texts of $texts pixels at twice the scale, of $texts_before at once"
+    { [ "$picture_colours" = "$colours_before" ] && [ "$colours_before" -gt 300 ]; } ||
+        fail "a picture of $picture_colours colours at twice the scale, of $colours_before at once"
+    xrdb -remove
+else
+    skip 'xrdb is not installed'
+fi
+
 # ---- A display that goes away
 
 if command -v Xvfb >/dev/null 2>&1; then
