@@ -7,6 +7,8 @@ layout(std140, binding = 0) uniform Frame {
     vec4 eye;              // x: reference height, y: eye above it, metres above z_base
     vec4 ray[3];           // from the eye to the frame's middle is [2], from there to its sides [0] right and [1] up
     vec4 sun;              // xyz: direction to the sun; w: strength
+    vec4 dusk;             // at the eye: x: share of daylight, y: light that is there without the sun, z: how much is seen of stars
+                           // above a plane; w: how much of a star's light goes in the air around a globe
     vec4 heights;          // ramp: x: sea level, y: 1 / depth of the sea, z: 1 / height of the land, w: height of the shore;
                            // of given colours z: 1 / relief, w: lowest height above the sea, or 1 / degrees, 0
     vec4 haze;             // rgb; w: near plane / distance of half haze

@@ -18,7 +18,7 @@ void main()
     c *= day * AIR;
 #ifdef STARS
     // Where the sky is black.
-    c += stars_at(d) * exp(-0.4 * depth * AIR) * (1.0 - smoothstep(0.002, 0.03, max(c.r, max(c.g, c.b))));
+    c += stars_at(d) * exp(-dusk.w * depth * AIR) * (1.0 - smoothstep(0.002, 0.03, max(c.r, max(c.g, c.b))));
 #endif
     c += vec3(0.00015, 0.00018, 0.00025);
     colour = encoded(sqrt(c) + step_noise());

@@ -16,7 +16,7 @@ struct Ground {
     vec2 fall;       // metres a metre to the east and to the north: where the ground falls to
 #endif
 #if defined(LIT) && defined(CLIMATE)
-    float day;       // share of daylight: the sun sets
+    float day;       // share of daylight: the sun sets; tc_sun_day()
     float snow_line; // height from which snow stays, metres above the sea
 #endif
 #ifdef ZONES
@@ -54,20 +54,20 @@ vec3 zoned(vec3 green, float height, float sine)
 
 #ifdef LIT
 // The sun, light of the sky from above and of the ground around from the side (softer than Lambert's law alone), on
-// ground whose normal has these cosines to the sun and to up. Where the sun sets, the sky's light goes with it.
-vec3 daylight(float facing, float upright, float day)
+// ground whose normal has these cosines to the sun and to up. Where the sun sets, the sky's light goes with it. Eyes that
+// are used to the dark see by what is there at night.
+vec3 daylight(float facing, float upright, float day, float night)
 {
     float direct = max(facing, 0.0) * sun.w;
     float ambient = 0.34 + 0.14 * upright + 0.12 * facing;
-#ifdef CLIMATE
     direct *= day;
     ambient *= 0.06 + 0.94 * day;
-#endif
 #ifndef UNDER_AIR
     // Without air there is no light from the sky.
     direct *= 1.5;
     ambient *= 0.18;
 #endif
+    ambient += night * upright * upright;
     return direct * vec3(1.0, 0.96, 0.88) + ambient * vec3(0.82, 0.91, 1.0);
 }
 #endif

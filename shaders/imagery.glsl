@@ -98,7 +98,8 @@ vec4 image_colour(vec4 light)
     vec3 c = light.rgb / max(light.a, 1e-4);
     vec3 shown = mix(12.92 * c, 1.055 * pow(max(c, 1e-6), vec3(1.0 / 2.4)) - 0.055, greaterThan(c, vec3(0.0031308)));
 #ifdef LIT
-    return vec4(shown * shown / daylight(sun.z, 1.0, 1.0), light.a);
+    const float USUAL = 0.615661502; // how high the sun stands by day: TC_SUN_ELEVATION
+    return vec4(shown * shown / daylight(USUAL, 1.0, 1.0, 0.0), light.a);
 #else
     return vec4(shown * shown, light.a);
 #endif

@@ -72,12 +72,12 @@ void main()
     n = sea ? up + 0.2 * (n - upright * up) : n; // the bottom just shows through
 #endif
 #ifdef CLIMATE
-    vec3 light = daylight(dot(n, sun.xyz), dot(n, up), ground.day);
+    vec3 light = daylight(dot(n, sun.xyz), dot(n, up), ground.day, dusk.y);
 #else
-    vec3 light = daylight(dot(n, sun.xyz), dot(n, up), 1.0);
+    vec3 light = daylight(dot(n, sun.xyz), dot(n, up), dusk.x, dusk.y);
 #endif
 #ifdef WALLS
-    light = max(light, vec3(0.33)); // a model's, not a cliff's
+    light = max(light, vec3(0.33 * max(dusk.x, dusk.y))); // a model's, not a cliff's
 #endif
     c *= light;
 #endif

@@ -11,7 +11,7 @@ void main()
     c += haze.rgb * vec3(0.57, 0.39, 0.23) * s * s * s;
     c *= 1.0 + 0.25 * min(d.z, 0.0);
 #ifdef STARS
-    c += stars_at(d);
+    c += stars_at(d) * (dusk.z * mix(1.0, smoothstep(0.0, 0.25, d.z), AIR));
 #endif
     colour = encoded(sqrt(c) + step_noise());
 }

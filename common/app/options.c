@@ -129,6 +129,25 @@ static bool read_exaggeration(void *factor, const char *value)
     return tc_read_number(value, TC_LEAST_EXAGGERATION, TC_MOST_EXAGGERATION, factor);
 }
 
+static bool read_sun(void *sun, const char *value)
+{
+    double azimuth, elevation;
+    if (!tc_take_number(&value, &azimuth) || *value++ != ',' || !tc_take_number(&value, &elevation) || *value ||
+        !(fabs(azimuth) <= 360 && fabs(elevation) <= 90))
+        return false;
+    *(tc_sun *)sun = (tc_sun){.kind = TC_SUN_LOCAL,
+                              .azimuth = (azimuth < 0 ? azimuth + 360 : azimuth) * M_PI / 180,
+                              .elevation = elevation * M_PI / 180};
+    return true;
+}
+
+static bool set_date(void *options, const char *value)
+{
+    tc_options *o = options;
+    o->date = value;
+    return tc_sun_read_date(value, &o->julian);
+}
+
 bool tc_read_scheme(void *options, const char *value)
 {
     tc_options *o = options;
@@ -220,6 +239,13 @@ static const tc_option table[] = {
     {0, "contours", "METRES", "metres of 0.001..1e6", "between lines of equal height, every fifth heavier (none)",
      read_contours, offsetof(tc_options, scene.contours)},
     TC_SWITCH(tc_options, scene.unlit, 0, "unlit", "colours without light"),
+    {0, "sun", "AZIMUTH,ELEVATION", "AZIMUTH,ELEVATION in degrees, |AZIMUTH| up to 360, |ELEVATION| up to 90",
+     "of the light of natural colours, clockwise from north and above the horizon; on a globe as from the ground below "
+     "the eye, which it follows. A hillshade keeps its own (310,38)",
+     read_sun, offsetof(tc_options, scene.sun)},
+    {0, "date", "YYYY-MM-DDTHH:MMZ", "YYYY-MM-DDTHH:MMZ, a minute of UTC of the years 1901 to 2099",
+     "instead: the sun where it stands over the Earth then, of a flat map that says where it lies as from its middle",
+     set_date, 0},
     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
      offsetof(tc_options, scene)},
     TC_SWITCH(tc_options, alone, 0, "no-surroundings",
@@ -368,6 +394,15 @@ static tc_status check_together(const tc_options *o, tc_error *error)
             error, TC_ERR_USAGE,
             "--unlit: expected no --shade %s with it, whose light it takes, found both; --shade none has no light",
             o->scene.shade->name);
+    const char *sun = o->date ? "date" : o->scene.sun.kind != TC_SUN_USUAL ? "sun" : NULL;
+    if (o->date && o->scene.sun.kind != TC_SUN_USUAL)
+        return tc_fail(error, TC_ERR_USAGE, "--date: expected either it or --sun, found both");
+    if (sun && o->scene.unlit)
+        return tc_fail(error, TC_ERR_USAGE, "--%s: expected no --unlit with it, which has no light, found both", sun);
+    if (sun && o->scene.shade && !o->scene.shade->natural)
+        return tc_fail(error, TC_ERR_USAGE,
+                       "--%s: expected natural colours, whose light it is, found --shade %s, which has none or its own",
+                       sun, o->scene.shade->name);
     if (o->target_ms > 0 && o->output && !o->path)
         return tc_fail(
             error, TC_ERR_USAGE,

@@ -102,6 +102,42 @@ static bool has_light(const tc_viewer *v)
     return !v->scene.shade || v->scene.shade->natural;
 }
 
+/* Of an angle, in such steps that what was set is what is shown. */
+static double degrees(double radians)
+{
+    return round(radians * 180 / M_PI * 1e6) / 1e6;
+}
+
+static void ask_sun(tc_viewer_wish *wish, tc_sun sun)
+{
+    wish->scene.sun = sun;
+    wish->options.date = NULL;
+}
+static double get_sun_azimuth(const tc_viewer *v)
+{
+    return degrees(tc_viewer_sun(v).azimuth);
+}
+static void ask_sun_azimuth(const tc_viewer *v, tc_viewer_wish *wish, double value)
+{
+    tc_sun sun = tc_viewer_sun(v);
+    sun.azimuth = value * M_PI / 180;
+    ask_sun(wish, sun);
+}
+static double get_sun_elevation(const tc_viewer *v)
+{
+    return degrees(tc_viewer_sun(v).elevation);
+}
+static void ask_sun_elevation(const tc_viewer *v, tc_viewer_wish *wish, double value)
+{
+    tc_sun sun = tc_viewer_sun(v);
+    sun.elevation = value * M_PI / 180;
+    ask_sun(wish, sun);
+}
+static bool has_sun(const tc_viewer *v)
+{
+    return has_light(v) && !v->scene.unlit;
+}
+
 static double get_contours(const tc_viewer *v)
 {
     return v->scene.contours;
@@ -241,6 +277,23 @@ static const struct panel_row {
      .there = has_light,
      .get = get_light,
      .ask = ask_light},
+    {.row = {.kind = TC_ROW_SLIDER,
+             .label = "Sun azimuth",
+             .help = "clockwise from north; on a globe as from the ground below the eye",
+             .most = 360,
+             .format = "%.0f degrees"},
+     .there = has_sun,
+     .get = get_sun_azimuth,
+     .ask = ask_sun_azimuth},
+    {.row = {.kind = TC_ROW_SLIDER,
+             .label = "Sun elevation",
+             .help = "above the horizon; below it is night",
+             .least = -90,
+             .most = 90,
+             .format = "%.0f degrees"},
+     .there = has_sun,
+     .get = get_sun_elevation,
+     .ask = ask_sun_elevation},
     {.row = {.kind = TC_ROW_SLIDER,
              .label = "Contours",
              .help = "metres between lines of equal height; 0: none",

@@ -141,7 +141,9 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
     fprintf(file, ",\n  \"blocks_by_level\": [");
     for (int level = 0; level < s->levels && level < TC_MAX_LEVELS; level++)
         fprintf(file, level ? ", %d" : "%d", s->blocks[level]);
-    fprintf(file, "],\n  \"exaggeration\": %g\n}\n", context->exaggeration);
+    fprintf(file, "],\n  \"sun\": {\"azimuth\": %.3f, \"elevation\": %.3f},\n", context->sun.azimuth * 180 / M_PI,
+            context->sun.elevation * 180 / M_PI);
+    fprintf(file, "  \"exaggeration\": %g\n}\n", context->exaggeration);
 }
 
 static tc_status print_to(const char *name, const char *path, const tc_stats_summary *summary,

@@ -159,6 +159,8 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
         v->scene.budget = -1;
     if (!v->scene.samples)
         v->scene.samples = tc_viewer_keeps(&v->options) || !v->options.path ? 4 : 1;
+    if (tc_viewer_settle_sun(v, error) != TC_OK)
+        return TC_ERR_USAGE;
     int most = tc_canvas_samples(v->gl, v->scene.samples);
     if (v->options.scene.samples > most && !v->options.quiet)
         fprintf(stderr, "%s: warning: --samples: expected at most %d with this driver, found %d; %d are drawn\n",
@@ -224,6 +226,10 @@ static void explain(const tc_viewer *v, const tc_left_out *left_out)
     tc_explain_uses(v->renderer, stdout);
     if (v->map->exaggeration != 1)
         printf("uses: exaggeration: heights are drawn %g times as high\n", v->map->exaggeration);
+    const tc_sun sun = tc_viewer_sun(v);
+    if (v->scene.sun.kind != TC_SUN_USUAL && tc_renderer_used(v->renderer).needs->light)
+        printf("uses: sun: azimuth %.4g, elevation %.4g degrees%s%s\n", sun.azimuth * 180 / M_PI,
+               sun.elevation * 180 / M_PI, v->options.date ? ", at " : "", v->options.date ? v->options.date : "");
     if (v->options.target_ms > 0)
         printf("uses: throttling: for frames of %g ms the last one was drawn %.2f of at most %.2f octaves coarser\n",
                v->options.target_ms, tc_renderer_used(v->renderer).frame->throttle, v->surface->most_throttle);
@@ -248,6 +254,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
                                 .bytes_decoded = tc_map_bytes_decoded(v->map),
                                 .synthesised = v->map->synthesised,
                                 .exaggeration = v->map->exaggeration,
+                                .sun = tc_viewer_sun(v),
                                 .imagery = drape ? tc_drape_levels(drape) : 0,
                                 .left_out = left_out.lines};
     tc_renderer_memory(v->renderer, &context.memory);

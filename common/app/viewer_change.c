@@ -60,6 +60,17 @@ static bool other_map(const tc_viewer *v, const tc_options *o)
            (!o->scheme && v->options.scheme) || !tc_atlas_same(scheme_of(v, o)->atlas, tc_viewer_scheme(v)->atlas);
 }
 
+/* Of another map, which may say nothing of where it lies: then in the light of any map. */
+static void settle_sun(tc_viewer *v)
+{
+    tc_error error;
+    if (tc_viewer_settle_sun(v, &error) == TC_OK)
+        return;
+    v->options.date = NULL;
+    v->scene.sun = (tc_sun){0};
+    tc_viewer_tell(v, TC_TOLD_WARNING, "%s", error.text);
+}
+
 /* Loads what changes beside what there is, which goes only once the new can be drawn. */
 static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool map, tc_error *error)
 {
@@ -76,6 +87,8 @@ static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool ma
         v->scene.imagery = v->imagery;
         v->scene.around = v->around;
         v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
+        if (map)
+            settle_sun(v);
         status = tc_viewer_make_surface(v, error);
     }
     tc_viewer gone = status == TC_OK ? before : *v;
@@ -120,6 +133,8 @@ static bool quickly(const tc_viewer *v, const tc_viewer_wish *wish)
     w.scene.wireframe = v->scene.wireframe, w.scene.level_colours = v->scene.level_colours;
     w.scene.frame = v->scene.frame;
     w.scene.samples = v->scene.samples;
+    w.scene.sun = v->scene.sun;
+    w.options.date = v->options.date, w.options.julian = v->options.julian;
     w.options.scene.frame.error = v->options.scene.frame.error;
     return v->renderer && by_error == (wish->scene.frame.error > 0 && tc_viewer_scheme(v)->by_error) &&
            memcmp(&w.scene, &v->scene, sizeof w.scene) == 0 && memcmp(&w.options, &v->options, sizeof w.options) == 0;

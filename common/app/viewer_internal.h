@@ -179,6 +179,13 @@ tc_status tc_viewer_frame(tc_viewer *viewer, bool finish, tc_frame_stats *frame_
 /* What is shown around the map as it is: sets viewer->around. */
 tc_status tc_viewer_look_around(tc_viewer *viewer, tc_error *error);
 
+/* With --date: the sun over the map as it is, of the scene. Where it is not known for the map all is as it was
+ * (viewer_sun.c). */
+tc_status tc_viewer_settle_sun(tc_viewer *viewer, tc_error *error);
+
+/* The sun that there is, as from the place of the eye. */
+tc_sun tc_viewer_sun(const tc_viewer *viewer);
+
 /* Draws heights so many times as high as they are, from now on, at the same view, which is lifted where it would be
  * below the ground. Where that cannot be, all is as it was; but where viewer->renderer is then NULL, nothing can be
  * drawn any more. */

@@ -70,25 +70,35 @@ void tc_places_close(tc_places *places)
     free(places);
 }
 
-void tc_places_words(const tc_places *places, const tc_map *map, double x, double y, int digits, char text[TC_WORDS])
+/* As above, or in the map's own coordinates, which are known. */
+static bool find_degrees(const tc_places *places, const tc_map *map, double x, double y, double degrees[2])
 {
     const tc_georef *georef = &map->georef;
     const tc_chart *grid = &map->grid;
     const double *t = georef->transform;
     if (map->body.radius > 0) {
-        tc_words_degrees(x / DEGREE, y / DEGREE, digits, text);
-        return;
-    }
-    if (!georef->known) {
-        snprintf(text, TC_WORDS, "%.1f, %.1f m", x, y);
-        return;
+        degrees[0] = x / DEGREE, degrees[1] = y / DEGREE;
+        return true;
     }
     /* Columns and rows from the north-west corner. */
     const double column = (x - grid->x0) / grid->dx + 0.5, row = (double)map->height - 0.5 - (y - grid->y0) / grid->dy;
-    double degrees[2] = {t[0] + column * t[1] + row * t[2], t[3] + column * t[4] + row * t[5]};
+    degrees[0] = t[0] + column * t[1] + row * t[2], degrees[1] = t[3] + column * t[4] + row * t[5];
     const bool projected =
         places && places->projected && places->gdal->place_of(places->projected, column, row, degrees);
-    if (georef->geographic || projected)
+    return georef->geographic || projected;
+}
+
+bool tc_places_degrees(const tc_places *places, const tc_map *map, double x, double y, double degrees[2])
+{
+    return (map->body.radius > 0 || map->georef.known) && find_degrees(places, map, x, y, degrees);
+}
+
+void tc_places_words(const tc_places *places, const tc_map *map, double x, double y, int digits, char text[TC_WORDS])
+{
+    double degrees[2];
+    if (!(map->body.radius > 0) && !map->georef.known)
+        snprintf(text, TC_WORDS, "%.1f, %.1f m", x, y);
+    else if (find_degrees(places, map, x, y, degrees))
         tc_words_degrees(degrees[0], degrees[1], digits, text);
     else
         snprintf(text, TC_WORDS, "%.1f E, %.1f N", degrees[0], degrees[1]);

@@ -15,6 +15,9 @@ typedef struct tc_places tc_places;
 tc_places *tc_places_open(const tc_map *map);
 void tc_places_close(tc_places *places);
 
+/* Longitude and latitude of a place of a map, degrees; false: they are not known. places may be NULL. */
+bool tc_places_degrees(const tc_places *places, const tc_map *map, double x, double y, double degrees_ret[2]);
+
 /* The words for a place, in the map's units; degrees to so many digits. */
 void tc_places_words(const tc_places *places, const tc_map *map, double x, double y, int digits, char text[TC_WORDS]);
 

@@ -37,21 +37,40 @@ static void set_rays(tc_frame_uniforms *u, const tc_sight *s, const tc_target_pl
     }
 }
 
+/* The sun at the eye's place, and what is there without it: light enough to see the ground by, and stars. By day, where
+ * it is 1, shaders find each of these as if there were none. */
+static void set_sun(tc_frame_uniforms *u, const tc_surface *surface, const tc_camera *camera, const tc_sun *sun)
+{
+    const double place[3] = {camera->x, camera->y, camera->z};
+    const double NIGHT = 0.06, BY_DAY = 0.4, AT_NIGHT = 0.06; /* light; extinction of stars by the air */
+    double d[3];
+    tc_sun_direction(sun, &surface->body, place, d);
+    const double day = tc_sun_day(d[2]);
+    tc_set4(u->sun, d[0], d[1], d[2], 1.1);
+    tc_set4(u->dusk, day, NIGHT * (1 - day), tc_stars_at_dusk(day), AT_NIGHT + (BY_DAY - AT_NIGHT) * day);
+}
+
+/* On a plane all of the air is as light as at the eye; around a globe shaders know where it is day. */
+static void set_sky(float sky[3], const float by_day[3], const double by_night[3], double day)
+{
+    for (int i = 0; i < 3; i++)
+        sky[i] = (float)(by_night[i] + ((double)by_day[i] - by_night[i]) * day * day);
+}
+
 static void set_air(tc_frame_uniforms *u, const tc_surface *surface, const tc_palette *palette, double above_lowest,
                     bool inverse)
 {
-    const double azimuth = 310 * M_PI / 180, elevation = 38 * M_PI / 180; /* the cartographer's light, a bit softer */
-    float sun[4] = {(float)(sin(azimuth) * cos(elevation)), (float)(cos(azimuth) * cos(elevation)),
-                    (float)sin(elevation), 1.1f};
-    memcpy(u->sun, sun, sizeof sun);
+    static const double horizon[] = {0.0045, 0.006, 0.010}, zenith[] = {0.0010, 0.0017, 0.0036};
+    const bool globe = surface->body.class && surface->body.class->solid;
+    const double day = globe || !palette->air ? 1 : (double)u->dusk[0];
     double distance = 0.65 * surface->extent + 4 * fmax(0, above_lowest); /* half of what one sees there is haze */
     /* Over the nearness that shaders have at hand: near / distance, or 1 / distance. */
     double near = inverse ? surface->near_plane : 1;
-    memcpy(u->haze, palette->horizon, sizeof palette->horizon);
+    set_sky(u->haze, palette->horizon, horizon, day);
     u->haze[3] = (float)(near / distance);
     if (surface->own_haze) /* which knows how far one sees */
         u->haze[3] = (float)near;
-    memcpy(u->zenith, palette->zenith, sizeof palette->zenith);
+    set_sky(u->zenith, palette->zenith, zenith, day);
 }
 
 /* Numbers of lines are told modulo that of those from one heavy line to the next, so that they keep their digits. */
@@ -108,7 +127,7 @@ static void set_space(tc_frame_uniforms *u, const tc_body *body, const tc_camera
 
 void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_palette *palette, const tc_sight *sight,
                            const tc_target_place *place, const tc_frame *frame, const tc_layers *layers,
-                           const tc_scene_needs *needs, double contours, double exaggeration)
+                           const tc_scene_needs *needs, double contours, double exaggeration, const tc_sun *sun)
 {
     const tc_terrain_info *info = tc_field_info(view->surface->field);
     double eye = sight->camera.z - info->z_base;
@@ -122,6 +141,7 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     u->eye[1] = (float)(eye - (double)(float)eye);
     set_rays(u, sight, place);
     memcpy(u->heights, palette->heights, sizeof u->heights);
+    set_sun(u, view->surface, &sight->camera, sun);
     set_air(u, view->surface, palette, eye - info->z_min, sight->inverse);
     u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
     u->beyond[1] = (float)exaggeration;

@@ -18,6 +18,7 @@ typedef struct tc_frame_uniforms {
     float eye[4];
     float ray[3][4];
     float sun[4];
+    float dusk[4]; /* what there is where the sun is low */
     float heights[4];
     float haze[4];
     float zenith[4];
@@ -34,9 +35,10 @@ typedef struct tc_frame_uniforms {
 } tc_frame_uniforms;
 
 /* Light, air and camera of a frame; nothing in it depends on anything but the view. contours: metres between lines of
- * equal height, of the true ones; 0: none. exaggeration: heights over those. */
+ * equal height, of the true ones; 0: none. exaggeration: heights over those. sun: where light comes from. */
 void tc_frame_uniforms_set(tc_frame_uniforms *uniforms, const tc_view *view, const tc_palette *palette,
                            const tc_sight *sight, const tc_target_place *place, const tc_frame *frame,
-                           const tc_layers *layers, const tc_scene_needs *needs, double contours, double exaggeration);
+                           const tc_layers *layers, const tc_scene_needs *needs, double contours, double exaggeration,
+                           const tc_sun *sun);
 
 #endif

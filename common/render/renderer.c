@@ -156,6 +156,7 @@ void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *opti
 {
     renderer->options.level_colours = options->level_colours;
     renderer->options.wireframe = options->wireframe;
+    renderer->options.sun = options->sun;
     renderer->options.frame = options->frame;
     renderer->options.budget = options->budget;
     renderer->options.budget_us = options->budget_us;
@@ -427,7 +428,8 @@ static tc_status draw_into(tc_renderer *r, tc_target *target, const tc_sight *si
     r->frame.wall_draws = 0, r->frame.wall_triangles = 0;
     r->surface->draws(r->view, &r->textures.layers, &r->frame);
     tc_frame_uniforms_set(&r->values, r->view, &r->objects->palette, sight, &target->place, &r->frame,
-                          &r->textures.layers, &needs, r->options.contours, tc_scene_exaggeration(&r->options));
+                          &r->textures.layers, &needs, r->options.contours, tc_scene_exaggeration(&r->options),
+                          &r->options.sun);
     if (needs.imagery)
         tc_drape_uniforms(&r->drape, r->view, &r->values);
     status = tc_frame_slots_fill(gl, &r->slots, &r->values, &r->frame, &slot, error);

@@ -47,7 +47,7 @@ tc_status tc_renderer_create_with(const tc_gl *gl, tc_scene_objects *objects, co
 tc_scene_objects *tc_renderer_objects(const tc_renderer *renderer);
 void tc_renderer_destroy(tc_renderer *renderer);
 
-/* Changes what may change while running: level_colours, wireframe, frame, budget. */
+/* Changes what may change while running: level_colours, wireframe, sun, frame, budget. */
 void tc_renderer_set_options(tc_renderer *renderer, const tc_scene_options *options);
 
 /* How many samples a pixel the renderer's own pictures have from the next one on; at most what the driver has. */

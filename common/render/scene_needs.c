@@ -7,6 +7,15 @@
 
 #include "palette.h"
 
+/* Whether stars are seen above a plane, where the sun is as high everywhere. */
+static bool dark(const tc_sun *sun)
+{
+    double d[3];
+    const tc_body plane = tc_body_of(0);
+    tc_sun_direction(sun, &plane, (const double[3]){0}, d);
+    return tc_stars_at_dusk(tc_sun_day(d[2])) > 0;
+}
+
 tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info)
 {
     const tc_terrain_info told = tc_palette_heights(info, tc_scene_exaggeration(options));
@@ -32,7 +41,8 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
                             .sea = options->around.walls && options->around.sea && !options->background_set &&
                                    palette.water && !options->colours && !angles,
                             .plain = options->around.plain,
-                            .stars = options->around.stars && !options->background_set && shade->natural,
+                            .stars = (options->around.stars || (options->around.night_stars && dark(&options->sun))) &&
+                                     !options->background_set && shade->natural,
                             .climate =
                                 options->around.climate && palette.natural && shade->natural && !options->colours,
                             .around = options->around,

@@ -3,11 +3,14 @@
 #ifndef TC_SCENE_NEEDS_H
 #define TC_SCENE_NEEDS_H
 
+#include <math.h>
+
 #include "shade.h"
 #include "surface.h"
 #include "surroundings.h"
 #include "common/imagery/imagery.h"
 #include "common/terraclip.h"
+#include "common/view/sun.h"
 
 /* What may be asked of a scene. */
 typedef struct tc_scene_options {
@@ -29,8 +32,9 @@ typedef struct tc_scene_options {
     double contours;               /* metres between lines of equal height; 0: none */
     double exaggeration;    /* of the map's heights over the true ones, which colours and contours tell; 0: none */
     tc_surroundings around; /* what a map that ends is shown with; zero: nothing */
-    bool level_colours;     /* may be switched while running, as may the next two */
+    bool level_colours;     /* may be switched while running, as may the next three */
     bool wireframe;
+    tc_sun sun; /* of natural colours */
     tc_frame_options frame;
 } tc_scene_options;
 
@@ -73,6 +77,13 @@ typedef struct tc_scene_needs {
 static inline double tc_scene_exaggeration(const tc_scene_options *options)
 {
     return options->exaggeration > 0 ? options->exaggeration : 1;
+}
+
+/* How much is seen of stars in a sky above a plane, by the share of daylight. */
+static inline double tc_stars_at_dusk(double day)
+{
+    const double dark = fmax(0, 1 - day / 0.3);
+    return dark * dark;
 }
 
 tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info);

@@ -111,7 +111,8 @@ tc_status tc_surroundings_of(const tc_map *map, tc_surroundings *surroundings_re
     const bool flat = !map->body.class->solid;
     bool small = flat;
     tc_surroundings s = {.walls = flat, .plain = !flat && is_part(map, &small), .climate = !flat};
-    s.stars = !flat || !tc_palette_make(info).air; /* on a plane nobody leaves the air */
+    s.night_stars = flat && tc_palette_make(info).air; /* on a plane nobody leaves the air */
+    s.stars = !s.night_stars;
     if (flat)
         s.climate = find_latitudes(map, &s.south, &s.north);
     tc_edge edge = {0};

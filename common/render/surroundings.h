@@ -11,6 +11,7 @@ typedef struct tc_surroundings {
     bool sea;            /* around it at height 0 */
     bool plain;          /* of a part of a globe: the body around it has the height `level` and its colours */
     bool stars;          /* where the sky is black */
+    bool night_stars;    /* where it is black by night */
     bool climate;        /* land by latitude */
     double foot;         /* metres, absolute: a little below the lowest height */
     double level;        /* likewise */

@@ -140,12 +140,12 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     # Neither a click nor a drag in the panel moves the view.
     at 200 20 mousedown 1
     at 120 60 mouseup 1
-    at 200 430
+    at 500 430
     key v '^--view 2000(\.000)?,1500(\.000)?,2500(\.000)?,30(\.0000)?,-15(\.0000)?$'
     # Switches, which keys know of.
-    at 25 317 click 1
+    at 25 362 click 1
     key g '^wireframe off'
-    at 25 340 click 1
+    at 25 385 click 1
     key l '^level colours off'
     at 25 181 click 1
     key m '^morph on'
@@ -155,6 +155,24 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     picture
     different shot.png first.png 'light off'
     at 25 248 click 1
+    # The sun.
+    for slider in 'azimuth 271' 'elevation 293'; do
+        y=${slider#* }
+        at 150 $y mousedown 1
+        at 170 $y mouseup 1
+        picture
+        different shot.png first.png "sun's ${slider% *}"
+    done
+    at 200 271 keydown Control mousedown 1
+    at 200 271 mouseup 1 keyup Control
+    at 200 271 type 310
+    at 200 271 key Return
+    at 200 293 keydown Control mousedown 1
+    at 200 293 mouseup 1 keyup Control
+    at 200 293 type 38
+    at 200 293 key Return
+    picture
+    same shot.png first.png 'the usual sun typed'
     # A slider is moved; its value typed.
     at 200 89 mousedown 1
     at 190 89 mouseup 1
@@ -174,7 +192,7 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     settle
     picture
     same shot.png first.png 'all levels again'
-    for slider in 'synthesis 135' 'error 158' 'contours 271'; do
+    for slider in 'synthesis 135' 'error 158' 'contours 316'; do
         y=${slider#* }
         at 144 $y mousedown 1
         at 240 $y mouseup 1
@@ -201,7 +219,7 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
         same shot.png first.png "$choice as before"
     done <<'end'
 shade 225 41 24
-samples 294 24 58
+samples 339 24 58
 end
     # The compass.
     at 604 36 click 1

@@ -128,6 +128,17 @@ static void values_arrive(void **state)
     assert_float_equal(o.look.heading, acos(-1) / 2, 1e-15);
     assert_float_equal(o.look.pitch, -acos(-1) / 2, 1e-15);
 
+    o = good("t --sun=-90,-12.5");
+    assert_int_equal(o.scene.sun.kind, TC_SUN_LOCAL);
+    assert_float_equal(o.scene.sun.azimuth, 1.5 * acos(-1), 1e-15);
+    assert_float_equal(o.scene.sun.elevation, -12.5 * acos(-1) / 180, 1e-15);
+    o = good("t --sun 360,90 --shade natural");
+    assert_float_equal(o.scene.sun.azimuth, 2 * acos(-1), 1e-15);
+    o = good("t --date 2000-01-01T12:00Z");
+    assert_true(o.julian == 2451545 && o.scene.sun.kind == TC_SUN_USUAL);
+    assert_string_equal(o.date, "2000-01-01T12:00Z");
+    assert_true(!good("t").date && good("t").scene.sun.kind == TC_SUN_USUAL);
+
     o = good("t --target-ms 16.7");
     assert_true(o.target_ms == 16.7 && o.scene.frame.throttle == 0);
     assert_true(good("t --target-ms 1e-3 --path p --frames 3 -o f-%d.png").target_ms == 1e-3);
@@ -159,6 +170,8 @@ static void help_and_version(void **state)
                                         "--lookat LON,LAT[,HEIGHT]",
                                         "--distance M",
                                         "--exaggeration FACTOR",
+                                        "--sun AZIMUTH,ELEVATION",
+                                        "--date YYYY-MM-DDTHH:MMZ",
                                         "--size WxH",
                                         "--fov DEG",
                                         "--n N",
@@ -262,6 +275,23 @@ static void nonsense_is_refused(void **state)
         {"t --lookat 1,2 --distance nan", "--distance: "},
         {"t --lookat 1,2 --view 1,2,3,4,5", "--lookat: expected either it or --view, found both"},
         {"t --distance 5", "--distance: expected --lookat LON,LAT with it, found none"},
+        {"t --sun 90",
+         "--sun: expected AZIMUTH,ELEVATION in degrees, |AZIMUTH| up to 360, |ELEVATION| up to 90, found '90'"},
+        {"t --sun 90,", "--sun: "},
+        {"t --sun 90,91", "--sun: "},
+        {"t --sun 361,0", "--sun: "},
+        {"t --sun 90;30", "--sun: "},
+        {"t --sun 90,30,1", "--sun: "},
+        {"t --sun nan,30", "--sun: "},
+        {"t --sun 90,inf", "--sun: "},
+        {"t --date 2024-06-21", "--date: expected YYYY-MM-DDTHH:MMZ, a minute of UTC of the years 1901 to 2099, found "
+                                "'2024-06-21'"},
+        {"t --date 2024-02-30T00:00Z", "--date: expected YYYY-MM-DDTHH:MMZ"},
+        {"t --sun 90,30 --date 2024-06-21T12:00Z", "--date: expected either it or --sun, found both"},
+        {"t --sun 90,30 --unlit", "--sun: expected no --unlit with it, which has no light, found both"},
+        {"t --date 2024-06-21T12:00Z --unlit", "--date: expected no --unlit with it"},
+        {"t --sun 90,30 --shade height", "--sun: expected natural colours, whose light it is, found --shade height"},
+        {"t --date 2024-06-21T12:00Z --shade none", "--date: expected natural colours"},
         {"t --exaggeration 0", "--exaggeration: expected a factor of 0.01..1000, found '0'"},
         {"t --exaggeration inf", "--exaggeration: "},
         {"t --fov 0.5", "--fov: expected 1..170 degrees, found '0.5'"},
