@@ -10,6 +10,9 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 #ifdef HOLES
 in float v_void;
 #endif
+#ifdef FLOOD
+INTERPOLATED in float v_above_sea;
+#endif
 
 int block_layer()
 {
@@ -100,6 +103,13 @@ Ground surface_ground()
     g.height = shown_height(s);
 #else
     g.height = drawn;
+#endif
+#ifdef FLOOD
+#ifdef TOLERANCE
+    g.above_sea = g.height - beyond.z;
+#else
+    g.above_sea = beside() ? g.height - beyond.z : v_above_sea;
+#endif
 #endif
     g.colour = vec4(0.0);
 #ifdef CONTOURS

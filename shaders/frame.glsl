@@ -15,7 +15,8 @@ layout(std140, binding = 0) uniform Frame {
     vec4 zenith;           // rgb of the sky overhead
     vec4 lens;             // x, y: tangents a pixel; z, w: from the target's first to straight ahead
     vec4 pixel[3];         // view axes: right, up, forward
-    vec4 beyond;           // x: depth where nothing is, in clip space; y: heights over the true ones
+    vec4 beyond;           // x: depth where nothing is, in clip space; y: heights over the true ones; z, w: height of a sea that is given
+                           // above z_base, and how far above it ground still is sea
     vec4 contours;         // x: 1 / metres between lines, y: number of the one at the eye, modulo 5, z: those metres; of heights as they
                            // are drawn
     vec4 around[5];        // what is around the map, of a flat one [0]: its west, south, east and north end from the eye; [1]: the sea from the eye

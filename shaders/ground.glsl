@@ -8,6 +8,9 @@
 struct Ground {
     float height; // metres above z_base
     vec4 colour;  // what covers the colours of heights, in squares of what is shown; a: how much of them it covers
+#ifdef FLOOD
+    float above_sea; // the height once more, metres above the sea that is given: of its surface 0 to the last digits
+#endif
 #ifdef CONTOURS
     float rise; // the height once more, metres above surface_datum(): with more digits
 #endif

@@ -37,8 +37,17 @@ void main()
     c = shade_flat(c, ground);
 #endif
     c = mix(c, ground.colour.rgb, ground.colour.a);
-#if defined(WALLS) && defined(WATER)
+#ifdef FLOOD
+    bool sea = ground.above_sea <= beyond.w;
+#endif
+#ifdef WALLS
+#if defined(WATER) || defined(FLOOD)
     sea = sea && ground.colour.a < 1.0; // else it is the wall
+#endif
+#endif
+#ifdef FLOOD
+    // Over whatever else the ground is coloured by: nothing is seen of what lies below it.
+    c = sea ? vec3(0.0246, 0.1085, 0.2289) : c;
 #endif
 #ifdef LIT
     vec3 up = ground.up, n = ground.normal;
@@ -51,7 +60,7 @@ void main()
     true_height = h / beyond.y;
 #endif
     float steep = clamp((0.92 - lying) * 2.2, 0.0, 0.65);
-#ifdef WATER
+#if defined(WATER) || defined(FLOOD)
     steep = sea ? 0.0 : steep;
 #endif
     c = mix(c, vec3(0.135, 0.115, 0.095), steep * (1.0 - ground.colour.a));
@@ -62,7 +71,7 @@ void main()
     float line = ground.snow_line;
 #endif
     float snow = smoothstep(-250.0, 450.0, true_height - line) * clamp((lying - 0.6) * 4.0, 0.0, 1.0);
-#ifdef WATER
+#if defined(WATER) || defined(FLOOD)
     snow = sea ? 0.0 : snow;
 #endif
     c = mix(c, vec3(0.58, 0.61, 0.65), snow * (1.0 - ground.colour.a));
@@ -70,6 +79,9 @@ void main()
 #endif
 #ifdef WATER
     n = sea ? up + 0.2 * (n - upright * up) : n; // the bottom just shows through
+#endif
+#ifdef FLOOD
+    n = sea ? up : n;
 #endif
 #ifdef CLIMATE
     vec3 light = daylight(dot(n, sun.xyz), dot(n, up), ground.day, dusk.y);

@@ -4,6 +4,9 @@
 // fragment: nothing is interpolated across a pole or the meridian behind it.
 INTERPOLATED in vec3 v_direction; // rings.vert
 INTERPOLATED in vec2 v_terrain;
+#ifdef FLOOD
+INTERPOLATED in float v_above_sea;
+#endif
 const float EDGE_ON = 0.12; // radians of the globe in a pixel
 #ifdef NORMALS
 layout(binding = 2) uniform sampler2DArray normals_map;
@@ -234,12 +237,18 @@ Ground surface_ground()
 #endif
         chart = chart == 0 && rest < 1.0 ? cap : 3;
     } while (chart < 3);
+#ifdef FLOOD
+    g.above_sea = known ? g.height - beyond.z : v_above_sea;
+#endif
 #ifdef PLAIN
     g.colour = vec4(0.0);
     if (!known)
         show_plain(s, g);
 #else
     g.colour = vec4(0.16, 0.165, 0.17, known ? 0.0 : 1.0); // where there is no terrain, only the body
+#ifdef FLOOD
+    g.above_sea = known ? g.above_sea : 2.0 * beyond.w; // which has no sea, either
+#endif
 #endif
 #ifdef NORMALS
     g.up = eye_axes(p);

@@ -5,6 +5,9 @@
 layout(location = 0) in vec4 in_vertex; // s_x, s_y, h, w
 INTERPOLATED out vec3 v_direction; // (s_x, s_y, h)
 INTERPOLATED out vec2 v_terrain;   // metres above the eye, ring coordinate
+#ifdef FLOOD
+INTERPOLATED out float v_above_sea; // metres above a sea that is given
+#endif
 
 // Height on a chart above the chart's height below the viewer.
 bool chart_height(int chart, vec3 s, float w, float shift, out float height)
@@ -98,6 +101,9 @@ vec3 surface_vertex()
     float inwards = rows * ldexp(3.14159265, -int(ring)) / float(last) * (disc ? 1.0 : 0.5);
     vec3 direction = vec3(0.0), position = vec3(0.0);
     vec2 terrain = vec2(0.0);
+#ifdef FLOOD
+    float above_sea = 0.0;
+#endif
     // As in rings.frag: it ends early where all of it, or nothing, is left of the vertex itself.
     int k = share < 1.0 ? 0 : 1, end = share > 0.0 ? moves ? 3 : 2 : 1;
     do {
@@ -111,9 +117,15 @@ vec3 surface_vertex()
         direction += part * s;
         terrain += part * vec2(height - surface[1].y, its_w);
         position += part * position_of(s, height);
+#ifdef FLOOD
+        above_sea += part * ((height + surface[1].z) - beyond.z);
+#endif
     } while (++k < end);
     v_direction = direction;
     v_terrain = terrain;
+#ifdef FLOOD
+    v_above_sea = above_sea;
+#endif
     return position;
 }
 #else
@@ -123,6 +135,9 @@ vec3 surface_vertex()
     float height = height_by(s, in_vertex.w, shift_of(in_vertex.w, 0.0));
     v_direction = s;
     v_terrain = vec2(height - surface[1].y, in_vertex.w);
+#ifdef FLOOD
+    v_above_sea = (height + surface[1].z) - beyond.z;
+#endif
     return position_of(s, height);
 }
 #endif

@@ -57,6 +57,9 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 #ifdef HOLES
 in float v_void;
 #endif
+#ifdef FLOOD
+INTERPOLATED in float v_above_sea;
+#endif
 
 #ifdef PLACED
 // The layer that the vertices read.
@@ -158,6 +161,16 @@ Ground surface_ground()
     g.height = shown_height(s);
 #else
     g.height = (above + eye.y) + eye.x;
+#endif
+#ifdef FLOOD
+#ifdef TOLERANCE
+    g.above_sea = g.height - beyond.z;
+#else
+    g.above_sea = v_above_sea;
+#ifdef MULTISAMPLED
+    g.above_sea = beside() ? ((v_corner.x + eye.y) + eye.x) - beyond.z : v_above_sea;
+#endif
+#endif
 #endif
     g.colour = vec4(0.0);
 #ifdef NORMALS

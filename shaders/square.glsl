@@ -40,6 +40,9 @@ layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres abov
 layout(binding = 3) uniform sampler2DArray voids_map;
 out float v_void;
 #endif
+#ifdef FLOOD
+INTERPOLATED out float v_above_sea; // metres above a sea that is given
+#endif
 // What is interpolated is relative to the eye, and small near it: drivers have little more than half of a float's digits
 // left of it where a triangle begins at the near plane and ends at a skyline.
 #ifdef WALLS
@@ -122,6 +125,9 @@ vec3 floor_vertex()
     v_height = (around[1].z - eye.x) - eye.y;
     v_height += 5e-5 * length(vec3(far, v_height));
     v_wall = vec3(0.0, 0.0, float(block_layer()));
+#ifdef FLOOD
+    v_above_sea = around[1].z - beyond.z;
+#endif
 #ifdef HOLES
     v_void = 0.0;
 #endif
@@ -153,6 +159,13 @@ vec3 surface_vertex()
     v_height = above;
     bool row = gl_VertexID >= 1 << 20, first = (gl_VertexID >> 10 & 1023) == 0;
     v_wall = vec3((first ? -1.0 : 1.0) * (row ? vec2(0.0, 1.0) : vec2(1.0, 0.0)), float(block_layer()));
+#endif
+#ifdef FLOOD
+#ifdef WALLS
+    v_above_sea = (at_foot() ? around[1].z : height) - beyond.z;
+#else
+    v_above_sea = height - beyond.z;
+#endif
 #endif
     float told = ((1.0 - alpha) * (z.x - eye.x) + alpha * (z.y - eye.x)) - eye.y;
 #ifdef HOLES

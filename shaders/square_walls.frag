@@ -2,6 +2,9 @@
 // (ground.glsl); planar/square_walls.c.
 INTERPOLATED in float v_height; // square.glsl
 flat in vec3 v_wall;
+#ifdef FLOOD
+INTERPOLATED in float v_above_sea;
+#endif
 #ifdef HOLES
 in float v_void;
 #endif
@@ -24,7 +27,15 @@ Ground surface_ground()
     g.colour.a = wet ? 0.0 : 1.0;
     g.height = wet ? min(g.height, heights.x - around[1].w) : g.height; // as the sea around is coloured
 #else
+#if defined(SEA) && defined(FLOOD)
+    bool wet = v_above_sea <= beyond.w;
+    g.colour.a = wet ? 0.0 : 1.0;
+#else
     const bool wet = false;
+#endif
+#endif
+#ifdef FLOOD
+    g.above_sea = v_above_sea;
 #endif
 #ifdef CONTOURS
     g.rise = v_height;

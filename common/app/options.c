@@ -141,6 +141,17 @@ static bool read_sun(void *sun, const char *value)
     return true;
 }
 
+static bool read_sea(void *sea, const char *value)
+{
+    tc_sea s = {.kind = TC_SEA_GIVEN};
+    if (strcmp(value, "none") == 0)
+        s.kind = TC_SEA_NONE;
+    else if (!tc_read_number(value, -1e9, 1e9, &s.level))
+        return false;
+    *(tc_sea *)sea = s;
+    return true;
+}
+
 static bool set_date(void *options, const char *value)
 {
     tc_options *o = options;
@@ -232,6 +243,12 @@ static const tc_option table[] = {
     {0, "exaggeration", "FACTOR", TC_EXPECTED_EXAGGERATION,
      "of heights over the sea; colours and contours tell true ones (1)", read_exaggeration,
      offsetof(tc_options, exaggeration)},
+    {0, "sea", "Z", "metres of -1e9..1e9, or none",
+     "height of the sea: its surface is drawn over all ground below it, opaque, over colours and pictures, and around "
+     "a "
+     "terrain or a part of a globe that ends; colours of dry ground, also of such below 0, are those of land. none: no "
+     "sea at all (what lies below 0 has colours of depths; around a terrain a sea where its edge lies at 0)",
+     read_sea, offsetof(tc_options, sea)},
     {0, "shade", "NAME", TC_SHADE_NAMES,
      "what colours say: natural, or as maps do slope, aspect (of the fall), height (as a hillshade) or none (heights "
      "without light) (natural)",
@@ -249,7 +266,8 @@ static const tc_option table[] = {
     {0, "background", "RRGGBB", "six hexadecimal digits RRGGBB", "flat background: no sky, no haze", read_background,
      offsetof(tc_options, scene)},
     TC_SWITCH(tc_options, alone, 0, "no-surroundings",
-              "the map alone: no walls and no sea around a flat terrain, no land around a part of a globe, no stars"),
+              "the map alone: no walls and no sea around a flat terrain, with --sea one within it; no land around a "
+              "part of a globe, no stars"),
     TC_SWITCH(tc_options, scene.wireframe, 0, "wireframe", "lines instead of faces"),
     TC_SWITCH(tc_options, scene.level_colours, 0, "level-colours", "a colour for each level of detail"),
     TC_SWITCH(tc_options, scene.frame.no_morph, 0, "no-morph", "levels meet abruptly"),

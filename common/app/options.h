@@ -52,6 +52,7 @@ typedef struct tc_options {
     tc_source_options source; /* without say */
     int synthesis;            /* levels finer than the data, or TC_SYNTHESIS_AUTO; 0: none */
     double exaggeration;      /* of heights */
+    tc_sea sea;               /* where it is */
     const char *date;         /* at which the sun is shown where it stands; NULL: not given */
     double julian;            /* that date */
     int n, levels;            /* of the clipmap; 0: not given */

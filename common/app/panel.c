@@ -148,6 +148,30 @@ static void ask_contours(const tc_viewer *v, tc_viewer_wish *wish, double value)
     wish->scene.contours = value < 0.1 ? 0 : value;
 }
 
+static const char *const sea_names[] = {"where the edge is", "none", "at a height", NULL}; /* as tc_sea_kind */
+static double get_sea(const tc_viewer *v)
+{
+    return v->map->sea.kind;
+}
+static void ask_sea(const tc_viewer *v, tc_viewer_wish *wish, double value)
+{
+    (void)v;
+    wish->options.sea = (tc_sea){.kind = (tc_sea_kind)value};
+}
+static double get_sea_level(const tc_viewer *v)
+{
+    return v->map->sea.level;
+}
+static void ask_sea_level(const tc_viewer *v, tc_viewer_wish *wish, double value)
+{
+    (void)v;
+    wish->options.sea = (tc_sea){.kind = TC_SEA_GIVEN, .level = value};
+}
+static bool has_sea_level(const tc_viewer *v)
+{
+    return v->map->sea.kind == TC_SEA_GIVEN;
+}
+
 static const char *const sample_names[] = {"1", "2", "4", "8", "16", NULL};
 static double get_samples(const tc_viewer *v)
 {
@@ -303,6 +327,22 @@ static const struct panel_row {
              .format = "%.3g m"},
      .get = get_contours,
      .ask = ask_contours},
+    {.row = {.kind = TC_ROW_CHOICE,
+             .label = "Sea",
+             .help = "where the map's edge lies at 0, none, or over all ground below a height",
+             .names = sea_names},
+     .get = get_sea,
+     .ask = ask_sea},
+    {.row = {.kind = TC_ROW_SLIDER,
+             .label = "Sea level",
+             .help = "metres above 0",
+             .least = -1000,
+             .most = 9000,
+             .late = true,
+             .format = "%.1f m"},
+     .there = has_sea_level,
+     .get = get_sea_level,
+     .ask = ask_sea_level},
     {.row = {.kind = TC_ROW_CHOICE, .label = "Samples", .help = "a pixel, for smooth edges", .names = sample_names},
      .get = get_samples,
      .ask = ask_samples},

@@ -143,6 +143,10 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
         fprintf(file, level ? ", %d" : "%d", s->blocks[level]);
     fprintf(file, "],\n  \"sun\": {\"azimuth\": %.3f, \"elevation\": %.3f},\n", context->sun.azimuth * 180 / M_PI,
             context->sun.elevation * 180 / M_PI);
+    if (context->sea.kind == TC_SEA_GIVEN)
+        fprintf(file, "  \"sea\": %.9g,\n", context->sea.level);
+    else
+        fprintf(file, "  \"sea\": %s,\n", context->sea.kind == TC_SEA_NONE ? "\"none\"" : "\"auto\"");
     fprintf(file, "  \"exaggeration\": %g\n}\n", context->exaggeration);
 }
 

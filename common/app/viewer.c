@@ -49,7 +49,10 @@ tc_flight_box tc_viewer_box(const tc_viewer *v)
                            .south = lo[1],
                            .east = hi[0],
                            .north = hi[1],
-                           .z_min = v->around.walls && !v->around.sea ? v->around.foot : lowest,
+                           .z_min = v->around.walls && !v->around.sea ? v->around.foot
+                                    : v->map->sea.kind == TC_SEA_GIVEN
+                                        ? fmin(v->map->sea.level * v->map->exaggeration, highest)
+                                        : lowest,
                            .z_max = highest,
                            .radius = v->map->body.radius};
 }
@@ -150,6 +153,7 @@ static tc_status make_scene(tc_viewer *v, tc_error *error)
     v->scene.throttle = tc_viewer_coarsens(v);
     v->throttle = tc_throttle_of(v->options.target_ms);
     v->scene.exaggeration = v->map->exaggeration;
+    v->scene.sea = v->map->sea;
     v->scene.holes = v->map->voids == TC_VOIDS_HOLE;
     v->scene.colours = v->colours.count > 0 ? &v->colours : NULL;
     v->scene.imagery = v->imagery;
@@ -226,6 +230,8 @@ static void explain(const tc_viewer *v, const tc_left_out *left_out)
     tc_explain_uses(v->renderer, stdout);
     if (v->map->exaggeration != 1)
         printf("uses: exaggeration: heights are drawn %g times as high\n", v->map->exaggeration);
+    if (v->map->sea.kind == TC_SEA_GIVEN)
+        printf("uses: sea: at %g m, over all ground below it\n", v->map->sea.level);
     const tc_sun sun = tc_viewer_sun(v);
     if (v->scene.sun.kind != TC_SUN_USUAL && tc_renderer_used(v->renderer).needs->light)
         printf("uses: sun: azimuth %.4g, elevation %.4g degrees%s%s\n", sun.azimuth * 180 / M_PI,
@@ -255,6 +261,7 @@ static tc_status report(tc_viewer *v, tc_error *error)
                                 .synthesised = v->map->synthesised,
                                 .exaggeration = v->map->exaggeration,
                                 .sun = tc_viewer_sun(v),
+                                .sea = v->map->sea,
                                 .imagery = drape ? tc_drape_levels(drape) : 0,
                                 .left_out = left_out.lines};
     tc_renderer_memory(v->renderer, &context.memory);

@@ -147,6 +147,8 @@ tc_status tc_viewer_adopt(tc_viewer *v, const tc_viewer_wish *wish, tc_error *er
         return load_and_draw(v, wish, map, error);
     if (wish->options.exaggeration != v->options.exaggeration)
         return tc_viewer_exaggerate(v, wish->options.exaggeration, error);
+    if (wish->options.sea.kind != v->options.sea.kind || wish->options.sea.level != v->options.sea.level)
+        return tc_viewer_flood(v, wish->options.sea, error);
     if (quickly(v, wish)) {
         v->options = wish->options, v->scene = wish->scene;
         v->sized_for = (tc_camera){0}; /* the windows' size may follow from the error */

@@ -191,6 +191,9 @@ tc_sun tc_viewer_sun(const tc_viewer *viewer);
  * drawn any more. */
 tc_status tc_viewer_exaggerate(tc_viewer *viewer, double factor, tc_error *error);
 
+/* Likewise with the sea there. */
+tc_status tc_viewer_flood(tc_viewer *viewer, tc_sea sea, tc_error *error);
+
 /* With --target-ms: hears what a frame took, and how coarse the next one is to be drawn. */
 void tc_viewer_throttle(tc_viewer *viewer, double frame_ms);
 

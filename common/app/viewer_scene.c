@@ -68,14 +68,12 @@ tc_status tc_viewer_make_surface(tc_viewer *v, tc_error *error)
     return status;
 }
 
-tc_status tc_viewer_exaggerate(tc_viewer *v, double factor, tc_error *error)
+/* Draws the heights that the map has now, after what changed them; the error is that of the first failure. */
+static tc_status draw_heights(tc_viewer *v, tc_status status, tc_error *error)
 {
     tc_error unused;
-    if (factor == v->map->exaggeration)
-        return TC_OK;
-    tc_viewer_destroy_scene(v); /* which looks at the fields that there are */
-    tc_status status = tc_map_exaggerate(v->map, factor, error);
     v->options.exaggeration = v->scene.exaggeration = v->map->exaggeration;
+    v->options.sea = v->scene.sea = v->map->sea;
     if (status == TC_OK)
         status = tc_viewer_look_around(v, error);
     v->scene.around = v->around;
@@ -86,6 +84,22 @@ tc_status tc_viewer_exaggerate(tc_viewer *v, double factor, tc_error *error)
         tc_viewer_place(v, &(tc_pose){c->x, c->y, c->z, c->heading, c->pitch});
     }
     return status == TC_OK ? made : status;
+}
+
+tc_status tc_viewer_exaggerate(tc_viewer *v, double factor, tc_error *error)
+{
+    if (factor == v->map->exaggeration)
+        return TC_OK;
+    tc_viewer_destroy_scene(v); /* which looks at the fields that there are */
+    return draw_heights(v, tc_map_exaggerate(v->map, factor, error), error);
+}
+
+tc_status tc_viewer_flood(tc_viewer *v, tc_sea sea, tc_error *error)
+{
+    if (sea.kind == v->map->sea.kind && sea.level == v->map->sea.level)
+        return TC_OK;
+    tc_viewer_destroy_scene(v); /* as above */
+    return draw_heights(v, tc_map_flood(v->map, sea, error), error);
 }
 
 void tc_viewer_throttle(tc_viewer *v, double frame_ms)

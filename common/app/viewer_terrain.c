@@ -99,7 +99,10 @@ tc_status tc_viewer_load_terrain(tc_viewer *v, tc_error *error)
                 v->program->name, v->options.terrain, finest.width, finest.height, finest.spacing_x, finest.spacing_y,
                 info->z_base + info->z_min, info->z_base + info->z_max, info->void_count,
                 tc_field_packed_info(field) ? "opened" : "read", v->map->read_ms, info->levels, v->map->build_ms);
-    status = tc_map_exaggerate(v->map, v->options.exaggeration, error);
+    status = tc_map_flood(v->map, v->options.sea, error);
+    v->scene.sea = v->map->sea;
+    if (status == TC_OK)
+        status = tc_map_exaggerate(v->map, v->options.exaggeration, error);
     v->scene.exaggeration = v->map->exaggeration;
     const tc_body *body = &v->map->body;
     char about[64];

@@ -9,6 +9,13 @@
 #include "common/chart/atlas.h"
 #include "common/chart/chart.h"
 
+/* Where the sea is: where the map's edge says so, nowhere, or over all ground that is below a level. */
+typedef enum tc_sea_kind { TC_SEA_FOUND, TC_SEA_NONE, TC_SEA_GIVEN } tc_sea_kind;
+typedef struct tc_sea {
+    tc_sea_kind kind;
+    double level; /* of one that is given: metres, a true height */
+} tc_sea;
+
 struct tc_map {
     atomic_int users; /* whoever made it, and drawers */
     tc_body body;
@@ -25,6 +32,7 @@ struct tc_map {
     double read_ms, build_ms;     /* that it took, where it was loaded from a file */
     int synthesised;              /* levels finer than the data */
     double exaggeration;          /* heights of the charts' fields over those of the data */
+    tc_sea sea;                   /* where it is given, heights are nowhere below it */
     struct tc_map_noise *noise;   /* of them, one a chart */
     struct tc_synthesis_fit *fit; /* that they go by: of what the map was resampled from; NULL: its own heights' */
 };
@@ -63,6 +71,11 @@ void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret)
 #define TC_MOST_EXAGGERATION 1000.0
 #define TC_EXPECTED_EXAGGERATION "a factor of 0.01..1000"
 tc_status tc_map_exaggerate(tc_map *map, double factor, tc_error *error);
+
+/* Puts the sea there, from now on: ground below a level that is given is drawn as its surface. Not while anyone else
+ * uses the map or a field of it. TC_ERR_USAGE where such a sea would leave the body no surface: all is then as it was.
+ */
+tc_status tc_map_flood(tc_map *map, tc_sea sea, tc_error *error);
 
 /* Fits synthesis to the heights, for a map that is resampled from this one: what comes of that is smoother, and no one
  * face is like all of a planet. *fit_ret: to be put there as its own, or freed. */

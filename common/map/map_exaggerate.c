@@ -1,9 +1,11 @@
-/* map_exaggerate.c - a map whose heights are those of its data times a factor. */
+/* map_exaggerate.c - a map whose heights are those of its data times a factor, and nowhere below a sea: the sea's field
+ * lies over the data's, and that of the factor over both. */
 #include "map.h"
 
 #include <math.h>
 
 #include "common/base/status.h"
+#include "common/field/flooded_field.h"
 #include "common/field/scaled_field.h"
 
 /* Heights that are drawn are no farther from 0, metres: what sources may have at most. */
@@ -14,6 +16,13 @@ static void release(tc_map *map)
     for (int k = 0; k < map->charts && map->exaggeration != 1; k++)
         map->chart[k].field = tc_scaled_field_release(map->chart[k].field);
     map->exaggeration = 1;
+}
+
+/* Whether a height is near enough to 0 to be drawn, and leaves the body a surface. */
+static bool within(const tc_map *map, double height)
+{
+    return fabs(height) <= HIGHEST &&
+           map->body.class->check_relief(&map->body, "sea", fmin(height, 0), fmax(height, 0), NULL) == TC_OK;
 }
 
 /* Whether the heights of the data, times the factor, leave the body a surface. */
@@ -30,6 +39,9 @@ static tc_status check(const tc_map *map, double factor, tc_error *error)
                            "%.6g to %.6g m of them",
                            map->body.radius > 0 ? "radius" : "limit of 1e9 m", factor, low, high);
     }
+    if (map->sea.kind == TC_SEA_GIVEN && !within(map, factor * map->sea.level))
+        return tc_fail(error, TC_ERR_FORMAT, "exaggeration: expected one that leaves the sea small, found %g, %.6g m",
+                       factor, factor * map->sea.level);
     return TC_OK;
 }
 
@@ -58,4 +70,46 @@ tc_status tc_map_exaggerate(tc_map *map, double factor, tc_error *error)
         map->chart[k].field = scaled[k];
     map->exaggeration = factor;
     return status;
+}
+
+/* ---- The sea ----------------------------------------------------------------------------------------------------- */
+
+static void drain(tc_map *map)
+{
+    for (int k = 0; k < map->charts && map->sea.kind == TC_SEA_GIVEN; k++)
+        map->chart[k].field = tc_flooded_field_release(map->chart[k].field);
+    map->sea = (tc_sea){.kind = TC_SEA_FOUND};
+}
+
+/* Of heights that nothing is over. */
+static tc_status flood(tc_map *map, tc_sea sea, tc_error *error)
+{
+    tc_field *flooded[TC_MAP_CHARTS];
+    int made = 0;
+    while (sea.kind == TC_SEA_GIVEN && made < map->charts &&
+           (flooded[made] = tc_flooded_field_create(map->chart[made].field, sea.level)) != NULL)
+        made++;
+    if (sea.kind == TC_SEA_GIVEN && made < map->charts) { /* then there is none */
+        while (made-- > 0)
+            tc_flooded_field_release(flooded[made]);
+        return tc_fail(error, TC_ERR_MEMORY, "sea: not enough memory");
+    }
+    for (int k = 0; k < made; k++)
+        map->chart[k].field = flooded[k];
+    map->sea = sea;
+    return TC_OK;
+}
+
+tc_status tc_map_flood(tc_map *map, tc_sea sea, tc_error *error)
+{
+    const double factor = map->exaggeration;
+    if (sea.kind == map->sea.kind && sea.level == map->sea.level)
+        return TC_OK;
+    if (sea.kind == TC_SEA_GIVEN && !(within(map, sea.level) && within(map, factor * sea.level)))
+        return tc_fail(error, TC_ERR_USAGE, "--sea: expected a level that is small beside the %s, found %.9g m",
+                       map->body.radius > 0 ? "radius" : "limit of 1e9 m", sea.level);
+    release(map);
+    drain(map);
+    tc_status status = flood(map, sea, error), again = tc_map_exaggerate(map, factor, status == TC_OK ? error : NULL);
+    return status == TC_OK ? again : status;
 }

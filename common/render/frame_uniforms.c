@@ -116,6 +116,14 @@ static void set_around(tc_frame_uniforms *u, const tc_view *view, const tc_scene
     u->around[3][3] = (float)(1 / fmax(z_base + (double)tc_field_info(field)->z_max - foot, 1e-3));
 }
 
+/* How far above a sea that is given ground still is its surface: heights between samples do not flicker on it. */
+static double shore_of(const tc_terrain_info *info, const tc_scene_needs *needs, double exaggeration)
+{
+    const double relief = ((double)info->z_max - (double)info->z_min) / exaggeration;
+    const double size = fabs(needs->sea_level - info->z_base) / exaggeration;
+    return exaggeration * (fmin(0.02 + 8e-4 * relief, 0.5) + 1e-6 * size);
+}
+
 static void set_space(tc_frame_uniforms *u, const tc_body *body, const tc_camera *camera)
 {
     double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -145,6 +153,8 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     set_air(u, view->surface, palette, eye - info->z_min, sight->inverse);
     u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
     u->beyond[1] = (float)exaggeration;
+    u->beyond[2] = (float)(needs->sea_level - info->z_base);
+    u->beyond[3] = (float)shore_of(info, needs, exaggeration);
     set_contours(u, sight->camera.z, contours * exaggeration);
     set_around(u, view, needs, palette, exaggeration);
     if (needs->stars)

@@ -22,35 +22,39 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
     const tc_palette palette = tc_palette_make(&told);
     const tc_shade *shade = options->shade ? options->shade : &tc_shades[TC_SHADE_NATURAL];
     const bool angles = shade->degrees > 0, lit = shade->lit && !options->unlit;
-    return (tc_scene_needs){.shade = shade,
-                            .normals = angles || lit,
-                            .fine_normals = angles || (lit && !shade->natural),
-                            .light = lit && shade->natural,
-                            .hillshade = lit && !shade->natural,
-                            .sky = !options->background_set,
-                            .air = palette.air,
-                            .haze = !options->background_set && palette.air && shade->natural, /* none in space */
-                            .land = palette.natural && shade->natural,
-                            .water = palette.water && !options->colours && !angles,
-                            .given = options->colours || angles,
-                            .imagery = options->imagery && !angles,
-                            .contours = options->contours > 0,
-                            .exaggerated = tc_scene_exaggeration(options) != 1,
-                            .holes = options->holes && info->void_count > 0,
-                            .walls = options->around.walls,
-                            .sea = options->around.walls && options->around.sea && !options->background_set &&
-                                   palette.water && !options->colours && !angles,
-                            .plain = options->around.plain,
-                            .stars = (options->around.stars || (options->around.night_stars && dark(&options->sun))) &&
-                                     !options->background_set && shade->natural,
-                            .climate =
-                                options->around.climate && palette.natural && shade->natural && !options->colours,
-                            .around = options->around,
-                            .throttle = options->throttle,
-                            .level_colours = options->level_colours,
-                            .detail = info->synthesised > 0,
-                            .morph = !options->frame.no_morph,
-                            .multisampled = options->samples > 1};
+    const bool flood = options->sea.kind == TC_SEA_GIVEN;
+    const bool water =
+        palette.water && !options->colours && !angles && options->sea.kind == TC_SEA_FOUND; /* by colours alone */
+    return (tc_scene_needs){
+        .shade = shade,
+        .normals = angles || lit,
+        .fine_normals = angles || (lit && !shade->natural),
+        .light = lit && shade->natural,
+        .hillshade = lit && !shade->natural,
+        .sky = !options->background_set,
+        .air = palette.air,
+        .haze = !options->background_set && palette.air && shade->natural, /* none in space */
+        .land = palette.natural && shade->natural,
+        .water = water,
+        .flood = flood,
+        .sea_level = options->sea.level * tc_scene_exaggeration(options),
+        .given = options->colours || angles,
+        .imagery = options->imagery && !angles,
+        .contours = options->contours > 0,
+        .exaggerated = tc_scene_exaggeration(options) != 1,
+        .holes = options->holes && info->void_count > 0,
+        .walls = options->around.walls,
+        .sea = options->around.walls && options->around.sea && !options->background_set && (water || flood),
+        .plain = options->around.plain,
+        .stars = (options->around.stars || (options->around.night_stars && dark(&options->sun))) &&
+                 !options->background_set && shade->natural,
+        .climate = options->around.climate && palette.natural && shade->natural && !options->colours,
+        .around = options->around,
+        .throttle = options->throttle,
+        .level_colours = options->level_colours,
+        .detail = info->synthesised > 0,
+        .morph = !options->frame.no_morph,
+        .multisampled = options->samples > 1};
 }
 
 /* define: that brings a need into the shaders; NULL where it is none of theirs. why: it is left out, unless a reason
@@ -70,6 +74,7 @@ static const struct need {
     {offsetof(tc_scene_needs, detail), NULL, "synthesis: no levels finer than the data"},
     {offsetof(tc_scene_needs, land), "NATURAL_LAND", "rock and snow: another body's dust"},
     {offsetof(tc_scene_needs, water), "WATER", "water: nothing lies below the sea"},
+    {offsetof(tc_scene_needs, flood), "FLOOD", NULL},
     {offsetof(tc_scene_needs, given), "GIVEN_COLOURS", NULL},
     {offsetof(tc_scene_needs, imagery), "IMAGERY", "imagery: none given"},
     {offsetof(tc_scene_needs, contours), "CONTOURS", "contours: not asked for"},
@@ -102,6 +107,11 @@ static bool angles(const tc_scene_needs *needs)
     return needs->shade->degrees > 0;
 }
 
+static bool flooded(const tc_scene_needs *needs)
+{
+    return needs->flood;
+}
+
 static bool given(const tc_scene_needs *needs)
 {
     return needs->given;
@@ -118,6 +128,7 @@ static const struct reason {
     {offsetof(tc_scene_needs, haze), flat, "sky and haze: flat background"},
     {offsetof(tc_scene_needs, haze), mapped, "haze: a map's shade"},
     {offsetof(tc_scene_needs, land), mapped, "rock and snow: a map's shade"},
+    {offsetof(tc_scene_needs, water), flooded, "water of what lies below 0: a sea is given"},
     {offsetof(tc_scene_needs, water), angles, "water, colours of heights: angles are shown"},
     {offsetof(tc_scene_needs, imagery), angles, "imagery: angles are shown"},
     {offsetof(tc_scene_needs, water), given, "water, rock and snow: colours are given"},

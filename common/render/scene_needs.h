@@ -32,6 +32,7 @@ typedef struct tc_scene_options {
     double contours;               /* metres between lines of equal height; 0: none */
     double exaggeration;    /* of the map's heights over the true ones, which colours and contours tell; 0: none */
     tc_surroundings around; /* what a map that ends is shown with; zero: nothing */
+    tc_sea sea;             /* of the map; zero: what lies below 0 has its colours */
     bool level_colours;     /* may be switched while running, as may the next three */
     bool wireframe;
     tc_sun sun; /* of natural colours */
@@ -55,11 +56,13 @@ typedef struct tc_scene_needs {
     bool exaggerated;       /* heights are not the true ones */
     bool holes;             /* the mask of voids */
     bool walls;             /* below a flat terrain's edge */
+    bool flood;             /* a sea that is given, which heights are nowhere below */
     bool sea;               /* around it */
     bool plain;             /* the body around a part of a globe is shown as land or sea */
     bool stars;             /* where the sky is black */
     bool climate;           /* land by latitude */
     tc_surroundings around; /* of all five */
+    double sea_level;       /* of the flood: metres, absolute, as it is drawn */
     bool detail;            /* levels finer than the data */
     bool throttle;          /* frames may be throttled */
     bool level_colours;     /* may be switched, as may the next */
@@ -89,7 +92,7 @@ static inline double tc_stars_at_dusk(double day)
 tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terrain_info *info);
 
 /* Of the terrain's programs, a line each ("#define LIT\n..."): those that the scene's shaders are assembled by. */
-enum { TC_SCENE_DEFINES = 512 };
+enum { TC_SCENE_DEFINES = 640 };
 void tc_scene_needs_defines(const tc_scene_needs *needs, char text[TC_SCENE_DEFINES]);
 
 /* What is not needed and why, one short line each ("void mask: no holes to show"); returns how many. */

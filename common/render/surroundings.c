@@ -118,8 +118,10 @@ tc_status tc_surroundings_of(const tc_map *map, tc_surroundings *surroundings_re
     tc_edge edge = {0};
     tc_status status = small ? read_edge(field, &edge, error) : TC_OK;
     if (status == TC_OK) {
-        s.sea = small && !info->other_body && tc_edge_at_sea(&edge, relief, &s.depth);
-        if (small && !s.sea)
+        s.sea = small && !info->other_body && map->sea.kind == TC_SEA_FOUND && tc_edge_at_sea(&edge, relief, &s.depth);
+        if (map->sea.kind == TC_SEA_GIVEN)
+            s.sea = true, s.level = map->sea.level * map->exaggeration;
+        else if (small && !s.sea)
             s.level = tc_edge_plain(&edge, &s.depth);
         s.foot = lowest - tc_wall_below(relief, fmax((double)finest.width * finest.spacing_x,
                                                      (double)finest.height * finest.spacing_y));

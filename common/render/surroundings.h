@@ -8,13 +8,13 @@
 
 typedef struct tc_surroundings {
     bool walls;          /* of a flat terrain, from its edge down to the foot, or to the sea where there is one */
-    bool sea;            /* around it at height 0 */
+    bool sea;            /* around it at the height `level` */
     bool plain;          /* of a part of a globe: the body around it has the height `level` and its colours */
     bool stars;          /* where the sky is black */
     bool night_stars;    /* where it is black by night */
     bool climate;        /* land by latitude */
     double foot;         /* metres, absolute: a little below the lowest height */
-    double level;        /* likewise */
+    double level;        /* likewise; 0 but of land, and of a sea that is given */
     double depth;        /* metres below that whose colours it has: the sea's at the edge; of land less than 0 */
     double south, north; /* latitudes of a flat terrain's edges, radians, where climate goes by them */
 } tc_surroundings;

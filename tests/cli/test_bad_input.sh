@@ -173,6 +173,7 @@ done <<end
 --imagery     ""
 --synthesis   0 21 -1 1.5 x ""
 --shade       foo Slope slope,aspect ""
+--sea         x nan inf -inf 1.1e9 -2e9 5m None ""
 --sun         90 90, ,30 361,0 90,91 90,-91 nan,0 0,inf 90,30,0 90x30 ""
 --date        2024-06-21 2024-06-21T12:00 2024-13-01T12:00Z 2024-02-30T12:00Z 2023-02-29T12:00Z 1900-01-01T12:00Z 2100-01-01T00:00Z 2024-06-21T24:00Z noon ""
 --contours    0 -1 nan inf 1e-9 1e7 10m ""

@@ -143,9 +143,9 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     at 500 430
     key v '^--view 2000(\.000)?,1500(\.000)?,2500(\.000)?,30(\.0000)?,-15(\.0000)?$'
     # Switches, which keys know of.
-    at 25 362 click 1
-    key g '^wireframe off'
     at 25 385 click 1
+    key g '^wireframe off'
+    at 25 408 click 1
     key l '^level colours off'
     at 25 181 click 1
     key m '^morph on'
@@ -219,7 +219,8 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
         same shot.png first.png "$choice as before"
     done <<'end'
 shade 225 41 24
-samples 339 24 58
+sea 339 58 24
+samples 362 24 58
 end
     # The compass.
     at 604 36 click 1
@@ -243,7 +244,7 @@ drop() { # FILE REGEX
     "$build/tests/drop-file" "$id" "$1" || fail "$1: the window does not take it"
     await said "$2" || fail "$1: does not say '$2'"
 }
-if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
+if start hills.tif --size 640x560 --view 2000,1500,2500,30,-15; then
     settle
     picture && cp shot.png first.png
     # What is none is told, and changes nothing.
@@ -257,11 +258,11 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     different shot.png first.png 'a picture'
     # It is taken off and laid on again.
     xdotool key Tab
-    at 25 407 click 1
+    at 25 475 click 1
     settle
     picture
     same shot.png first.png 'a picture taken off'
-    at 25 407 click 1
+    at 25 475 click 1
     settle
     picture
     same shot.png draped.png 'a picture laid on again'
@@ -271,16 +272,16 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     settle
     settle
     picture
-    accepts '' $viewer land.tif -o out/picture.png --size 640x480
+    accepts '' $viewer land.tif -o out/picture.png --size 640x560
     same shot.png last.png 'a terrain that was dropped'
     # Typed, by names full of letters that are keys.
     at 235 66 click 1
     xdotool type "$PWD/hills.tif"
     at 235 66 key Return
     await said '^hills.tif: opened' || fail 'a terrain that was typed is not opened'
-    at 235 384 click 1
+    at 235 452 click 1
     xdotool type nowhere.png
-    at 235 384 key Return
+    at 235 452 key Return
     await said '^planar-viewer: nowhere.png: ' || fail 'a picture that is not there is not told'
     xdotool key Tab
     at 320 240

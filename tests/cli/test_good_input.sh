@@ -153,7 +153,7 @@ different natural.png last.png '--contours'
 
 keys='frames frame_ms median p95 max update_ms draw_ms triangles draws levels_active samples_updated bytes_uploaded
 bytes_decoded synthesised_levels imagery_levels memory geometry heights normals imagery pyramid renderer backend left_out throttle median max tolerance_px error_bound_px blocks_by_level
-sun azimuth elevation exaggeration'
+sun azimuth elevation sea exaggeration'
 json_keys() { # FILE
     grep -o '"[A-Za-z0-9_]*":' "$1" | tr -d '":' | tr '\n' ' '
 }
@@ -220,7 +220,7 @@ for program in $viewer $terraclip; do
 done
 run $viewer --help
 # Every option that the table of bad values knows is in the help, and the keys of the window are.
-for word in --view --fov --size --colours --imagery --synthesis --shade --contours --unlit --sun --date --background --wireframe --level-colours --no-morph --samples --target-ms --output --path \
+for word in --view --fov --size --colours --imagery --synthesis --sea --shade --contours --unlit --sun --date --background --wireframe --level-colours --no-morph --samples --target-ms --output --path \
     --frames --backend --spacing --unit --offset --nodata --band --layer --crs --voids --threads --n --levels --budget --budget-us --stats --json --explain \
     --quiet --verbose 'W A S D' F11; do
     grep -q -- "$word" stdout.txt || fail "the help does not tell of $word"

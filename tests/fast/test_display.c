@@ -224,19 +224,10 @@ static void rows_read_and_write(void **state)
     static const struct {
         const char *label;
         double before, value;
-    } cases[] = {{"Morph", 1, 0},
-                 {"Wireframe", 0, 1},
-                 {"Level colours", 0, 1},
-                 {"Sun azimuth", 310, 90},
-                 {"Sun elevation", 38, -10},
-                 {"Light", 1, 0},
-                 {"Contours", 0, 250},
-                 {"Shade", 0, 1},
-                 {"Error", 0, 4},
-                 {"Error", 4, 6},
-                 {"Exaggeration", 1, 3},
-                 {"Levels", 10, 4},
-                 {"Levels", 4, 10}};
+    } cases[] = {{"Morph", 1, 0}, {"Wireframe", 0, 1},    {"Level colours", 0, 1},  {"Sea", 0, 1},
+                 {"Sea", 1, 2},   {"Sea level", 0, 40},   {"Sun azimuth", 310, 90}, {"Sun elevation", 38, -10},
+                 {"Light", 1, 0}, {"Contours", 0, 250},   {"Shade", 0, 1},          {"Error", 0, 4},
+                 {"Error", 4, 6}, {"Exaggeration", 1, 3}, {"Levels", 10, 4},        {"Levels", 4, 10}};
     tc_viewer v = viewer();
     draw(&v);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {

@@ -128,6 +128,11 @@ static void values_arrive(void **state)
     assert_float_equal(o.look.heading, acos(-1) / 2, 1e-15);
     assert_float_equal(o.look.pitch, -acos(-1) / 2, 1e-15);
 
+    o = good("t --sea=-12.5");
+    assert_true(o.sea.kind == TC_SEA_GIVEN && o.sea.level == -12.5);
+    assert_true(good("t --sea 1e9").sea.level == 1e9 && good("t --sea none").sea.kind == TC_SEA_NONE);
+    assert_int_equal(good("t").sea.kind, TC_SEA_FOUND);
+
     o = good("t --sun=-90,-12.5");
     assert_int_equal(o.scene.sun.kind, TC_SUN_LOCAL);
     assert_float_equal(o.scene.sun.azimuth, 1.5 * acos(-1), 1e-15);
@@ -170,6 +175,7 @@ static void help_and_version(void **state)
                                         "--lookat LON,LAT[,HEIGHT]",
                                         "--distance M",
                                         "--exaggeration FACTOR",
+                                        "--sea Z",
                                         "--sun AZIMUTH,ELEVATION",
                                         "--date YYYY-MM-DDTHH:MMZ",
                                         "--size WxH",
@@ -275,6 +281,12 @@ static void nonsense_is_refused(void **state)
         {"t --lookat 1,2 --distance nan", "--distance: "},
         {"t --lookat 1,2 --view 1,2,3,4,5", "--lookat: expected either it or --view, found both"},
         {"t --distance 5", "--distance: expected --lookat LON,LAT with it, found none"},
+        {"t --sea x", "--sea: expected metres of -1e9..1e9, or none, found 'x'"},
+        {"t --sea nan", "--sea: "},
+        {"t --sea inf", "--sea: "},
+        {"t --sea 1.1e9", "--sea: "},
+        {"t --sea 5m", "--sea: "},
+        {"t --sea None", "--sea: "},
         {"t --sun 90",
          "--sun: expected AZIMUTH,ELEVATION in degrees, |AZIMUTH| up to 360, |ELEVATION| up to 90, found '90'"},
         {"t --sun 90,", "--sun: "},

@@ -59,6 +59,8 @@ static const tc_stats_summary summary = {.frames = 2,
 static const tc_stats_context context = {
     .renderer = "llvmpipe",
     .backend = "osmesa",
+    .sun = {.azimuth = M_PI / 2, .elevation = -M_PI / 18},
+    .sea = {.kind = TC_SEA_GIVEN, .level = -12.5},
     .exaggeration = 1.5,
     .memory = {.geometry = 1, .heights = 2, .normals = 3, .imagery = 4, .field = 5},
     .left_out = left_out};
@@ -90,7 +92,9 @@ static void json_has_the_keys(void **state)
                                         "\"back\\\\slash\\u0009and tab\"\n  ],\n",
                                         "  \"throttle\": {\"median\": 0.250, \"max\": 1.500},\n",
                                         "  \"tolerance_px\": 2.000,\n  \"error_bound_px\": 1.750,\n",
-                                        "  \"blocks_by_level\": [1, 0, 12],\n  \"exaggeration\": 1.5\n}\n"};
+                                        "  \"blocks_by_level\": [1, 0, 12],\n",
+                                        "  \"sun\": {\"azimuth\": 90.000, \"elevation\": -10.000},\n",
+                                        "  \"sea\": -12.5,\n  \"exaggeration\": 1.5\n}\n"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (!strstr(text, parts[i]))
             fail_msg("no %s in %s", parts[i], text);
