@@ -32,7 +32,7 @@ render           base field chart map imagery view window content gl
 planar           base field chart map view window content blocks render
 spherical        base field chart map view window content blocks render
 app              base input field chart packed/file packed/read map imagery view window content measure gl render
-data             base input field chart packed/file packed/read packed/write map app
+data             base input field chart packed/file packed/read packed/write map view app
 end
 
 list_includes() { # "ROOM INCLUDED-ROOM FILE" of every include of another folder
