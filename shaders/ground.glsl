@@ -33,14 +33,17 @@ struct Ground {
 #endif
 };
 
-#ifdef ZONES
+#if defined(ZONES) || (defined(LIT) && defined(CLIMATE))
 // Height from which snow stays into the summer, metres above the sea: about that of the Earth's mountains at the equator,
-// the sea near the poles.
+// highest in the belts of dry air beside it, the sea near the poles.
 float snow_line(float sine)
 {
-    return 5100.0 * (1.0 - pow(abs(sine) / 0.965, 3.0));
+    float belt = (asin(min(abs(sine), 1.0)) - 0.49) / 0.175;
+    return 5100.0 * (1.0 - pow(abs(sine) / 0.965, 3.0)) + 1200.0 * exp(-belt * belt);
 }
+#endif
 
+#ifdef ZONES
 // Land by latitude and height: the greens of a land that is warm and wet enough, steppe and desert in the belts of dry
 // air, meadows, tundra and rock where it is too cold for trees. All of it is about that of the Earth's means.
 vec3 zoned(vec3 green, float height, float sine)

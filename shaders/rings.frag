@@ -263,8 +263,7 @@ Ground surface_ground()
 #endif
 #if defined(LIT) && defined(CLIMATE)
     g.day = smoothstep(-0.22, 0.3, dot(g.up, sun.xyz));
-    // About that of the Earth's mountains at the equator, the sea near the poles.
-    g.snow_line = 5600.0 * (1.0 - pow(abs(p.z) / 0.965, 3.0));
+    g.snow_line = snow_line(p.z);
 #endif
 #ifdef IMAGERY
 #ifdef NORMALS
