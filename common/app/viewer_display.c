@@ -238,8 +238,6 @@ static bool show_file(tc_viewer *v, const char *path, bool picture, tc_pose *vie
     if (!v->renderer || v->closed)
         return false;
     const tc_status status = tc_viewer_drop(v, path, picture, &opened, view_ret, &error);
-    if (v->closed)
-        return false;
     if (status != TC_OK)
         tc_viewer_tell(v, TC_TOLD_FAILURE, "%s", error.text);
     else

@@ -11,6 +11,8 @@ void tc_viewer_tell(tc_viewer *v, tc_told how, const char *format, ...)
 {
     char text[1024];
     va_list arguments;
+    if (how == TC_TOLD_FAILURE && v->closed) /* of what ended because the window was closed */
+        return;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
