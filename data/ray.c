@@ -1,5 +1,6 @@
 /* ray.c - where a ray meets a terrain: of a flat one's mesh, or of a packed planet's surface, as the viewers stand on
- * them. Nothing is there beside a flat terrain; beside a part of a planet there is the planet. */
+ * them. Nothing is there beside a flat terrain; beside a part of a planet there is the planet. The walk goes an eighth
+ * of the data's samples at a time: what is met for less may be missed. */
 #include "ray.h"
 
 #include "common/base/status.h"
@@ -64,7 +65,9 @@ tc_status tc_ray_tell(const tc_map *map, const char *name, const char *text, tc_
     const double place[3] = {eye.x, eye.y, eye.z};
     const double size = flat ? hypot(t.high[0] - t.low[0], t.high[1] - t.low[1]) : 2 * tc_map_radius(map);
     const double away = flat ? hypot(eye.x - t.low[0], eye.y - t.low[1]) : 0;
-    const tc_ray_steps steps = {.least = 0.125 * spacing};
+    /* What is made up is no steeper than that, or thinner. */
+    const tc_ray_steps steps = {
+        .by_height = 0.1, .shortest = 0.125 * spacing, .longest = ldexp(0.125 * spacing, map->synthesised)};
     double way[3], distance, p[3], met[3];
     const double below = ground_height(&t, eye.x, eye.y) - eye.z;
     if (below > 0)

@@ -91,9 +91,8 @@ bool tc_meet_ground(const tc_ground *ground, const double place[3], const double
     double altitude, before = place[2], above = above_ground(&r, 0, &altitude), last = 0, t = 0;
     for (int i = 0; (i < steps->most || steps->most == 0) && above > 0; i++) {
         last = t;
-        /* Not by the height above where no ground is: that is no number to go by. */
-        t += fmax(fmax(isfinite(above) ? steps->by_height * above : 0, altitude - highest),
-                  fmax(steps->by_way * t, steps->least));
+        const double step = fmax(fmax(steps->by_height * above, steps->by_way * t), steps->shortest);
+        t += fmax(fmin(step, steps->longest), altitude - highest);
         above = above_ground(&r, t, &altitude);
         if ((altitude > before && altitude > highest && above > 0) || t > far)
             return false;
@@ -115,7 +114,7 @@ bool tc_meet_ground(const tc_ground *ground, const double place[3], const double
 
 bool tc_pick(const tc_scenery *scenery, const tc_pose *view, double x, double y, double p_ret[3])
 {
-    const tc_ray_steps steps = {0.4, 5e-3, 1e-3 * scenery->ground->clearance, 4000};
+    const tc_ray_steps steps = {0.4, 5e-3, 1e-3 * scenery->ground->clearance, INFINITY, 4000};
     double way[3], distance;
     tc_pixel_ray(scenery, view, x, y, way);
     return tc_meet_ground(scenery->ground, (double[3]){view->x, view->y, view->z}, way, scenery->highest,

@@ -17,10 +17,10 @@ typedef struct tc_scenery {
 /* Direction in space (body.h), of length 1, in which a view sees a pixel's place; x and y as in tc_pointer_event. */
 void tc_pixel_ray(const tc_scenery *scenery, const tc_pose *view, double x, double y, double ray_ret[3]);
 
-/* How far a walk along a ray goes at a time: these shares of the height above ground and of the way so far, and no less
- * than so many metres; further where no ground is as high. */
+/* How far a walk along a ray goes at a time: the larger of these shares of the height above ground and of the way so
+ * far, within these metres; further where no ground is as high. */
 typedef struct tc_ray_steps {
-    double by_height, by_way, least;
+    double by_height, by_way, shortest, longest;
     int most; /* steps; 0: as many as it takes */
 } tc_ray_steps;
 
