@@ -46,8 +46,8 @@ static const tc_option table[] = {
      "where there is no height: fill, constant=V, or hole, which is told as nan (fill; as packed)", tc_read_voids,
      offsetof(struct arguments, source)},
     {0, "ray", "X,Y,Z,HEADING,PITCH", "a view, as the viewers' --view has it",
-     "instead of a point: where a look in that direction from there meets the ground first, as X Y Z DISTANCE; of a "
-     "packed planet LON,LAT,HEIGHT,HEADING,PITCH",
+     "instead of a point: where a look in that direction from there meets the ground first, or the side of a flat "
+     "terrain, as X Y Z DISTANCE in metres; of a packed planet LON,LAT,HEIGHT,HEADING,PITCH",
      tc_read_text, offsetof(struct arguments, ray)},
     {.help = "How a DEM is read; a packed terrain knows"},
     TC_READING_ROWS(struct arguments, source),
@@ -407,10 +407,12 @@ tc_status tc_height_main(int argc, char **argv, tc_error *error)
     status = tc_map_load(a.file, &a.source, NULL, &map, error);
     if (status == TC_OK)
         status = tc_map_synthesise(map, a.synthesis, error);
-    if (status == TC_OK && a.ray && map->georef.known && map->georef.geographic && tc_map_radius(map) == 0)
+    if (status == TC_OK && a.ray && map->georef.known && tc_map_radius(map) == 0)
         say(&a, true,
-            "--ray: the map in degrees is taken flat, X and Y in metres, as planar-viewer has it; 'terraclip pack "
-            "--planet' makes a globe of it, whose rays have degrees");
+            map->georef.geographic ? "--ray: X and Y are metres from the south-west sample of the map taken flat, as "
+                                     "planar-viewer has it; "
+                                     "'terraclip pack --planet' makes a globe of it, whose rays have degrees"
+                                   : "--ray: X and Y are metres from the south-west sample, not the map's coordinates");
     if (status == TC_OK)
         status = tell(&a, map, point[0], point[1], error);
     tc_map_destroy(map);

@@ -1,5 +1,5 @@
 /* ray.c - where a ray meets a terrain: of a flat one's mesh, or of a packed planet's surface, as the viewers stand on
- * them. Nothing is there beside a flat terrain; beside a part of a planet there is the planet. The walk goes an eighth
+ * them. A flat one has sides, straight down; beside a part of a planet there is the planet. The walk goes an eighth
  * of the data's samples at a time: what is met for less may be missed. */
 #include "ray.h"
 
@@ -13,21 +13,17 @@
 
 typedef struct target {
     const tc_map *map;
-    double low[2], high[2]; /* of the map */
-    tc_status status;       /* of reading it */
+    tc_status status; /* of reading it */
 } target;
 
 static double ground_height(void *context, double x, double y)
 {
     target *t = context;
-    const bool flat = tc_map_radius(t->map) == 0;
     double z = 0;
-    if (flat && !(x >= t->low[0] && x <= t->high[0] && y >= t->low[1] && y <= t->high[1]))
-        return -INFINITY;
     const tc_status status = tc_map_height(t->map, x, y, &z);
     if (status != TC_OK)
         t->status = status;
-    return isnan(z) ? -INFINITY : z;
+    return z;
 }
 
 /* The highest ground that there may be. */
@@ -39,6 +35,26 @@ static double highest(const tc_map *map)
         z = fmax(z, info->z_base + info->z_max);
     }
     return z;
+}
+
+/* The part of a ray that is over a flat map, which ends with its outermost samples; false: none. */
+static bool cut_to_map(const tc_map *map, double spacing, const double eye[3], const double way[3], double *from,
+                       double *to)
+{
+    double low[2], high[2];
+    tc_map_extent(map, low, high);
+    *from = 0, *to = INFINITY;
+    for (int k = 0; k < 2; k++) {
+        const double beside = 1e-9 * spacing; /* what rounding puts a point on the edge off it by */
+        const double a = low[k] - beside - eye[k], b = high[k] + beside - eye[k];
+        if (way[k] == 0 && !(a <= 0 && b >= 0))
+            return false;
+        if (way[k] != 0) {
+            *from = fmax(*from, fmin(a / way[k], b / way[k]));
+            *to = fmin(*to, fmax(a / way[k], b / way[k]));
+        }
+    }
+    return *from <= *to;
 }
 
 /* Without what arithmetic leaves behind a number's last digit that means something. */
@@ -55,27 +71,30 @@ tc_status tc_ray_tell(const tc_map *map, const char *name, const char *text, tc_
     const tc_level finest = tc_field_level(field, tc_field_info(field)->levels);
     tc_pose eye;
     if (!tc_pose_parse(navigation, text, &eye))
-        return tc_fail(error, TC_ERR_USAGE, "--ray: expected %s, %s, found '%s'", navigation->form, navigation->bounds,
-                       text);
+        return tc_fail(error, TC_ERR_USAGE, "--ray: expected %s, found '%s'", navigation->bounds, text);
     target t = {.map = map};
-    tc_map_extent(map, t.low, t.high);
     const double spacing = fmin(finest.spacing_x, finest.spacing_y), top = highest(map);
     const tc_ground ground = {ground_height, &t, spacing, map->body};
     const tc_scenery straight = {.navigation = navigation, .ground = &ground, .fov = 1, .width = 1, .height = 1};
-    const double place[3] = {eye.x, eye.y, eye.z};
-    const double size = flat ? hypot(t.high[0] - t.low[0], t.high[1] - t.low[1]) : 2 * tc_map_radius(map);
-    const double away = flat ? hypot(eye.x - t.low[0], eye.y - t.low[1]) : 0;
     /* What is made up is no steeper than that, or thinner. */
-    const tc_ray_steps steps = {
-        .by_height = 0.1, .shortest = 0.125 * spacing, .longest = ldexp(0.125 * spacing, map->synthesised)};
-    double way[3], distance, p[3], met[3];
-    const double below = ground_height(&t, eye.x, eye.y) - eye.z;
-    if (below > 0)
+    const tc_ray_steps steps = {.by_height = 0.1,
+                                .shortest = 0.125 * spacing,
+                                .longest = ldexp(0.125 * spacing, map->synthesised),
+                                .most = INT64_MAX};
+    const double place[3] = {eye.x, eye.y, eye.z};
+    double way[3], p[3], met[3], from = 0, to = 4 * (tc_map_radius(map) + fabs(eye.z) + fabs(top)), distance = 0;
+    tc_pixel_ray(&straight, &eye, 0.5, 0.5, way);
+    bool meets = !flat || cut_to_map(map, spacing, place, way, &from, &to);
+    for (int i = 0; i < 3; i++)
+        p[i] = place[i] + from * way[i];
+    const double below = meets ? ground_height(&t, p[0], p[1]) - p[2] : 0;
+    if (below > 0 && from == 0)
         return tc_fail(error, TC_ERR_IO, "--ray: expected an eye above the ground of %s, found one %.3f m below it",
                        name, below);
-    tc_pixel_ray(&straight, &eye, 0.5, 0.5, way);
-    const bool meets =
-        tc_meet_ground(&ground, place, way, top, 2 * (size + away + fabs(eye.z) + fabs(top)), &steps, &distance, p);
+    if (below > 0) /* the side of a flat one */
+        distance = from;
+    else
+        meets = meets && tc_meet_ground(&ground, place, way, top, from, to, &steps, &distance, p);
     if (t.status != TC_OK)
         return tc_fail(error, t.status, "%s: cannot be read: %s", name, tc_status_text(t.status));
     if (!meets || !map->body.class->place(&map->body, p, met))

@@ -82,23 +82,25 @@ static double above_ground(const ray *r, double t, double *altitude_ret)
     return place[2] - r->ground->height(r->ground->context, place[0], place[1]);
 }
 
-bool tc_meet_ground(const tc_ground *ground, const double place[3], const double way[3], double highest, double far,
-                    const tc_ray_steps *steps, double *distance_ret, double p_ret[3])
+bool tc_meet_ground(const tc_ground *ground, const double place[3], const double way[3], double highest, double from,
+                    double to, const tc_ray_steps *steps, double *distance_ret, double p_ret[3])
 {
     enum { HALVINGS = 60 };
     ray r = {.ground = ground, .way = way};
     ground->body.class->position(&ground->body, place, r.eye);
-    double altitude, before = place[2], above = above_ground(&r, 0, &altitude), last = 0, t = 0;
-    for (int i = 0; (i < steps->most || steps->most == 0) && above > 0; i++) {
+    double altitude, last = from, t = from, above = above_ground(&r, t, &altitude), before = altitude;
+    if (above < 0)
+        return false;
+    for (int64_t i = 0; i < steps->most && (above > 0 || i == 0); i++) {
         last = t;
         const double step = fmax(fmax(steps->by_height * above, steps->by_way * t), steps->shortest);
         t += fmax(fmin(step, steps->longest), altitude - highest);
         above = above_ground(&r, t, &altitude);
-        if ((altitude > before && altitude > highest && above > 0) || t > far)
+        if ((altitude > before && altitude > highest && above > 0) || t > to)
             return false;
         before = altitude;
     }
-    if (!(above <= 0) || (t == 0 && above < 0))
+    if (!(above <= 0))
         return false;
     for (int i = 0; i < HALVINGS && t - last > 1e-11 * t; i++) {
         double middle = 0.5 * (last + t);
@@ -117,6 +119,6 @@ bool tc_pick(const tc_scenery *scenery, const tc_pose *view, double x, double y,
     const tc_ray_steps steps = {0.4, 5e-3, 1e-3 * scenery->ground->clearance, INFINITY, 4000};
     double way[3], distance;
     tc_pixel_ray(scenery, view, x, y, way);
-    return tc_meet_ground(scenery->ground, (double[3]){view->x, view->y, view->z}, way, scenery->highest,
+    return tc_meet_ground(scenery->ground, (double[3]){view->x, view->y, view->z}, way, scenery->highest, 0,
                           4 * (scenery->far + fabs(view->z)), &steps, &distance, p_ret);
 }

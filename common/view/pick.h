@@ -21,15 +21,15 @@ void tc_pixel_ray(const tc_scenery *scenery, const tc_pose *view, double x, doub
  * far, within these metres; further where no ground is as high. */
 typedef struct tc_ray_steps {
     double by_height, by_way, shortest, longest;
-    int most; /* steps; 0: as many as it takes */
+    int64_t most; /* steps */
 } tc_ray_steps;
 
 /* Where a ray from a place above the ground, in the direction `way` of length 1 in space, meets the ground first:
  * metres from there, and the point. Walks, then halves: what the ray meets for less than a step may be missed. highest:
- * metres absolute, no ground is higher; far: metres that it goes at most. The ground's height may be -INFINITY where
- * there is none. False where it meets none, or begins below it. */
-bool tc_meet_ground(const tc_ground *ground, const double place[3], const double way[3], double highest, double far,
-                    const tc_ray_steps *steps, double *distance_ret, double p_ret[3]);
+ * metres absolute, no ground is higher; from, to: metres between which it is looked for. False where it meets none, or
+ * begins below it. */
+bool tc_meet_ground(const tc_ground *ground, const double place[3], const double way[3], double highest, double from,
+                    double to, const tc_ray_steps *steps, double *distance_ret, double p_ret[3]);
 
 /* The pixel that shows a point of space, as if nothing were before it. False behind the eye. */
 bool tc_pixel_of(const tc_scenery *scenery, const tc_pose *view, const double p[3], double *x_ret, double *y_ret);

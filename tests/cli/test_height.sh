@@ -67,6 +67,8 @@ meets() { # ANSWER RAY [FILE]
     [ "$(cat stdout.txt)" = "$1" ] || fail "height --ray $2: '$(cat stdout.txt)' instead of '$1'"
 }
 meets '0 0 1064 936' 0,0,2000,0,-90
+meets '0 0 1064 936' 0,0,2000,270,-90 # whatever rounding leaves of the way to the west
+meets '0 320 100 10000000' -1e7,320,100,90,0
 meets '468 0 1532 661.851947' 0,0,2000,90,-45
 meets '0 320 1000 1000' -1000,320,1000,90,0
 refuses 1 '^terraclip: --ray: expected a ray that meets the ground of plane.tif' $terraclip height plane.tif --ray 640,320,5000,0,0
@@ -76,6 +78,9 @@ refuses 2 '^terraclip: --ray: expected X,Y,Z,HEADING,PITCH' $terraclip height pl
 refuses 2 '^terraclip: --ray: expected X,Y,Z,HEADING,PITCH' $terraclip height plane.tif --ray 0,0,nan,90,0
 refuses 2 '^terraclip: --ray: expected no point with it' $terraclip height plane.tif --ray 0,0,2000,0,-90 5 5
 refuses 2 '^terraclip: --ray: expected no --level with it' $terraclip height plane.tif --ray 0,0,2000,0,-90 --level 1
+$make_file tiff one.tif size=1x1 heights=plane metres=10
+run $terraclip height one.tif 500000 5200000 && flat=$(cat stdout.txt)
+meets "0 0 $flat $((5000 - flat))" 0,0,5000,0,-90 one.tif
 # A wall of one sample, which a walk by the height above ground would step over.
 awk 'BEGIN { print "ncols 2049\nnrows 5\nxllcorner 0\nyllcorner 0\ncellsize 10"
     for (j = 0; j < 5; j++) { for (i = 0; i < 2049; i++) printf "%d ", i == 1500 ? 100 : 0; print "" } }' >wall.asc
