@@ -168,8 +168,8 @@ tc_status tc_codec_train(const tc_lifting_level *level, const tc_training_tile *
 
 /* Makes a level's header: trains a model on the tiles, from *start on (NULL: the built-in sets; else best that of the
  * next coarser level), and takes of it what pays over the built-in sets for the whole level. step: the quantiser steps;
- * lambda as in tc_encode_options; threads as in tc_parallel_for(), on which nothing depends. header: room for tc_detail_model_bound() bytes. *model_ret is the model that the
- * header holds. Allocates. */
+ * lambda as in tc_encode_options; threads as in tc_parallel_for(), on which nothing depends. header: room for
+ * tc_detail_model_bound() bytes. *model_ret is the model that the header holds. Allocates. */
 tc_status tc_codec_choose(const tc_lifting_level *level, const tc_training_tile *tiles, int count, double lambda,
                           const int32_t step[TC_BANDS], const tc_detail_model *start, int threads, uint8_t *header,
                           size_t *size_ret, tc_detail_model *model_ret);
