@@ -33,13 +33,16 @@ static uint32_t next(const unsigned char *text, size_t *bytes_ret)
     return text[0];
 }
 
-/* Control characters, spaces, and what turns the direction of others or is not seen. */
+/* Control characters, spaces, and signs that turn the direction of others or are not seen, as far as they are common.
+ */
 static bool is_blank(uint32_t c)
 {
     static const struct {
         uint32_t first, last;
-    } blank[] = {{0, 0x20},        {0x7f, 0xa0},     {0xad, 0xad},     {0x2000, 0x200f}, {0x2028, 0x202f},
-                 {0x2060, 0x206f}, {0xfeff, 0xfeff}, {0xe000, 0xf8ff}, {0xfff0, 0xffff}, {0xe0000, 0x10ffff}};
+    } blank[] = {{0, 0x20},        {0x7f, 0xa0},     {0xad, 0xad},       {0x61c, 0x61c},   {0x115f, 0x1160},
+                 {0x1680, 0x1680}, {0x180e, 0x180e}, {0x2000, 0x200f},   {0x2028, 0x202f}, {0x205f, 0x206f},
+                 {0x2800, 0x2800}, {0x3000, 0x3000}, {0x3164, 0x3164},   {0xe000, 0xf8ff}, {0xfeff, 0xfeff},
+                 {0xffa0, 0xffa0}, {0xfff0, 0xffff}, {0xe0000, 0x10ffff}};
     bool is = false;
     for (size_t k = 0; k < sizeof blank / sizeof *blank; k++)
         is |= c >= blank[k].first && c <= blank[k].last;

@@ -1,5 +1,6 @@
-/* credits.h - whose data are shown, in the words of their files: a few short lines, of which nothing but letters is
- * left, since they come from strangers. */
+/* credits.h - whose data are shown, in the words of their files: a few short lines. They come from strangers: no
+ * control character is left, nor a sign that turns the direction of others; how letters look is not looked at, nor how
+ * many marks stand over one. */
 #ifndef TC_CREDITS_H
 #define TC_CREDITS_H
 
@@ -11,8 +12,8 @@ typedef struct tc_credits {
 } tc_credits;
 
 /* Adds what a file says; not what is there already, nor what is empty. Where there is no room the last line tells of
- * others. Signs that are no letters become spaces, of which one is left where there are several; bytes that are no
- * UTF-8 are taken for Latin-1; what is too long is cut between characters, and ends in dots. */
+ * others. Signs that control, and those known to be blank, become spaces, of which one is left where there are several;
+ * bytes that are no UTF-8 are taken for Latin-1; what is too long is cut between characters, and ends in dots. */
 void tc_credits_add(tc_credits *credits, const char *text);
 
 #endif

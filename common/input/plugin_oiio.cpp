@@ -193,9 +193,11 @@ tc_status check_whole(const char *path, const OIIO::ImageSpec &spec, tc_error *e
 void tell_credit(const OIIO::ImageSpec &spec, const tc_source_options *options)
 {
     std::string text;
+    if (!options || !options->credit)
+        return;
     for (const char *item : {"Copyright", "Artist"})
         text = text.empty() ? std::string(spec.get_string_attribute(item)) : text;
-    if (options->credit && !text.empty())
+    if (!text.empty())
         options->credit(options->credit_context, text.c_str());
 }
 

@@ -20,6 +20,7 @@ static void lines_are_clean(void **state)
          "b\xc2\x9b"
          "c",
          "a b c"}, /* turned around; an escape of one byte more */
+        {"a\u061cb\u180ec\u115f\u1160\u3164d\uffa0\u3000e", "a b c d e"}, /* turned around; blank letters */
         {"x\xc0\xaf\xed\xa0\x80\xf5y\xe5\x9c", "x\xc3\x80\xc2\xaf\xc3\xad \xc3\xb5y\xc3\xa5"}, /* no UTF-8 */
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -36,6 +37,7 @@ static void what_is_empty_is_none(void **state)
     tc_credits credits = {.count = 0};
     tc_credits_add(&credits, "");
     tc_credits_add(&credits, " \n\x01\x7f\xe2\x80\x8b");
+    tc_credits_add(&credits, "\u3164\uffa0\u2800");
     assert_true(credits.count == 0);
 }
 
