@@ -147,28 +147,62 @@ static void empty(const char *folder)
         closedir(list);
 }
 
-/* Its lock, a descriptor that the caller closes. */
-static tc_status lock(const char *folder, bool quiet, int *lock_ret, tc_error *error)
+/* Makes it where it is not there; a descriptor of it that the caller closes. */
+static int open_folder(const char *folder)
 {
-    bool said = quiet;
-    const bool made = mkdir(folder, 0700) == 0 || errno == EEXIST;
-    const int file = made ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
-    if (file < 0)
-        return tc_fail(error, TC_ERR_IO, "the default terrain cannot be kept in %s: %s", folder, strerror(errno));
+    int file = -1;
+    for (int tries = 0; file < 0 && tries < 100; tries++) { /* another viewer may take it away between the two */
+        if (mkdir(folder, 0700) != 0 && errno != EEXIST)
+            return -1;
+        file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+        if (file < 0 && errno != ENOENT)
+            return -1;
+    }
+    return file;
+}
+
+/* Whether an open folder is still that of its name: who had the lock before takes it away in the end. */
+static bool is_named(int file, const char *folder)
+{
+    struct stat open, named;
+    return fstat(file, &open) == 0 && stat(folder, &named) == 0 && open.st_dev == named.st_dev &&
+           open.st_ino == named.st_ino;
+}
+
+/* Waits for the lock of an open folder. */
+static tc_status wait_for_lock(int file, const char *folder, bool *said, tc_error *error)
+{
     while (flock(file, LOCK_EX | LOCK_NB) != 0) {
         const int why = errno;
-        if ((why != EWOULDBLOCK && why != EINTR) || tc_interrupted()) {
-            close(file);
-            return tc_interrupted() ? tc_fail(error, TC_ERR_IO, "interrupted")
-                                    : tc_fail(error, TC_ERR_IO, "the default terrain cannot be kept in %s: %s", folder,
-                                              strerror(why));
-        }
-        if (!said)
+        if (tc_interrupted())
+            return tc_fail(error, TC_ERR_IO, "interrupted");
+        if (why != EWOULDBLOCK && why != EINTR)
+            return tc_fail(error, TC_ERR_IO, "the default terrain cannot be kept in %s: %s", folder, strerror(why));
+        if (!*said)
             fprintf(stderr, "another viewer is making the default terrain\n");
-        said = true;
+        *said = true;
         wait_a_moment();
     }
-    *lock_ret = file;
+    return TC_OK;
+}
+
+/* The folder, locked: a descriptor that the caller closes. */
+static tc_status lock(const char *folder, bool quiet, int *lock_ret, tc_error *error)
+{
+    bool said = quiet, held = false;
+    while (!held) {
+        const int file = open_folder(folder);
+        if (file < 0)
+            return tc_fail(error, TC_ERR_IO, "the default terrain cannot be kept in %s: %s", folder, strerror(errno));
+        const tc_status status = wait_for_lock(file, folder, &said, error);
+        held = status == TC_OK && is_named(file, folder);
+        if (held)
+            *lock_ret = file;
+        else
+            close(file);
+        if (status != TC_OK)
+            return status;
+    }
     return TC_OK;
 }
 
@@ -191,8 +225,7 @@ tc_status tc_default_terrain_make(const tc_default_terrain *which, const tc_atla
         status = make_in(which, atlas, folder, path, quiet, error);
         empty(folder);
     }
-    if (status == TC_OK) /* else who waits for the lock goes on in it */
-        rmdir(folder);
+    rmdir(folder); /* who waits for its lock makes another */
     close(held);
     return status;
 }
