@@ -248,7 +248,7 @@ static void explain(const tc_viewer *v, const tc_left_out *left_out)
 }
 
 /* Writes --stats, prints --json and --explain, and a line about a measured flight. */
-static tc_status report(tc_viewer *v, tc_error *error)
+static tc_status report_figures(const tc_viewer *v, tc_error *error)
 {
     tc_stats_summary summary;
     tc_stats_summarise(v->stats, &summary);
@@ -287,6 +287,27 @@ static void report_damage(const tc_viewer *v)
     if (unreadable > 0 && !v->failing && !v->options.quiet) /* a window has said so */
         fprintf(stderr, "%s: warning: %s: %" PRId64 " tiles could not be read\n", v->program->name, v->options.terrain,
                 unreadable);
+}
+
+tc_status tc_viewer_report(const tc_viewer *v, tc_error *error)
+{
+    tc_status status = TC_OK;
+    if (v->renderer) {
+        status = report_figures(v, error);
+        report_damage(v);
+    } else if ((v->options.stats || v->options.json) && !v->options.quiet) {
+        fprintf(stderr, "%s: warning: closed before anything was drawn: there are no figures\n", v->program->name);
+    }
+    return status;
+}
+
+int tc_viewer_end(const tc_viewer_program *program, tc_status status, tc_error *error)
+{
+    if (status == TC_OK && fflush(stdout) != 0)
+        status = tc_fail(error, TC_ERR_IO, "standard output: cannot be written");
+    if (status != TC_OK && error->text[0])
+        fprintf(stderr, "%s: %s\n", program->name, error->text);
+    return tc_exit_code(status);
 }
 
 /* What will be written is not what is read: neither file of the command line, nor what they are made of (source.h). */
@@ -388,7 +409,7 @@ static tc_status run(tc_viewer *v, tc_error *error)
     else if (status == TC_OK)
         status = tc_viewer_wait(v, tc_viewer_load, NULL, error);
     if (v->closed)
-        return TC_OK;
+        return tc_viewer_report(v, error);
     if (status == TC_OK)
         status = place_camera(v, error);
     if (status == TC_OK)
@@ -416,8 +437,7 @@ static tc_status run(tc_viewer *v, tc_error *error)
         return status;
     /* A flight that was cut short still tells what it measured. */
     tc_error unused;
-    tc_status reported = report(v, status == TC_OK ? error : &unused);
-    report_damage(v);
+    tc_status reported = tc_viewer_report(v, status == TC_OK ? error : &unused);
     return status == TC_OK ? reported : status;
 }
 
@@ -439,10 +459,7 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     } else if (status == TC_OK) {
         status = run(&viewer, &error);
     }
-    if (status == TC_OK && fflush(stdout) != 0)
-        status = tc_fail(&error, TC_ERR_IO, "standard output: cannot be written");
-    if (status != TC_OK && error.text[0])
-        fprintf(stderr, "%s: %s\n", program->name, error.text);
+    const int code = tc_viewer_end(program, status, &error);
 
     tc_viewer_destroy_scene(&viewer);
     tc_context_destroy(viewer.context);
@@ -455,5 +472,5 @@ int tc_viewer_main(const tc_viewer_program *program, int argc, char **argv)
     tc_viewer_display_close(&viewer);
     tc_viewer_forget_kept(&viewer);
     free(viewer.colours.stop);
-    return tc_exit_code(status);
+    return code;
 }

@@ -78,11 +78,12 @@ static tc_status load_and_draw(tc_viewer *v, const tc_viewer_wish *wish, bool ma
     v->options = wish->options, v->scene = wish->scene;
     v->halvings = 0;
     v->imagery = NULL, v->surface = NULL, v->renderer = NULL;
+    v->imagery_credits.count = 0;
     if (map)
         v->map = NULL, v->scene.frame.cull_camera = NULL; /* which was of the old one's */
     tc_status status = TC_OK;
     if (map || v->options.imagery_count > 0)
-        status = tc_viewer_wait(v, map ? tc_viewer_load : tc_viewer_load_imagery, before.renderer, error);
+        status = tc_viewer_wait(v, map ? tc_viewer_load : tc_viewer_load_imagery, &before, error);
     if (status == TC_OK) {
         v->scene.imagery = v->imagery;
         v->scene.around = v->around;

@@ -2,6 +2,7 @@
  * how, and does what the user did in it. */
 #include "viewer_internal.h"
 #include "common/base/status.h"
+#include "interrupt.h"
 #include "panel.h"
 #include "viewer_place.h"
 
@@ -235,7 +236,7 @@ static bool show_file(tc_viewer *v, const char *path, bool picture, tc_pose *vie
 {
     tc_error error;
     bool opened = false;
-    if (!v->renderer || v->closed)
+    if (!v->renderer || tc_interrupted())
         return false;
     const tc_status status = tc_viewer_drop(v, path, picture, &opened, view_ret, &error);
     if (status != TC_OK)

@@ -3,6 +3,7 @@
  * holds either. */
 #include "viewer_internal.h"
 #include "common/base/status.h"
+#include "interrupt.h"
 
 #include <string.h>
 
@@ -58,7 +59,7 @@ tc_status tc_viewer_drop(tc_viewer *v, const char *path, bool picture, bool *ope
         v->failing = false;
         return TC_OK;
     }
-    if (!picture && v->renderer && !v->closed && lay_picture(v, kept, &no_picture) == TC_OK)
+    if (!picture && v->renderer && !tc_interrupted() && lay_picture(v, kept, &no_picture) == TC_OK)
         return TC_OK;
     /* What says nothing of a format is no reason. */
     const tc_error *reason = picture && no_picture.text[0] ? &no_picture : &no_terrain;

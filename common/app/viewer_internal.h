@@ -88,16 +88,21 @@ tc_status tc_viewer_load_imagery(tc_viewer *viewer, tc_error *error); /* only th
 /* ---- What takes long (viewer_work.c) ----------------------------------------------------------------------------- */
 
 /* Does work that needs no OpenGL. Where there is, or will be, a window that a person sees, on a thread of its own:
- * meanwhile the window tells how far it is, over the last picture of `behind` (NULL: over nothing). It is opened for
- * that where it is not there yet and the work goes on for more than a moment. Who closes it ends the work:
- * viewer->closed, and TC_ERR_IO unless all was done by then. The process ends by itself, with 0, where the work does
- * not. */
-tc_status tc_viewer_wait(tc_viewer *viewer, tc_status (*work)(tc_viewer *, tc_error *), tc_renderer *behind,
+ * meanwhile the window tells how far it is, over the last picture of `behind`, the viewer as it was (NULL: over
+ * nothing). It is opened for that where it is not there yet and the work goes on for more than a moment; where it
+ * cannot be opened, that fails. Who closes it ends the work: viewer->closed, and TC_ERR_IO unless all was done by then;
+ * so does an interrupt. The process ends by itself where the work does not, with what it has to report. */
+tc_status tc_viewer_wait(tc_viewer *viewer, tc_status (*work)(tc_viewer *, tc_error *), const tc_viewer *behind,
                          tc_error *error);
 
 /* Hears of work what is done and its share, 0 to 1, or negative where that is not known; on any thread. False: it is to
  * stop. context: the viewer. */
 bool tc_viewer_progress(void *context, const char *what, double share);
+
+/* Writes --stats, prints --json and --explain, and what could not be shown; where nothing was drawn, that there are no
+ * figures. And the end: says what failed; the exit code (viewer.c). */
+tc_status tc_viewer_report(const tc_viewer *viewer, tc_error *error);
+int tc_viewer_end(const tc_viewer_program *program, tc_status status, tc_error *error);
 
 /* Opens the viewer's window, unless it is (viewer.c). */
 tc_status tc_viewer_open_window(tc_viewer *viewer, tc_error *error);

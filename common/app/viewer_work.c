@@ -18,10 +18,11 @@ static const double TURN = 50, UNTOLD = 150, REFUSING = 600, ENDING = 700, ENDIN
 struct tc_viewer_work {
     tc_viewer *viewer;
     tc_status (*work)(tc_viewer *viewer, tc_error *error);
-    tc_renderer *behind;
-    double begun, closed; /* milliseconds of tc_clock_ms(); 0: not closed */
-    bool no_window;       /* it cannot be opened, which is told once the work is done */
-    bool told;            /* in the window */
+    const tc_viewer *behind;
+    double begun, ending; /* milliseconds of tc_clock_ms(); ending: since when it is to, 0: it is not */
+    tc_status unopened;   /* the window, and why; TC_OK: it is there, or was not due yet */
+    tc_error why;
+    bool told; /* in the window */
 
     pthread_mutex_t lock; /* of what follows */
     pthread_cond_t changed;
@@ -97,7 +98,7 @@ static void tell(struct tc_viewer_work *w, const tc_display_work *told, int widt
     snprintf(title, sizeof title, "%.100s - %.100s%s - %s", told->name, told->what, share, v->program->name);
     v->window_plugin->set_title(v->window, title);
     if (w->behind) {
-        tc_renderer_present(w->behind, width, height);
+        tc_renderer_present(w->behind->renderer, width, height);
     } else {
         v->gl->BindFramebuffer(GL_FRAMEBUFFER, 0);
         v->gl->ClearColor(0.1f, 0.1f, 0.12f, 1);
@@ -109,17 +110,32 @@ static void tell(struct tc_viewer_work *w, const tc_display_work *told, int widt
 }
 
 /* It does not end although it is to: what is being read, or computed, cannot be stopped. No file is being written. */
-static void leave(void)
+static void leave(const struct tc_viewer_work *w)
 {
-    fflush(stdout);
-    _exit(0);
+    tc_error error = w->why;
+    tc_status status = w->unopened;
+    if (status == TC_OK && (w->behind || w->viewer->closed))
+        status = tc_viewer_report(w->behind ? w->behind : w->viewer, &error);
+    else if (status == TC_OK)
+        status = tc_fail(&error, TC_ERR_IO, "interrupted");
+    _exit(tc_viewer_end(w->viewer->program, status, &error));
 }
 
-static void close_window(struct tc_viewer_work *w, double now)
+static void leave_in_time(struct tc_viewer_work *w)
 {
-    w->closed = now;
-    w->viewer->closed = true;
-    tc_interrupt();
+    const double now = tc_clock_ms();
+    if (tc_interrupted() && w->ending == 0)
+        w->ending = now;
+    if (w->ending > 0 && now - w->ending > (w->viewer->writing ? ENDING_CHILD : ENDING))
+        leave(w);
+}
+
+static void refuse_files(tc_viewer *v, const tc_window_input *input)
+{
+    for (int i = 0; i < input->dropped_count; i++)
+        tc_viewer_tell(v, TC_TOLD_FAILURE,
+                       "%s: cannot be opened while another file is loaded; drop it again after that",
+                       tc_viewer_file_name(input->dropped[i]));
 }
 
 /* A look at the window's events. */
@@ -133,10 +149,10 @@ static void attend(struct tc_viewer_work *w)
     bool closed = input.close;
     for (int i = 0; i < input.pressed_count && !w->behind; i++)
         closed |= input.pressed[i] == TC_KEY_ESCAPE;
-    if (closed && !v->closed)
-        close_window(w, now);
-    if (v->closed && now - w->closed > (v->writing ? ENDING_CHILD : ENDING))
-        leave();
+    v->closed |= closed;
+    if (closed)
+        tc_interrupt();
+    refuse_files(v, &input);
     if (now - w->begun > UNTOLD && input.width > 0 && input.height > 0) {
         const tc_display_work told = telling(w, now);
         tell(w, &told, input.width, input.height);
@@ -150,17 +166,19 @@ static bool due(struct tc_viewer_work *w)
     pthread_mutex_lock(&w->lock);
     const bool under_way = *w->what && passed > UNTOLD;
     pthread_mutex_unlock(&w->lock);
-    return !w->no_window && (under_way || passed > REFUSING);
+    return !tc_interrupted() && (under_way || passed > REFUSING);
 }
 
 static void wait_for(struct tc_viewer_work *w)
 {
-    tc_error unused;
     while (!await_end(w)) {
-        if (w->viewer->window)
+        if (w->viewer->window && w->unopened == TC_OK)
             attend(w);
         else if (due(w))
-            w->no_window = tc_viewer_open_window(w->viewer, &unused) != TC_OK;
+            w->unopened = tc_viewer_open_window(w->viewer, &w->why);
+        if (w->unopened != TC_OK)
+            tc_interrupt();
+        leave_in_time(w);
     }
 }
 
@@ -173,18 +191,25 @@ static void tell_end(struct tc_viewer_work *w)
     tc_display_work told = {.what = "drawing", .share = -1, .alone = !w->behind};
     snprintf(told.name, sizeof told.name, "%s", tc_viewer_file_name(w->viewer->options.terrain));
     w->viewer->window_plugin->poll(w->viewer->window, 0, &input);
+    refuse_files(w->viewer, &input);
     if (input.width > 0 && input.height > 0)
         tell(w, &told, input.width, input.height);
 }
 
-tc_status tc_viewer_wait(tc_viewer *v, tc_status (*work)(tc_viewer *, tc_error *), tc_renderer *behind, tc_error *error)
+tc_status tc_viewer_wait(tc_viewer *v, tc_status (*work)(tc_viewer *, tc_error *), const tc_viewer *behind,
+                         tc_error *error)
 {
     pthread_t thread;
     pthread_condattr_t clock;
     if (!tc_viewer_interactive(&v->options))
         return work(v, error);
-    struct tc_viewer_work w = {
-        .viewer = v, .work = work, .behind = behind, .begun = tc_clock_ms(), .share = -1, .status = TC_OK};
+    struct tc_viewer_work w = {.viewer = v,
+                               .work = work,
+                               .behind = behind,
+                               .begun = tc_clock_ms(),
+                               .share = -1,
+                               .unopened = TC_OK,
+                               .status = TC_OK};
     pthread_mutex_init(&w.lock, NULL);
     pthread_condattr_init(&clock);
     pthread_condattr_setclock(&clock, CLOCK_MONOTONIC);
@@ -201,6 +226,8 @@ tc_status tc_viewer_wait(tc_viewer *v, tc_status (*work)(tc_viewer *, tc_error *
     v->work = NULL;
     pthread_cond_destroy(&w.changed);
     pthread_mutex_destroy(&w.lock);
+    if (w.unopened != TC_OK)
+        w.status = w.unopened, w.error = w.why;
     if (w.status != TC_OK)
         *error = w.error;
     return w.status;

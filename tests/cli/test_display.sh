@@ -290,6 +290,29 @@ if start hills.tif --size 640x560 --view 2000,1500,2500,30,-15; then
     ! grep -E '^(wireframe|level colours|morph|frozen)' told.txt || fail 'what is typed into the panel is taken for keys'
 fi
 
+# Whose pictures are is told no longer once they are gone.
+{
+    echo '<VRTDataset rasterXSize="64" rasterYSize="64"><Metadata><MDI key="COPYRIGHT">(c) A. Person</MDI></Metadata>'
+    for band in 1 2 3; do
+        echo "<VRTRasterBand dataType=\"Byte\" band=\"$band\"><SimpleSource>"
+        echo "<SourceFilename relativeToVRT=\"1\">colours.png</SourceFilename><SourceBand>$band</SourceBand>"
+        echo '</SimpleSource></VRTRasterBand>'
+    done
+    echo '</VRTDataset>'
+} >whose.vrt
+while read -r told dropped; do
+    if start hills.tif --size 320x240 --imagery whose.vrt --explain; then
+        [ -z "$dropped" ] || drop $dropped "^$dropped: opened"
+        ends 'whose pictures are'
+        cases=$((cases + 1))
+        [ "$(grep -c '^credit: imagery: (c) A. Person$' printed.txt)" = $told ] ||
+            fail "whose pictures are, then ${dropped:-nothing}: $(cat printed.txt)"
+    fi
+done <<'end'
+1
+0 land.tif
+end
+
 # ---- Planets
 
 viewer_before=$viewer viewer=$globe

@@ -82,6 +82,21 @@ begins ' - reading ' endless.vrt --size 320x240 --no-display && closes 'closed w
 viewer_before=$viewer viewer=$globe
 begins ' - opening ' blocked.vrt --size 320x240 && closes 'a planet closed'
 viewer=$viewer_before
+# Figures that were asked for, of which there are none then.
+rm -f stats.json
+for file in endless.vrt blocked.vrt; do
+    if begins ' - (reading|opening) ' $file --size 320x240 --stats stats.json; then
+        "$build/tests/drop-file" "$id"
+        ends "closed before there are figures: $file"
+        { [ "$(cat stderr.txt)" = 'planar-viewer: warning: closed before anything was drawn: there are no figures' ] &&
+            [ ! -e stats.json ]; } || report "closed before there are figures: $file"
+    fi
+done
+
+# ---- Without a display that is told long before the file is read
+
+refuses 1 'no display.*-o FILE.png writes a picture without a display' timeout 20 env -u DISPLAY $viewer endless.vrt
+refuses 1 'no display.*-o FILE.png writes a picture without a display' timeout 20 env -u DISPLAY $viewer blocked.vrt
 
 # ---- What fails meanwhile
 
@@ -105,6 +120,8 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     key p '^terraclip-0001.png'
     drop blocked.vrt
     await has_window ' - opening ' || fail 'blocked.vrt: its progress is not told'
+    drop slow.vrt # in vain
+    await said '^planar-viewer: slow.vrt: cannot be opened while another file is loaded' || fail 'slow.vrt: lost'
     xdotool windowsize "$id" 500 400
     await sh -c "xdotool getwindowgeometry $id | grep -q 500x400" || fail 'cannot be made smaller meanwhile'
     xdotool windowsize "$id" 640 480
@@ -123,5 +140,32 @@ if start hills.tif --size 640x480 --view 2000,1500,2500,30,-15; then
     "$build/tests/drop-file" "$id"
     ends 'closed while a file is loaded that fell on it'
 fi
+
+# ---- Ended while a file is loaded that fell on the window, whether or not that can be stopped: what was drawn before is
+# reported
+
+end_by() { # HOW
+    case $1 in
+    closing) "$build/tests/drop-file" "$id" ;;
+    *) kill -s "$1" $pid ;;
+    esac
+}
+while read -r how file; do
+    rm -f stats.json
+    if start hills.tif --size 320x240 --stats stats.json --explain; then
+        drop $file
+        await has_window "^$file - (reading|opening) " || fail "$file: its progress is not told"
+        end_by $how
+        ends "$how while $file is loaded"
+        cases=$((cases + 1))
+        { grep -Eq '"frames": [1-9]' stats.json && grep -q '^uses: ' stdout.txt; } || report "$how while $file is loaded"
+    fi
+done <<'end'
+closing endless.vrt
+closing blocked.vrt
+INT endless.vrt
+INT blocked.vrt
+TERM blocked.vrt
+end
 
 finish
