@@ -102,7 +102,11 @@ void main()
     c = mix(c, dot(c, vec3(0.4, 0.5, 0.1)) * 2.2 * hues[int(ground.level) % 6], 0.7);
 #endif
 #ifdef CONTOURS
-    c = contoured(c, ground);
+    vec3 lined = contoured(c, ground); // by derivatives, which all take
+#ifdef FLOOD
+    lined = sea ? c : lined; // nor at its edge, where a level that is a line's has one
+#endif
+    c = lined;
 #endif
 #ifdef HAZE
     // A share d^2 / (1 + d^2) of optical depth d, which has no end where a sample's depth is extrapolated to 0.
@@ -114,7 +118,11 @@ void main()
     c += (air - c) * (r2 / (1.0 + r2));
 #endif
 #ifdef HOLES
-    if (ground.hole) // at the end: what is beside it is told by derivatives, which are anything afterwards
+    bool hole = ground.hole;
+#ifdef FLOOD
+    hole = hole && !sea; // the sea lies over what is not known, too
+#endif
+    if (hole) // at the end: what is beside it is told by derivatives, which are anything afterwards
         discard;
 #endif
     colour = encoded(sqrt(c));

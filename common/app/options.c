@@ -244,10 +244,10 @@ static const tc_option table[] = {
      "of heights over the sea; colours and contours tell true ones (1)", read_exaggeration,
      offsetof(tc_options, exaggeration)},
     {0, "sea", "Z", "metres of -1e9..1e9, or none",
-     "height of the sea: its surface is drawn over all ground below it, opaque, over colours and pictures, and around "
-     "a "
-     "terrain or a part of a globe that ends; colours of dry ground, also of such below 0, are those of land. none: no "
-     "sea at all (what lies below 0 has colours of depths; around a terrain a sea where its edge lies at 0)",
+     "height of the sea: its surface is drawn over all ground below it, opaque, over colours and pictures, and also "
+     "around a terrain or a part of a globe that ends; colours of dry ground are those of land, below 0 the lowest "
+     "one. none: no sea at all. Without it what lies below 0 has colours of depths, and a terrain whose edge lies at 0 "
+     "has a sea around it",
      read_sea, offsetof(tc_options, sea)},
     {0, "shade", "NAME", TC_SHADE_NAMES,
      "what colours say: natural, or as maps do slope, aspect (of the fall), height (as a hillshade) or none (heights "

@@ -141,8 +141,11 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
     fprintf(file, ",\n  \"blocks_by_level\": [");
     for (int level = 0; level < s->levels && level < TC_MAX_LEVELS; level++)
         fprintf(file, level ? ", %d" : "%d", s->blocks[level]);
-    fprintf(file, "],\n  \"sun\": {\"azimuth\": %.3f, \"elevation\": %.3f},\n", context->sun.azimuth * 180 / M_PI,
-            context->sun.elevation * 180 / M_PI);
+    if (context->sun.kind == TC_SUN_LOCAL)
+        fprintf(file, "],\n  \"sun\": {\"azimuth\": %.3f, \"elevation\": %.3f},\n", context->sun.azimuth * 180 / M_PI,
+                context->sun.elevation * 180 / M_PI);
+    else
+        fprintf(file, "],\n  \"sun\": null,\n");
     if (context->sea.kind == TC_SEA_GIVEN)
         fprintf(file, "  \"sea\": %.9g,\n", context->sea.level);
     else

@@ -40,7 +40,7 @@ typedef struct tc_stats_context {
     int64_t bytes_decoded;       /* of a packed terrain's tiles */
     int synthesised;             /* levels finer than the data */
     double exaggeration;         /* heights drawn over the true ones */
-    tc_sun sun;                  /* from the eye's place */
+    tc_sun sun;                  /* from the eye's place; zero: it lights nothing */
     tc_sea sea;                  /* where it is */
     int imagery;                 /* levels that hold colours of pictures */
     const char *const *left_out; /* NULL-terminated */

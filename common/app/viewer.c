@@ -45,14 +45,16 @@ tc_flight_box tc_viewer_box(const tc_viewer *v)
         const tc_terrain_info *info = tc_field_info(tc_map_field(v->map, c));
         lowest = fmin(lowest, info->z_base + info->z_min), highest = fmax(highest, info->z_base + info->z_max);
     }
+    /* A sea that is far below the ground is not in the view of it all. */
+    const double RELIEFS = 3,
+                 sea = fmax(v->map->sea.level * v->map->exaggeration, lowest - RELIEFS * (highest - lowest));
     return (tc_flight_box){.west = lo[0],
                            .south = lo[1],
                            .east = hi[0],
                            .north = hi[1],
-                           .z_min = v->around.walls && !v->around.sea ? v->around.foot
-                                    : v->map->sea.kind == TC_SEA_GIVEN
-                                        ? fmin(v->map->sea.level * v->map->exaggeration, highest)
-                                        : lowest,
+                           .z_min = v->around.walls && !v->around.sea  ? v->around.foot
+                                    : v->map->sea.kind == TC_SEA_GIVEN ? fmin(sea, highest)
+                                                                       : lowest,
                            .z_max = highest,
                            .radius = v->map->body.radius};
 }
@@ -63,15 +65,23 @@ tc_pose tc_viewer_whole(const tc_viewer *v)
     return v->program->navigation->whole(&box, v->camera.fov, v->camera.width, v->camera.height);
 }
 
+bool tc_viewer_at_sea(const tc_viewer *v, double x, double y, double *z_ret)
+{
+    const bool around = v->map->sea.kind == TC_SEA_GIVEN && v->around.sea && !v->options.scene.background_set;
+    *z_ret = v->around.level;
+    return around && !tc_map_has_ground(v->map, x, y);
+}
+
 void tc_viewer_place(tc_viewer *v, const tc_pose *view)
 {
-    tc_pose_to_camera(view, &v->camera);
-    if (!tc_map_has_ground(v->map, view->x, view->y))
-        return;
     double z = 0; /* an eye under the ground sees nothing, or the terrain's underside */
-    if (tc_viewer_interactive(&v->options))
+    const bool ground = tc_map_has_ground(v->map, view->x, view->y);
+    tc_pose_to_camera(view, &v->camera);
+    if (!ground && !tc_viewer_at_sea(v, view->x, view->y, &z))
+        return;
+    if (ground && tc_viewer_interactive(&v->options))
         z = v->ground.height(v->ground.context, view->x, view->y);
-    else
+    else if (ground)
         tc_map_height(v->map, view->x, view->y, &z);
     if (!tc_viewer_interactive(&v->options)) /* who flies is kept above it */
         tc_viewer_say_lifted(v, z - v->camera.z);
@@ -260,7 +270,7 @@ static tc_status report_figures(const tc_viewer *v, tc_error *error)
                                 .bytes_decoded = tc_map_bytes_decoded(v->map),
                                 .synthesised = v->map->synthesised,
                                 .exaggeration = v->map->exaggeration,
-                                .sun = tc_viewer_sun(v),
+                                .sun = tc_renderer_used(v->renderer).needs->light ? tc_viewer_sun(v) : (tc_sun){0},
                                 .sea = v->map->sea,
                                 .imagery = drape ? tc_drape_levels(drape) : 0,
                                 .left_out = left_out.lines};

@@ -140,6 +140,9 @@ tc_status tc_viewer_change_scheme(tc_viewer *viewer, const tc_scheme *scheme, tc
 /* Puts the camera where the view says; above the ground of a planet. */
 void tc_viewer_place(tc_viewer *viewer, const tc_pose *view);
 
+/* Whether a place beside a flat map lies in a sea that is given, whose height that is. */
+bool tc_viewer_at_sea(const tc_viewer *viewer, double x, double y, double *z_ret);
+
 /* The map as a whole, for navigation. */
 tc_flight_box tc_viewer_box(const tc_viewer *viewer);
 

@@ -97,7 +97,8 @@ static tc_status look_at(tc_viewer *v, tc_pose *view_ret, tc_error *error)
 static void lift_asked(tc_viewer *v, tc_pose *view)
 {
     double z;
-    if (!tc_map_has_ground(v->map, view->x, view->y) || tc_map_height(v->map, view->x, view->y, &z) != TC_OK)
+    if (!tc_viewer_at_sea(v, view->x, view->y, &z) &&
+        (!tc_map_has_ground(v->map, view->x, view->y) || tc_map_height(v->map, view->x, view->y, &z) != TC_OK))
         return;
     tc_viewer_say_lifted(v, z - view->z);
     view->z = fmax(view->z, z + v->least_height);

@@ -8,19 +8,34 @@
 
 #define DEGREE (3.14159265358979323846 / 180)
 
+/* Longitude and latitude, radians, of a place of a flat map. */
+static bool find_place(const tc_places *places, const tc_map *map, double x, double y, double place_ret[2])
+{
+    double degrees[2];
+    if (!tc_places_degrees(places, map, x, y, degrees) || !(fabs(degrees[0]) <= 720 && fabs(degrees[1]) <= 90.01))
+        return false;
+    place_ret[0] = degrees[0] * DEGREE, place_ret[1] = degrees[1] * DEGREE;
+    return true;
+}
+
 /* Longitude and latitude of a flat map's middle, radians, and the direction of its columns there, clockwise from north:
  * maps that are projected do not have north upwards. */
 static bool find_middle(const tc_places *places, const tc_map *map, double middle_ret[2], double *upwards_ret)
 {
-    double lo[2], hi[2], a[2], b[2];
+    double lo[2], hi[2], a[2], b[2], from[3], to[3], axes[3][3], east = 0, north = 0;
     tc_map_extent(map, lo, hi);
     const double x = 0.5 * (lo[0] + hi[0]), y = 0.5 * (lo[1] + hi[1]), step = 0.5 * map->spacing_y;
-    if (!tc_places_degrees(places, map, x, y - step, a) || !tc_places_degrees(places, map, x, y + step, b) ||
-        !(fabs(a[0]) <= 720 && fabs(a[1]) <= 90.01 && fabs(b[0]) <= 720 && fabs(b[1]) <= 90.01))
+    if (!find_place(places, map, x, y, middle_ret) || !find_place(places, map, x, y - step, a) ||
+        !find_place(places, map, x, y + step, b))
         return false;
-    const double east = remainder(b[0] - a[0], 360);
-    middle_ret[0] = (a[0] + 0.5 * east) * DEGREE, middle_ret[1] = 0.5 * (a[1] + b[1]) * DEGREE;
-    *upwards_ret = atan2(east * cos(middle_ret[1]), b[1] - a[1]);
+    /* Through space: the pole may lie between. */
+    const tc_body globe = tc_body_of(1);
+    globe.class->position(&globe, (const double[3]){a[0], a[1], 0}, from);
+    globe.class->position(&globe, (const double[3]){b[0], b[1], 0}, to);
+    globe.class->axes(&globe, (const double[3]){middle_ret[0], middle_ret[1], 0}, axes);
+    for (int i = 0; i < 3; i++)
+        east += (to[i] - from[i]) * axes[0][i], north += (to[i] - from[i]) * axes[1][i];
+    *upwards_ret = atan2(east, north);
     return true;
 }
 

@@ -70,6 +70,8 @@ static double ground_height(void *context, double x, double y)
 {
     const tc_viewer *v = context;
     double z = 0, drawn;
+    if (tc_viewer_at_sea(v, x, y, &z))
+        return z;
     const tc_view *view = v->renderer ? tc_renderer_view(v->renderer) : NULL;
     bool shown = view && view->surface->height(view, x, y, &drawn);
     if (shown && tc_viewer_interactive(&v->options))

@@ -116,12 +116,13 @@ static void set_around(tc_frame_uniforms *u, const tc_view *view, const tc_scene
     u->around[3][3] = (float)(1 / fmax(z_base + (double)tc_field_info(field)->z_max - foot, 1e-3));
 }
 
-/* How far above a sea that is given ground still is its surface: heights between samples do not flicker on it. */
+/* How far above a sea that is given ground still is its surface: heights between samples do not flicker on it. A share
+ * of the relief, so that small terrains have shores, too; and what floats of such a size are off. */
 static double shore_of(const tc_terrain_info *info, const tc_scene_needs *needs, double exaggeration)
 {
     const double relief = ((double)info->z_max - (double)info->z_min) / exaggeration;
     const double size = fabs(needs->sea_level - info->z_base) / exaggeration;
-    return exaggeration * (fmin(0.02 + 8e-4 * relief, 0.5) + 1e-6 * size);
+    return exaggeration * (fmin(8e-4 * relief, 0.5) + 1e-6 * size);
 }
 
 static void set_space(tc_frame_uniforms *u, const tc_body *body, const tc_camera *camera)
@@ -149,7 +150,8 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     u->eye[1] = (float)(eye - (double)(float)eye);
     set_rays(u, sight, place);
     memcpy(u->heights, palette->heights, sizeof u->heights);
-    set_sun(u, view->surface, &sight->camera, sun);
+    const tc_sun usual = {.kind = TC_SUN_USUAL}; /* it is day in what takes no light */
+    set_sun(u, view->surface, &sight->camera, needs->light ? sun : &usual);
     set_air(u, view->surface, palette, eye - info->z_min, sight->inverse);
     u->beyond[0] = tc_depth_convention_of(place->depth)->sky;
     u->beyond[1] = (float)exaggeration;

@@ -21,7 +21,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
     const tc_terrain_info told = tc_palette_heights(info, tc_scene_exaggeration(options));
     const tc_palette palette = tc_palette_make(&told);
     const tc_shade *shade = options->shade ? options->shade : &tc_shades[TC_SHADE_NATURAL];
-    const bool angles = shade->degrees > 0, lit = shade->lit && !options->unlit;
+    const bool angles = shade->degrees > 0, lit = shade->lit && !options->unlit, light = lit && shade->natural;
     const bool flood = options->sea.kind == TC_SEA_GIVEN;
     const bool water =
         palette.water && !options->colours && !angles && options->sea.kind == TC_SEA_FOUND; /* by colours alone */
@@ -29,7 +29,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
         .shade = shade,
         .normals = angles || lit,
         .fine_normals = angles || (lit && !shade->natural),
-        .light = lit && shade->natural,
+        .light = light,
         .hillshade = lit && !shade->natural,
         .sky = !options->background_set,
         .air = palette.air,
@@ -37,6 +37,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
         .land = palette.natural && shade->natural,
         .water = water,
         .flood = flood,
+        .dry = options->sea.kind == TC_SEA_NONE,
         .sea_level = options->sea.level * tc_scene_exaggeration(options),
         .given = options->colours || angles,
         .imagery = options->imagery && !angles,
@@ -46,7 +47,7 @@ tc_scene_needs tc_scene_needs_of(const tc_scene_options *options, const tc_terra
         .walls = options->around.walls,
         .sea = options->around.walls && options->around.sea && !options->background_set && (water || flood),
         .plain = options->around.plain,
-        .stars = (options->around.stars || (options->around.night_stars && dark(&options->sun))) &&
+        .stars = (options->around.stars || (options->around.night_stars && light && dark(&options->sun))) &&
                  !options->background_set && shade->natural,
         .climate = options->around.climate && palette.natural && shade->natural && !options->colours,
         .around = options->around,
@@ -112,6 +113,11 @@ static bool flooded(const tc_scene_needs *needs)
     return needs->flood;
 }
 
+static bool dry(const tc_scene_needs *needs)
+{
+    return needs->dry;
+}
+
 static bool given(const tc_scene_needs *needs)
 {
     return needs->given;
@@ -129,6 +135,8 @@ static const struct reason {
     {offsetof(tc_scene_needs, haze), mapped, "haze: a map's shade"},
     {offsetof(tc_scene_needs, land), mapped, "rock and snow: a map's shade"},
     {offsetof(tc_scene_needs, water), flooded, "water of what lies below 0: a sea is given"},
+    {offsetof(tc_scene_needs, water), dry, "water: no sea is asked for"},
+    {offsetof(tc_scene_needs, sea), dry, "sea around: no sea is asked for"},
     {offsetof(tc_scene_needs, water), angles, "water, colours of heights: angles are shown"},
     {offsetof(tc_scene_needs, imagery), angles, "imagery: angles are shown"},
     {offsetof(tc_scene_needs, water), given, "water, rock and snow: colours are given"},

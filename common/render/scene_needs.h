@@ -57,6 +57,7 @@ typedef struct tc_scene_needs {
     bool holes;             /* the mask of voids */
     bool walls;             /* below a flat terrain's edge */
     bool flood;             /* a sea that is given, which heights are nowhere below */
+    bool dry;               /* no sea is asked for */
     bool sea;               /* around it */
     bool plain;             /* the body around a part of a globe is shown as land or sea */
     bool stars;             /* where the sky is black */

@@ -57,6 +57,23 @@ accepts '' $viewer metres.tif -q $picture --sea $middle --exaggeration 3
 accepts 'the eye was .* m under the ground' $viewer metres.tif $picture --sea 2000 --view 3840,3840,1900,0,0
 accepts '' $viewer metres.tif $picture --sea 2000 --view 3840,3840,4100,0,-20 --exaggeration 2
 accepts 'the eye was .* m under the ground' $viewer metres.tif $picture --sea 2000 --view 3840,3840,3900,0,-20 --exaggeration 2
+accepts 'the eye was .* m under the ground' $viewer metres.tif $picture --sea 1200 --view=-3000,-3000,500,45,-5 # beside it, too
+accepts '' $viewer metres.tif $picture --sea 1200 --view=-3000,-3000,500,45,-5 --background 000000
+# Also over what is not known.
+blue 3840,3840,20000,0,80 $viewer holes.tif --view 3840,3840,20000,0,-80 --unlit --voids hole
+# Small terrains have shores, too.
+small='metres.tif --unit 0.00001 --spacing 0.0003 -q --shade none --no-surroundings --background 28547a'
+accepts '' $viewer $small $picture --sea 0.012 && mv last.png drawn.png
+accepts '' $viewer $small $picture --sea 9 && mv last.png wet.png
+different drawn.png wet.png '--sea, a small terrain'
+# The sea's edge is no line.
+accepts '' $viewer metres.tif -q $picture --sea 9000 --shade none && mv last.png plain.png
+accepts '' $viewer metres.tif -q $picture --sea 9000 --shade none --contours 100
+same plain.png last.png 'lines on the sea'
+# The first view is of the ground, however far below it the sea is.
+accepts '' $viewer metres.tif -q $picture --no-surroundings --sea=-1e9 && mv last.png drawn.png
+accepts '' $viewer metres.tif -q $picture --no-surroundings --sea=-1e8
+same drawn.png last.png 'a sea far below'
 
 # ---- None
 
@@ -72,7 +89,8 @@ run $viewer metres.tif --sea 150.5 --size 96x64 -o out/picture.png --explain --s
 [ $rc = 0 ] && grep -q '^uses: sea: at 150.5 m, over all ground below it$' stdout.txt && grep -q '"sea": 150.5,$' stats.json ||
     report '--sea is not told' $viewer
 run $viewer metres.tif --sea none --size 96x64 -o out/picture.png --json
-[ $rc = 0 ] && grep -q '"sea": "none",$' stdout.txt || report '--sea none is not told' $viewer
+[ $rc = 0 ] && grep -q '"sea": "none",$' stdout.txt && grep -q '"water: no sea is asked for"' stdout.txt ||
+    report '--sea none is not told' $viewer
 run $viewer metres.tif --size 96x64 -o out/picture.png --explain --stats stats.json
 [ $rc = 0 ] && ! grep -q '^uses: sea: ' stdout.txt && grep -q '"sea": "auto",$' stats.json || report 'no --sea is told of' $viewer
 rm -f out/*

@@ -62,6 +62,17 @@ done
 # Around a pole maps have north in another direction: these columns go south, but for 5.6 degrees.
 $make_file tiff polar.tif size=257x257 metres=30 epsg=3413
 stands 5.58 45.7 $viewer polar.tif --date 2024-03-20T03:30Z
+# Also where the pole is less than a sample from the middle, and where it is the middle: from its columns, which go along
+# the meridians of 45 degrees west and 135 east, the sun is at the same angle everywhere.
+for side in 64 65; do
+    $make_file tiff pole.tif size=${side}x$side metres=1000 from=-532,5168 epsg=3413
+    stands 186.5 0.2 $viewer pole.tif --date 2024-03-20T15:33Z
+done
+# What the sun does not light is told of none.
+for unlit in --unlit '--shade height'; do
+    run $viewer metres.tif $unlit --json --size 96x64 -o out/picture.png
+    [ $rc = 0 ] && grep -q '"sun": null,$' stdout.txt || report "--json: a sun with $unlit" $viewer
+done
 # A globe's sun stays where it is, and one that is given follows the eye.
 run $viewer degree.tif --date 2024-12-21T19:24Z --explain --size 96x64 -o out/picture.png
 [ $rc = 0 ] && grep -Eq '^uses: sun: azimuth (179|180)[.0-9]*, elevation 29[.0-9]* degrees, at 2024-12-21T19:24Z$' stdout.txt ||

@@ -59,7 +59,7 @@ static const tc_stats_summary summary = {.frames = 2,
 static const tc_stats_context context = {
     .renderer = "llvmpipe",
     .backend = "osmesa",
-    .sun = {.azimuth = M_PI / 2, .elevation = -M_PI / 18},
+    .sun = {.kind = TC_SUN_LOCAL, .azimuth = M_PI / 2, .elevation = -M_PI / 18},
     .sea = {.kind = TC_SEA_GIVEN, .level = -12.5},
     .exaggeration = 1.5,
     .memory = {.geometry = 1, .heights = 2, .normals = 3, .imagery = 4, .field = 5},

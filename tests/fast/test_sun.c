@@ -159,10 +159,9 @@ static brightness look(const uint8_t *rgb, double across)
     return (brightness){sum[0] / count[0], sum[1] / count[1], sum[2] / count[2], sum[3] / count[3], sum[4] / count[4]};
 }
 
-static brightness of_plane(tc_sun sun)
+static brightness of_scene(const tc_scene_options *options)
 {
     tc_field *field = ridges();
-    const tc_scene_options options = {.sun = sun, .budget = -1};
     const double middle = SAMPLES / 2 * SPACING, up = 6000, across = 1600;
     const tc_camera camera = {.x = middle,
                               .y = middle,
@@ -171,7 +170,7 @@ static brightness of_plane(tc_sun sun)
                               .fov = 2 * atan(0.5 * across / up),
                               .width = SIDE,
                               .height = SIDE};
-    scene s = scene_create(context, field, 0, &options);
+    scene s = scene_create(context, field, 0, options);
     scene_draw(&s, &camera, true);
     uint8_t *rgb = scene_pixels(&s, &camera);
     const brightness b = look(rgb, across);
@@ -179,6 +178,11 @@ static brightness of_plane(tc_sun sun)
     scene_destroy(&s);
     tc_field_destroy(field);
     return b;
+}
+
+static brightness of_plane(tc_sun sun)
+{
+    return of_scene(&(tc_scene_options){.sun = sun, .budget = -1});
 }
 
 static tc_sun at(double azimuth, double elevation)
@@ -222,6 +226,27 @@ static void the_usual_light_is_one_of_them(void **state)
     const brightness usual = of_plane((tc_sun){0}), same = of_plane(at(310, 38));
     assert_memory_equal(&usual, &same, sizeof same);
     assert_true(usual.west > usual.east && usual.north > usual.south);
+}
+
+/* Colours that take no light of it are seen as by day, sky and haze with them. */
+static void what_it_does_not_light_has_no_night(void **state)
+{
+    (void)state;
+    static const int shades[] = {TC_SHADE_NATURAL, TC_SHADE_HEIGHT, TC_SHADE_SLOPE, TC_SHADE_NONE};
+    for (size_t i = 0; i < sizeof shades / sizeof *shades; i++) {
+        tc_scene_options o = {.shade = &tc_shades[shades[i]],
+                              .unlit = i == 0,
+                              .around = {.walls = true, .night_stars = true},
+                              .budget = -1};
+        const brightness day = of_scene(&o);
+        o.sun = at(270, -30);
+        const brightness night = of_scene(&o);
+        assert_memory_equal(&day, &night, sizeof day);
+        const tc_terrain_info info = {.z_max = 100};
+        assert_false(tc_scene_needs_of(&o, &info).stars);
+        o.shade = NULL, o.unlit = false;
+        assert_true(tc_scene_needs_of(&o, &info).stars);
+    }
 }
 
 static double ridged(void *unused, const double p[3])
@@ -283,6 +308,7 @@ int main(void)
         cmocka_unit_test(slopes_that_face_it_are_lit),
         cmocka_unit_test(nights_are_dark_and_not_black),
         cmocka_unit_test(the_usual_light_is_one_of_them),
+        cmocka_unit_test(what_it_does_not_light_has_no_night),
         cmocka_unit_test(a_globe_has_day_and_night),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
