@@ -48,11 +48,11 @@ float snow_line(float sine)
 // air, meadows, tundra and rock where it is too cold for trees. All of it is about that of the Earth's means.
 vec3 zoned(vec3 green, float height, float sine)
 {
-    const vec3 STEPPE = vec3(0.315, 0.27, 0.135), DESERT = vec3(0.56, 0.375, 0.2), TUNDRA = vec3(0.235, 0.21, 0.125),
+    const vec3 STEPPE = vec3(0.315, 0.27, 0.135), DESERT = vec3(0.48, 0.36, 0.22), TUNDRA = vec3(0.235, 0.21, 0.125),
                ROCK = vec3(0.255, 0.22, 0.18);
     float s = min(abs(sine), 1.0), warm = 27.0 - 44.0 * pow(s, 2.8) - 0.0065 * max(height, 0.0); // degrees Celsius
     float belt = (asin(s) - 0.45) / 0.22, dry = exp(-belt * belt) * (1.0 - 0.75 * smoothstep(1300.0, 2600.0, height));
-    vec3 c = mix(green, mix(STEPPE, DESERT, smoothstep(0.25, 0.75, dry)), smoothstep(0.06, 0.36, dry));
+    vec3 c = mix(green, mix(STEPPE, DESERT, smoothstep(0.3, 0.9, dry)), smoothstep(0.06, 0.5, dry));
     c = mix(c, TUNDRA, 1.0 - smoothstep(-4.5, -0.5, warm));
     return mix(c, ROCK, (1.0 - smoothstep(-9.0, -4.5, warm)) * smoothstep(600.0, 2000.0, height));
 }
