@@ -62,7 +62,7 @@ static void few_are_kept(void **state)
 {
     (void)state;
     tc_credits credits = {.count = 0};
-    char text[16];
+    char text[32];
     for (int i = 0; i < 3 * TC_CREDITS; i++) {
         snprintf(text, sizeof text, "person %d", i / 2);
         tc_credits_add(&credits, text);
