@@ -164,7 +164,7 @@ static void add_level(assembly *a, int i, bool disc)
                       .first_index = list->first + (uint32_t)k * list->count,
                       .base_vertex = disc ? tc_rings_fill_base(g, i) : tc_rings_level_base(g, i)};
         a->count++;
-        a->frame->blocks[disc ? i : i - 1]++;
+        a->frame->blocks[i]++; /* the disc counts with the innermost ring */
     }
 }
 
@@ -361,7 +361,7 @@ int tc_rings_n_phi_for(const tc_camera *camera)
 static int ring_levels(const rings_surface *s)
 {
     double radius = s->map->body.radius;
-    return (int)fmin(fmax(ceil(log2(M_PI * radius / 0.02)), 8), 44);
+    return (int)fmin(fmax(ceil(log2(M_PI * radius / 0.02)), 8), TC_DRAWN_LEVELS);
 }
 
 tc_status tc_rings_create(const tc_map *map, const tc_rings_options *options, tc_surface **surface_ret, tc_error *error)

@@ -139,7 +139,7 @@ void tc_stats_print(const tc_stats_summary *s, const tc_stats_context *context, 
     fprintf(file, "  \"tolerance_px\": %.3f,\n  \"error_bound_px\": ", s->tolerance);
     fprintf(file, s->tolerance > 0 && isfinite(s->error_bound) ? "%.3f" : "null", s->error_bound);
     fprintf(file, ",\n  \"blocks_by_level\": [");
-    for (int level = 0; level < s->levels && level < TC_MAX_LEVELS; level++)
+    for (int level = 0; level < s->levels && level < TC_DRAWN_LEVELS; level++)
         fprintf(file, level ? ", %d" : "%d", s->blocks[level]);
     if (context->sun.kind == TC_SUN_LOCAL)
         fprintf(file, "],\n  \"sun\": {\"azimuth\": %.3f, \"elevation\": %.3f},\n", context->sun.azimuth * 180 / M_PI,

@@ -28,7 +28,7 @@ typedef struct tc_stats_summary {
     int64_t samples_updated, bytes_uploaded;   /* totals, with those of loading */
     double throttle_median, throttle_max;      /* octaves; the maximum is of all */
     double tolerance, error_bound;             /* pixels; the bound is the largest of all; 0: none was asked for */
-    int blocks[TC_MAX_LEVELS], levels;         /* of the last frame, coarse to fine, and how many are told */
+    int blocks[TC_DRAWN_LEVELS], levels;       /* of the last frame, coarse to fine, and how many are told */
 } tc_stats_summary;
 
 void tc_stats_summarise(tc_stats *stats, tc_stats_summary *summary_ret);

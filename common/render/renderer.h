@@ -25,9 +25,9 @@ typedef struct tc_frame_stats {
     bool failed;            /* a part of that could not be read, and will be tried again */
     int64_t texels_updated; /* of imagery */
     bool imagery_failed;
-    int blocks_of[TC_MAX_LEVELS];  /* drawn of each level, coarse to fine */
-    double tolerance, error_bound; /* pixels; 0: none was asked for; INFINITY: not known */
-    double throttle;               /* octaves by which it is drawn coarser */
+    int blocks_of[TC_DRAWN_LEVELS]; /* drawn of each level, coarse to fine */
+    double tolerance, error_bound;  /* pixels; 0: none was asked for; INFINITY: not known */
+    double throttle;                /* octaves by which it is drawn coarser */
 } tc_frame_stats;
 
 /* Bytes by item, on both sides of the driver. */

@@ -11,6 +11,9 @@
 #include "common/terraclip.h"
 #include "common/content/ground.h"
 
+/* Levels that are drawn, at most: rings have more than windows have, since they go on to the eye. */
+enum { TC_DRAWN_LEVELS = 44 };
+
 /* ---- Geometry ---------------------------------------------------------------------------------------------------- */
 
 typedef enum tc_vertex_format {
@@ -96,11 +99,11 @@ typedef struct tc_frame {
     int strip_draws, list_draws;
     int wall_draws; /* behind those, where the scene has walls: of arrays, first an instance's number for base_vertex */
     int64_t wall_triangles;
-    bool one_sided;             /* no back of a block's triangle (counter-clockwise from the eye) can be seen */
-    int64_t triangles;          /* that cover area: without joints and without crack closers */
-    int64_t triangles_unculled; /* the same if nothing had been outside the view or hidden */
-    int draws_unculled;         /* blocks, likewise */
-    int blocks[TC_MAX_LEVELS];  /* drawn of each level, coarse to fine */
+    bool one_sided;              /* no back of a block's triangle (counter-clockwise from the eye) can be seen */
+    int64_t triangles;           /* that cover area: without joints and without crack closers */
+    int64_t triangles_unculled;  /* the same if nothing had been outside the view or hidden */
+    int draws_unculled;          /* blocks, likewise */
+    int blocks[TC_DRAWN_LEVELS]; /* drawn of each level, coarse to fine */
     double error_bound; /* pixels that it is off at most, where it is drawn by a tolerance; else, and where nothing
                          * is known, INFINITY */
     int levels_active;  /* drawn; and not: */

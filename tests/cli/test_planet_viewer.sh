@@ -148,6 +148,18 @@ refuses 1 'radius|relief|centre' $globe globe.tif $picture --radius 1000
 printf '0,91,1,0,0\n' >beyond.txt
 refuses 1 'line 1: expected LON,LAT,ALT,HEADING,PITCH' $globe globe.tif --path beyond.txt --frames 3
 
+# ---- Rings that are told: all that are drawn, from the far side to the innermost, also on bodies with more of them than
+# windows have levels
+
+for radius in 1e6 6.4e6 1e9 1e12; do
+    for view in '--fov 60' '--view=10,45,300,0,-5'; do
+        accepts '' $globe globe.tif -q $picture --radius $radius $view --json
+        told=$(sed -n 's/.*"blocks_by_level": \[\(.*\)\].*/\1/p' stdout.txt | tr -d ',' | awk '{ for (i = 1; i <= NF; i++) n += $i } END { print n + 0 }')
+        drawn=$(sed -n 's/.*"draws": \([0-9]*\).*/\1/p' stdout.txt)
+        [ "$told" = "$drawn" ] && [ "$told" -gt 0 ] || fail "--radius $radius $view: $told sectors are told, $drawn are drawn"
+    done
+done
+
 # ---- Real data
 
 if [ -n "${TERRACLIP_DATA:-}" ]; then
