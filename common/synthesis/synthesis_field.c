@@ -204,8 +204,8 @@ static tc_range synthesis_range(const tc_field *field, int level, tc_rect rect)
     const tc_chain *c = &p->chain;
     if (level <= c->data) {
         tc_range r = tc_field_range(p->base, level, rect);
-        const int finer = c->data - level;
-        const tc_rect there = {rect.x0 << finer, rect.y0 << finer, rect.x1 << finer, rect.y1 << finer};
+        const int64_t finer = (int64_t)1 << (c->data - level);
+        const tc_rect there = {rect.x0 * finer, rect.y0 * finer, rect.x1 * finer, rect.y1 * finer};
         if (isfinite(r.error)) {
             const tc_range data = tc_field_range(p->base, c->data, there);
             r.error += synthesised_error(p, 0, data.step, data.hi - data.lo);
