@@ -5,11 +5,8 @@
 #include "field.h"
 
 /* The heights of `base` that are above `sea`, metres absolute, and that height elsewhere; all else is passed on, also
- * the lowest height of all, which colours go by. It takes the base over. NULL: no memory, and the base stays the
- * caller's. */
+ * the lowest height of all, which colours go by. It takes the base over, which tc_changed_field_release() gives
+ * back. NULL: no memory, and the base stays the caller's. */
 tc_field *tc_flooded_field_create(tc_field *base, double sea);
-
-/* The base, which is the caller's again; the flooded field is gone. */
-tc_field *tc_flooded_field_release(tc_field *flooded);
 
 #endif

@@ -5,10 +5,8 @@
 #include "field.h"
 
 /* Heights, z_base, ranges, steps and errors of `base` times the factor, which is above 0; all else is passed on. It
- * takes the base over. NULL: no memory, and the base stays the caller's. */
+ * takes the base over, which tc_changed_field_release() gives back. NULL: no memory, and the base stays the caller's.
+ */
 tc_field *tc_scaled_field_create(tc_field *base, double factor);
-
-/* The base, which is the caller's again; the scaled field is gone. */
-tc_field *tc_scaled_field_release(tc_field *scaled);
 
 #endif

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "common/base/status.h"
+#include "common/field/changed_field.h"
 #include "common/field/flooded_field.h"
 #include "common/field/scaled_field.h"
 
@@ -14,7 +15,7 @@ static const double HIGHEST = 1e9;
 static void release(tc_map *map)
 {
     for (int k = 0; k < map->charts && map->exaggeration != 1; k++)
-        map->chart[k].field = tc_scaled_field_release(map->chart[k].field);
+        map->chart[k].field = tc_changed_field_release(map->chart[k].field);
     map->exaggeration = 1;
 }
 
@@ -63,7 +64,7 @@ tc_status tc_map_exaggerate(tc_map *map, double factor, tc_error *error)
         made++;
     if (factor != 1 && made < map->charts) { /* then heights are the data's own */
         while (made-- > 0)
-            tc_scaled_field_release(scaled[made]);
+            tc_changed_field_release(scaled[made]);
         return tc_fail(error, TC_ERR_MEMORY, "exaggeration: not enough memory");
     }
     for (int k = 0; k < made; k++)
@@ -77,7 +78,7 @@ tc_status tc_map_exaggerate(tc_map *map, double factor, tc_error *error)
 static void drain(tc_map *map)
 {
     for (int k = 0; k < map->charts && map->sea.kind == TC_SEA_GIVEN; k++)
-        map->chart[k].field = tc_flooded_field_release(map->chart[k].field);
+        map->chart[k].field = tc_changed_field_release(map->chart[k].field);
     map->sea = (tc_sea){.kind = TC_SEA_FOUND};
 }
 
@@ -91,7 +92,7 @@ static tc_status flood(tc_map *map, tc_sea sea, tc_error *error)
         made++;
     if (sea.kind == TC_SEA_GIVEN && made < map->charts) { /* then there is none */
         while (made-- > 0)
-            tc_flooded_field_release(flooded[made]);
+            tc_changed_field_release(flooded[made]);
         return tc_fail(error, TC_ERR_MEMORY, "sea: not enough memory");
     }
     for (int k = 0; k < made; k++)
