@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "exact_tile.h"
+#include "common/codec/lifting/codec_fit.h"
 #include "common/base/parallel.h"
 
 enum { ROUNDS = 3, ITERATIONS = 12, MOST_TILES = 64, N = TC_EXACT_TERMS, SCALES = TC_EXACT_SCALES };
@@ -34,39 +35,13 @@ typedef struct trainer {
     double scale[TC_EXACT_PHASES][SCALES];
 } trainer;
 
-/* Solves by elimination with pivots; a slight ridge keeps what the data does not say at zero. */
+/* Solves equations of which the upper triangle is known. */
 static void solve(normal *n, double x[N])
 {
-    for (int k = 0; k < N; k++) {
+    for (int k = 0; k < N; k++)
         for (int i = 0; i < k; i++)
             n->a[k][i] = n->a[i][k];
-    }
-    for (int k = 0; k < N; k++)
-        n->a[k][k] = n->a[k][k] * (1 + 1e-6) + 1e-3;
-    int order[N];
-    for (int k = 0; k < N; k++)
-        order[k] = k;
-    for (int k = 0; k < N; k++) {
-        int pivot = k;
-        for (int i = k + 1; i < N; i++)
-            if (fabs(n->a[order[i]][k]) > fabs(n->a[order[pivot]][k]))
-                pivot = i;
-        int swap = order[k];
-        order[k] = order[pivot], order[pivot] = swap;
-        double *p = n->a[order[k]];
-        for (int i = k + 1; i < N; i++) {
-            double *q = n->a[order[i]], f = q[k] / p[k];
-            for (int m = k; m <= N; m++)
-                q[m] -= f * p[m];
-        }
-    }
-    for (int k = N - 1; k >= 0; k--) {
-        const double *p = n->a[order[k]];
-        double sum = p[N];
-        for (int i = k + 1; i < N; i++)
-            sum -= p[i] * x[i];
-        x[k] = sum / p[k];
-    }
+    tc_solve_normal(n->a[0], N + 1, N, x);
 }
 
 static double expected(const trainer *t, const uint32_t f[SCALES - 1], int phase)

@@ -32,33 +32,39 @@ void tc_normal_join(tc_normal *n, const tc_normal *other)
             n->a[k][i] += other->a[k][i];
 }
 
-void tc_normal_solve(tc_normal *n, int count, double x[])
+void tc_solve_normal(double *a, ptrdiff_t stride, int count, double x[])
 {
-    int order[COLUMNS];
+    const ptrdiff_t right = stride - 1;
+    int order[TC_SOLVE_MOST];
     for (int k = 0; k < count; k++)
-        n->a[k][k] = n->a[k][k] * (1 + 1e-6) + 1e-3, order[k] = k;
+        a[k * stride + k] = a[k * stride + k] * (1 + 1e-6) + 1e-3, order[k] = k;
     for (int k = 0; k < count; k++) {
         int pivot = k;
         for (int i = k + 1; i < count; i++)
-            if (fabs(n->a[order[i]][k]) > fabs(n->a[order[pivot]][k]))
+            if (fabs(a[order[i] * stride + k]) > fabs(a[order[pivot] * stride + k]))
                 pivot = i;
         int swap = order[k];
         order[k] = order[pivot], order[pivot] = swap;
-        double *p = n->a[order[k]];
+        const double *p = a + order[k] * stride;
         for (int i = k + 1; i < count; i++) {
-            double *q = n->a[order[i]], f = q[k] / p[k];
+            double *q = a + order[i] * stride, f = q[k] / p[k];
             for (int m = k; m < count; m++)
                 q[m] -= f * p[m];
-            q[COLUMNS] -= f * p[COLUMNS];
+            q[right] -= f * p[right];
         }
     }
     for (int k = count - 1; k >= 0; k--) {
-        const double *p = n->a[order[k]];
-        double sum = p[COLUMNS];
+        const double *p = a + order[k] * stride;
+        double sum = p[right];
         for (int i = k + 1; i < count; i++)
             sum -= p[i] * x[i];
         x[k] = sum / p[k];
     }
+}
+
+void tc_normal_solve(tc_normal *n, int count, double x[])
+{
+    tc_solve_normal(n->a[0], COLUMNS + 1, count, x);
 }
 
 /* The matrix of a step and its right side. */

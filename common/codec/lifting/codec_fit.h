@@ -3,10 +3,13 @@
 #ifndef TC_CODEC_FIT_H
 #define TC_CODEC_FIT_H
 
+#include <stddef.h>
+
 #include "detail_model.h"
 
 enum {
     TC_FIT_COLUMNS = TC_SCALE, /* unknowns at most */
+    TC_SOLVE_MOST = 64,        /* and of any equations */
     TC_FIT_STRANDS = 8         /* coefficients that are summed side by side */
 };
 
@@ -21,7 +24,11 @@ void tc_normal_add(tc_normal *n, const uint32_t *term, int count, double truth);
 /* Adds the equations of another. */
 void tc_normal_join(tc_normal *n, const tc_normal *other);
 
-/* Solves by elimination with pivots; a slight ridge keeps what the data does not say at zero. Overwrites *n. */
+/* Solves `count` equations, at most TC_SOLVE_MOST, by elimination with pivots; a slight ridge keeps what the data does
+ * not say at zero. a: rows of stride numbers, the last of them the right side; overwritten. */
+void tc_solve_normal(double *a, ptrdiff_t stride, int count, double x[]);
+
+/* The same of *n. */
 void tc_normal_solve(tc_normal *n, int count, double x[]);
 
 /* Features of some coefficients, and last their magnitudes; where there is no coefficient all is zero. */
