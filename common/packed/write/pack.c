@@ -17,6 +17,24 @@ tc_status tc_pack_progress(tc_packer *p, double share, tc_error *error)
     return TC_OK;
 }
 
+void tc_pack_failure_keep(tc_pack_failure *failure, tc_status status, const tc_error *error)
+{
+    if (status == TC_OK)
+        return;
+    pthread_mutex_lock(&failure->mutex);
+    if (failure->status == TC_OK)
+        failure->status = status, failure->error = *error;
+    pthread_mutex_unlock(&failure->mutex);
+}
+
+tc_status tc_pack_failure_end(tc_pack_failure *failure, tc_error *error)
+{
+    pthread_mutex_destroy(&failure->mutex);
+    if (failure->status != TC_OK && error)
+        *error = failure->error;
+    return failure->status;
+}
+
 /* The atlas that heights are to be resampled to; NULL: they are packed as they are. */
 static const tc_atlas *faces_of(const tc_pack_options *o)
 {

@@ -1,6 +1,5 @@
 /* pack_cascade.c - from the finest level's heights to the low bands of all coarser ones. */
 #include <math.h>
-#include <pthread.h>
 
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
@@ -64,10 +63,9 @@ typedef struct step {
     tc_packer *p;
     int fine; /* level */
     tc_lifting_level level;
-    int64_t rows; /* of the coarser level at a time */
-    pthread_mutex_t mutex;
-    tc_status status;
-    tc_error error;
+    int64_t rows;          /* of the coarser level at a time */
+    pthread_mutex_t mutex; /* of the packer's histograms */
+    tc_pack_failure failure;
 } step;
 
 static int bin_of(int32_t detail)
@@ -156,9 +154,8 @@ static void analyse_rows(void *context, int64_t n)
     pthread_mutex_lock(&s->mutex);
     for (int b = 0; b < TC_BANDS && m; b++)
         add_histogram(&s->p->histogram[s->fine - 1][b], &m->histogram[b]);
-    if (status && !s->status)
-        s->status = status, s->error = error;
     pthread_mutex_unlock(&s->mutex);
+    tc_pack_failure_keep(&s->failure, status, &error);
     if (m)
         release(m);
 }
@@ -182,7 +179,8 @@ tc_status tc_pack_cascade(tc_packer *p, tc_error *error)
     for (int l = c->base + 1; l <= c->levels; l++)
         all += (double)c->level[l - 1].width * (double)c->level[l - 1].height;
     for (int l = c->levels; l > c->base; l--) {
-        step s = {.p = p, .fine = l, .level = tc_container_lifting(c, l)};
+        step s = {
+            .p = p, .fine = l, .level = tc_container_lifting(c, l), .failure = {.mutex = PTHREAD_MUTEX_INITIALIZER}};
         int64_t cw = tc_coarse_size(s.level.width), ch = tc_coarse_size(s.level.height);
         tc_status status = tc_spool_create(p->path, cw, ch, sizeof(int32_t), &p->truth[l - 2], error);
         if (status)
@@ -195,11 +193,8 @@ tc_status tc_pack_cascade(tc_packer *p, tc_error *error)
             threads = 0;
         tc_parallel_for(threads, (ch + s.rows - 1) / s.rows, analyse_rows, &s);
         pthread_mutex_destroy(&s.mutex);
-        if (s.status) {
-            if (error)
-                *error = s.error;
-            return s.status;
-        }
+        if ((status = tc_pack_failure_end(&s.failure, error)))
+            return status;
         c->record[l - 1].residual_variance = (float)residual_variance(p, l);
         weight = (double)s.level.width * (double)s.level.height / all;
         if ((status = tc_pack_progress(p, TC_SHARE_CASCADE * weight, error)))

@@ -19,6 +19,8 @@
 #ifndef TC_PACK_INTERNAL_H
 #define TC_PACK_INTERNAL_H
 
+#include <pthread.h>
+
 #include "common/packed/file/envelope.h"
 #include "common/packed/file/level_coder.h"
 #include "spool.h"
@@ -258,6 +260,19 @@ tc_status tc_pack_write(int file, const void *bytes, size_t size, int64_t at, co
 tc_status tc_pack_errors(tc_packer *p, int file, tc_envelope *envelope, tc_error *error);
 
 /* ---- pack.c --------------------------------------------------------------------------------------------------- */
+
+/* The first failure of threads that work at the same, begun as {.mutex = PTHREAD_MUTEX_INITIALIZER}. */
+typedef struct tc_pack_failure {
+    pthread_mutex_t mutex;
+    tc_status status;
+    tc_error error;
+} tc_pack_failure;
+
+/* Keeps a failure where it is the first one; TC_OK is none. Any thread. */
+void tc_pack_failure_keep(tc_pack_failure *failure, tc_status status, const tc_error *error);
+
+/* When no thread works any more: tells what was kept. */
+tc_status tc_pack_failure_end(tc_pack_failure *failure, tc_error *error);
 
 /* Packs what was put, but for the file: settles what was put and fills its voids, then codes its levels. */
 tc_status tc_pack_all_levels(tc_packer *p, tc_error *error);

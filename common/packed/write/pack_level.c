@@ -158,9 +158,7 @@ typedef struct move {
     char *memory;
     ptrdiff_t stride; /* samples */
     size_t size;      /* of a sample */
-    pthread_mutex_t mutex;
-    tc_status status;
-    tc_error error;
+    tc_pack_failure failure;
 } move;
 
 static void move_chunk(void *context, int64_t n)
@@ -170,25 +168,22 @@ static void move_chunk(void *context, int64_t n)
     part.y0 += n * CHUNK, part.y1 = tc_min64(part.y0 + CHUNK, m->rect.y1);
     tc_error error = {TC_OK, ""};
     tc_status status = m->rows(m->s, part, m->memory + n * CHUNK * m->stride * (ptrdiff_t)m->size, m->stride, &error);
-    if (!status)
-        return;
-    pthread_mutex_lock(&m->mutex);
-    if (!m->status)
-        m->status = status, m->error = error;
-    pthread_mutex_unlock(&m->mutex);
+    tc_pack_failure_keep(&m->failure, status, &error);
 }
 
 /* Has all threads move the rows of a rectangle in chunks; memory: where its first sample is, or goes. */
 static tc_status move_by_all(level_state *s, move_rows rows, tc_rect rect, void *memory, ptrdiff_t stride, size_t size,
                              tc_error *error)
 {
-    move m = {.s = s, .rows = rows, .rect = rect, .memory = memory, .stride = stride, .size = size};
-    pthread_mutex_init(&m.mutex, NULL);
+    move m = {.s = s,
+              .rows = rows,
+              .rect = rect,
+              .memory = memory,
+              .stride = stride,
+              .size = size,
+              .failure = {.mutex = PTHREAD_MUTEX_INITIALIZER}};
     tc_parallel_for(s->p->options.threads, (rect.y1 - rect.y0 + CHUNK - 1) / CHUNK, move_chunk, &m);
-    pthread_mutex_destroy(&m.mutex);
-    if (m.status && error)
-        *error = m.error;
-    return m.status;
+    return tc_pack_failure_end(&m.failure, error);
 }
 
 /* Brings in what rows t0 .. t1 - 1 of tiles need. */

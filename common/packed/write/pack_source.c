@@ -1,6 +1,5 @@
 /* pack_source.c - the heights as they are given, in any order, and their voids. */
 #include <math.h>
-#include <pthread.h>
 
 #include "common/base/parallel.h"
 #include "common/base/rect.h"
@@ -272,9 +271,7 @@ typedef struct moments {
         double sum, square;
         int64_t valid;
     } * band;
-    pthread_mutex_t mutex;
-    tc_status status;
-    tc_error error;
+    tc_pack_failure failure;
 } moments;
 
 static void add_band(void *context, int64_t n)
@@ -300,34 +297,25 @@ static void add_band(void *context, int64_t n)
         }
     m->band[n].sum = sum, m->band[n].square = square, m->band[n].valid = valid;
     free(z), free(voids);
-    if (!status)
-        return;
-    pthread_mutex_lock(&m->mutex);
-    if (!m->status)
-        m->status = status, m->error = error;
-    pthread_mutex_unlock(&m->mutex);
+    tc_pack_failure_keep(&m->failure, status, &error);
 }
 
 tc_status tc_pack_moments(tc_packer *p, double *mean_ret, double *deviation_ret, tc_error *error)
 {
     const tc_pack_terrain *t = &p->container.info.terrain;
-    moments m = {.p = p, .base = 0.5 * ((double)p->z_min + p->z_max)};
+    moments m = {.p = p, .base = 0.5 * ((double)p->z_min + p->z_max), .failure = {.mutex = PTHREAD_MUTEX_INITIALIZER}};
     m.rows = tc_clamp64(((int64_t)1 << 18) / t->width, 1, t->height);
     int64_t bands = (t->height + m.rows - 1) / m.rows, valid = 0;
     double sum = 0, square = 0;
     m.band = calloc((size_t)bands, sizeof *m.band);
     if (!m.band)
         return tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", p->path);
-    pthread_mutex_init(&m.mutex, NULL);
     tc_parallel_for(p->options.threads, bands, add_band, &m);
-    pthread_mutex_destroy(&m.mutex);
     for (int64_t n = 0; n < bands; n++)
         sum += m.band[n].sum, square += m.band[n].square, valid += m.band[n].valid;
     free(m.band);
-    if (m.status && error)
-        *error = m.error;
     double mean = valid ? sum / (double)valid : 0;
     *mean_ret = mean + m.base;
     *deviation_ret = valid ? sqrt(fmax(square / (double)valid - mean * mean, 0)) : 0;
-    return m.status;
+    return tc_pack_failure_end(&m.failure, error);
 }
