@@ -263,6 +263,8 @@ typedef struct tc_pack_terrain {
     double nodata;        /* stored value */
     tc_void_policy voids; /* how they are to be shown */
     double void_constant; /* metres */
+    char *credits; /* whose the heights are, lines of UTF-8 with newlines between them, below 64 KiB; copied; NULL:
+                    * not said */
 } tc_pack_terrain;
 
 /* Zero is the default everywhere, but for error. */

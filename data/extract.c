@@ -166,7 +166,6 @@ static double spare_value(tc_sample_type type, double low, double high)
     return NAN;
 }
 
-/* Settles type, meaning and nodata of what is written. */
 /* Whether an integer type has the value. */
 static bool fits_integer(tc_sample_type type, double value)
 {
@@ -175,6 +174,7 @@ static bool fits_integer(tc_sample_type type, double value)
     return value == rint(value) && value >= low[type] && value <= high[type];
 }
 
+/* Settles type, meaning and nodata of what is written. */
 static void choose_storage(job *j, const tc_packed_info *packed, bool finest)
 {
     const tc_pack_terrain *t = &packed->terrain;
@@ -364,6 +364,7 @@ static tc_status extract(const struct arguments *a, const tc_map *map, tc_progre
     j.tiff.width = j.rect.x1 - j.rect.x0;
     j.tiff.height = j.rect.y1 - j.rect.y0;
     j.tiff.georef = &j.georef;
+    j.tiff.credits = packed->terrain.credits;
     choose_storage(&j, packed, !j.faces && tc_level_stride(level.spacing_x, terrain.spacing_x) == 1);
     progress->samples = (double)j.tiff.width * (double)j.tiff.height;
     return write(a, &j, error);

@@ -5,6 +5,7 @@
 #include "common/packed/file/packed_file.h"
 #include "common/field/field.h"
 #include "common/app/arguments.h"
+#include "common/app/credits.h"
 #include "common/app/json.h"
 #include "common/app/load.h"
 
@@ -58,6 +59,7 @@ typedef struct facts {
     int faces;     /* of an atlas; 0: none */
     double bits;   /* a sample */
     char crs[128]; /* name of the coordinate system; empty none */
+    const tc_credits *credits;
 } facts;
 
 /* The name is the first string of the text. */
@@ -68,10 +70,14 @@ static void name_crs(const char *wkt, char *name, size_t capacity)
     snprintf(name, capacity, "%.*s", length, start ? start + 1 : "");
 }
 
-static facts gather(const tc_map *map)
+static facts gather(const tc_map *map, const tc_credits *credits)
 {
     const tc_field *field = tc_map_field(map, 0);
-    facts f = {.map = map, .field = field, .packed = tc_field_packed_info(field), .info = tc_field_info(field)};
+    facts f = {.map = map,
+               .field = field,
+               .packed = tc_field_packed_info(field),
+               .info = tc_field_info(field),
+               .credits = credits};
     const tc_pack_terrain *t = &f.packed->terrain;
     f.finest = tc_field_packed_level(field, f.info->levels);
     f.faces = map->chart[0].class->seam ? map->charts : 0;
@@ -166,7 +172,12 @@ static void print_json(const facts *f)
         tc_json_string(f->crs, stdout);
     else
         printf("null");
-    printf("\n}\n");
+    printf(",\n  \"credits\": [");
+    for (int i = 0; i < f->credits->count; i++) {
+        printf("%s", i ? ", " : "");
+        tc_json_string(f->credits->line[i], stdout);
+    }
+    printf("]\n}\n");
 }
 
 /* A size for people. */
@@ -250,6 +261,8 @@ static void print_table(const facts *f, const char *path)
         printf(", nodata %.10g", t->nodata);
     if (f->packed->synthesis_fit)
         printf("\n  synthesis      by a fit to the heights as they were given");
+    for (int i = 0; i < f->credits->count; i++)
+        printf("\n  credit         %s", f->credits->line[i]);
     printf("\n\n  level      width x height       spacing m          bytes     rms m   max m\n");
     for (int l = f->info->levels; l >= 1; l--) {
         const tc_level level = tc_field_level(f->field, l);
@@ -279,12 +292,14 @@ tc_status tc_info_main(int argc, char **argv, tc_error *error)
         status = tc_fail(error, TC_ERR_USAGE, "FILE: expected a packed terrain, found none");
     if (status != TC_OK)
         return status;
-    const tc_source_options source = {.say = say, .say_context = &a};
+    tc_credits credits = {.count = 0};
+    const tc_source_options source = {
+        .say = say, .say_context = &a, .credit = tc_credits_take, .credit_context = &credits};
     tc_map *map;
     status = tc_map_load_packed(a.file, &source, &(tc_load_options){0}, &map, error);
     if (status != TC_OK)
         return status;
-    const facts f = gather(map);
+    const facts f = gather(map, &credits);
     if (a.json)
         print_json(&f);
     else

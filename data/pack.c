@@ -7,6 +7,7 @@
 #include "common/base/rect.h"
 #include "common/base/status.h"
 #include "common/app/arguments.h"
+#include "common/app/credits.h"
 #include "common/app/interrupt.h"
 #include "common/app/json.h"
 #include "common/chart/atlas.h"
@@ -334,16 +335,19 @@ static void say_plan(const struct arguments *a, const tc_pack_terrain *terrain, 
 
 /* planet: NULL for a flat terrain. */
 static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_planet_input *planet,
-                      tc_progress *progress, tc_error *error)
+                      const tc_credits *credits, tc_progress *progress, tc_error *error)
 {
-    const tc_pack_terrain *terrain = planet ? &planet->terrain : tc_mosaic_terrain(mosaic);
-    const tc_pack_options options = choose_options(a, terrain, progress);
-    say_plan(a, terrain, &options, progress);
-    progress->samples = (double)terrain->width * (double)terrain->height;
+    char whose[TC_CREDITS_TEXT];
+    tc_credits_join(credits, whose);
+    tc_pack_terrain terrain = planet ? planet->terrain : *tc_mosaic_terrain(mosaic);
+    terrain.credits = *whose ? whose : NULL;
+    const tc_pack_options options = choose_options(a, &terrain, progress);
+    say_plan(a, &terrain, &options, progress);
+    progress->samples = (double)terrain.width * (double)terrain.height;
 
     tc_packer *packer = NULL;
     tc_pack_result result;
-    tc_status status = tc_packer_create(a->output, terrain, &options, &packer, error);
+    tc_status status = tc_packer_create(a->output, &terrain, &options, &packer, error);
     if (status == TC_OK)
         status = planet ? tc_planet_input_read(planet, a->output, put_band, packer, error)
                         : tc_mosaic_read(mosaic, put_band, packer, error);
@@ -366,9 +370,9 @@ static tc_status pack(const struct arguments *a, tc_mosaic *mosaic, const tc_pla
                         "these heights are not held finely enough for a largest error: the rms alone is kept");
     double seconds = tc_progress_seconds(progress);
     if (a->json)
-        print_json(a, terrain, options.mode, &result, seconds);
+        print_json(a, &terrain, options.mode, &result, seconds);
     else if (!a->quiet)
-        print_line(a, terrain, options.mode, &result, seconds);
+        print_line(a, &terrain, options.mode, &result, seconds);
     return TC_OK;
 }
 
@@ -392,6 +396,9 @@ static tc_status run(struct arguments *a, tc_error *error)
     a->source.outputs = &outputs;
     a->source.say = tc_progress_say;
     a->source.say_context = &progress;
+    tc_credits credits = {.count = 0};
+    a->source.credit = tc_credits_take;
+    a->source.credit_context = &credits;
     a->source.lonlat = a->planet;
     if (a->planet)
         a->source.spacing = 1; /* metres on a flat map are not settled, and not talked about */
@@ -403,7 +410,7 @@ static tc_status run(struct arguments *a, tc_error *error)
     if (status == TC_OK && a->planet)
         status = tc_planet_input_settle(mosaic, a->inputs[0], &a->source, &a->globe, a->lossless, &planet, error);
     if (status == TC_OK)
-        status = pack(a, mosaic, a->planet ? &planet : NULL, &progress, error);
+        status = pack(a, mosaic, a->planet ? &planet : NULL, &credits, &progress, error);
     tc_mosaic_close(mosaic);
     tc_folder_free(&files);
     tc_outputs_free(&outputs);

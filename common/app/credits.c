@@ -101,3 +101,16 @@ void tc_credits_add(tc_credits *credits, const char *text)
     else
         strcpy(credits->line[credits->count++], line);
 }
+
+void tc_credits_take(void *credits, const char *text)
+{
+    tc_credits_add(credits, text);
+}
+
+void tc_credits_join(const tc_credits *credits, char text[TC_CREDITS_TEXT])
+{
+    int length = 0;
+    *text = '\0';
+    for (int i = 0; i < credits->count; i++)
+        length += snprintf(text + length, TC_CREDITS_TEXT - (size_t)length, "%s%s", i ? "\n" : "", credits->line[i]);
+}

@@ -16,4 +16,11 @@ typedef struct tc_credits {
  * bytes that are no UTF-8 are taken for Latin-1; what is too long is cut between characters, and ends in dots. */
 void tc_credits_add(tc_credits *credits, const char *text);
 
+/* The same of a source's callback: its context is the credits. */
+void tc_credits_take(void *credits, const char *text);
+
+/* All lines with newlines between them; empty where there is none. */
+enum { TC_CREDITS_TEXT = TC_CREDITS * TC_CREDIT_LENGTH };
+void tc_credits_join(const tc_credits *credits, char text[TC_CREDITS_TEXT]);
+
 #endif

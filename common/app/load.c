@@ -92,6 +92,19 @@ static void tell_missing(const char *path, const tc_source_options *source, cons
                (long long)packed->bytes);
 }
 
+/* Whose the heights are, line by line. */
+static tc_status tell_credits(const tc_source_options *source, const tc_map *map)
+{
+    const char *credits = tc_field_packed_info(map->chart[0].field)->terrain.credits;
+    if (!credits || !source->credit)
+        return TC_OK;
+    char *lines = strdup(credits), *rest;
+    for (char *line = lines ? strtok_r(lines, "\n", &rest) : NULL; line; line = strtok_r(NULL, "\n", &rest))
+        source->credit(source->credit_context, line);
+    free(lines);
+    return lines ? TC_OK : TC_ERR_MEMORY;
+}
+
 tc_status tc_map_load_packed(const char *path, const tc_source_options *source, const tc_load_options *options,
                              tc_map **map_ret, tc_error *error)
 {
@@ -109,7 +122,11 @@ tc_status tc_map_load_packed(const char *path, const tc_source_options *source, 
     if (status != TC_OK)
         return status;
     tell_missing(path, source, map);
-    if (way->settle && (status = way->settle(path, source, options, map, error))) {
+    if ((status = tell_credits(source, map)))
+        tc_fail(error, status, "%s: not enough memory", path);
+    else if (way->settle)
+        status = way->settle(path, source, options, map, error);
+    if (status != TC_OK) {
         tc_map_destroy(map);
         return status;
     }

@@ -21,19 +21,13 @@ static void say(void *context, bool warning, const char *line)
         fprintf(stderr, "%s: %s\n", viewer->program->name, line);
 }
 
-/* What a file says of whose it is. */
-static void keep_credit(void *credits, const char *text)
-{
-    tc_credits_add(credits, text);
-}
-
 static tc_status open_file(tc_viewer *v, tc_error *error)
 {
     tc_source_options source = v->options.source;
     source.say = say;
     source.progress = tc_viewer_progress;
     source.say_context = source.progress_context = v;
-    source.credit = keep_credit;
+    source.credit = tc_credits_take;
     source.credit_context = &v->terrain_credits;
     v->terrain_credits.count = 0;
     source.outputs = &v->outputs;
@@ -143,7 +137,7 @@ tc_status tc_viewer_load_imagery(tc_viewer *v, tc_error *error)
 {
     const tc_source_options source = {.say = say,
                                       .say_context = v,
-                                      .credit = keep_credit,
+                                      .credit = tc_credits_take,
                                       .credit_context = &v->imagery_credits,
                                       .outputs = &v->outputs};
     v->imagery_credits.count = 0;

@@ -73,6 +73,11 @@ static bool set_georeference(GDALDatasetH dataset, const tc_tiff_options *option
     return true;
 }
 
+static bool set_credits(GDALDatasetH dataset, const tc_tiff_options *options)
+{
+    return !options->credits || GDALSetMetadataItem(dataset, "TIFFTAG_COPYRIGHT", options->credits, NULL) == CE_None;
+}
+
 /* What its values mean. */
 static bool set_meaning(GDALRasterBandH band, const tc_tiff_options *options)
 {
@@ -100,7 +105,7 @@ tc_status tc_gdal_write_tiff(const char *path, const char *temporary, const tc_t
     bool failed = dataset == NULL;
     if (dataset) {
         GDALRasterBandH band = GDALGetRasterBand(dataset, 1);
-        failed = !set_georeference(dataset, options) || !set_meaning(band, options);
+        failed = !set_georeference(dataset, options) || !set_credits(dataset, options) || !set_meaning(band, options);
         GDALDataType type = GDALGetRasterDataType(band);
         for (int y = 0; y < height && !failed && status == TC_OK; y += TILE) {
             int rows = height - y < TILE ? height - y : TILE;

@@ -109,6 +109,7 @@ typedef struct tc_tiff_options {
     bool has_nodata;
     double nodata;       /* stands for NaN, for which integers have no other value */
     double unit, offset; /* metres per stored unit, 0 is 1; metres of the stored value 0 */
+    const char *credits; /* whose the heights are; NULL: not said */
 } tc_tiff_options;
 tc_status tc_write_tiff(const char *path, const tc_tiff_options *options, tc_row_function row, void *context,
                         tc_error *error);

@@ -295,6 +295,23 @@ if command -v gdal_translate >/dev/null 2>&1; then
     does '' $terraclip pack east.tif west.tif -o two.tclip --lossless
     does '' $terraclip extract two.tclip -o two.tif
     equal whole.tif two.tif
+    # Whose they are, each once, is told by whatever reads the packed file.
+    gdal_translate -q -mo 'TIFFTAG_COPYRIGHT=(c) A. Person' west.tif of_a.tif
+    gdal_translate -q -mo 'COPYRIGHT=B. Person' east.tif of_b.tif
+    does '' $terraclip pack of_a.tif of_b.tif of_a.tif -o credited.tclip --lossless
+    does '' $terraclip info credited.tclip
+    [ "$(echo "$out" | sed -n 's/^  credit *//p' | tr '\n' '+')" = '(c) A. Person+B. Person+' ] || fail "credits: $out"
+    does '' $terraclip info credited.tclip --json
+    echo "$out" | grep -Fqx '  "credits": ["(c) A. Person", "B. Person"]' || fail "credits as JSON: $out"
+    does '' $viewer credited.tclip --explain -o seen.png --size 96x64
+    [ "$(echo "$out" | sed -n 's/^credit: terrain: //p' | tr '\n' '+')" = '(c) A. Person+B. Person+' ] ||
+        fail "credits of what is shown: $out"
+    does '' $terraclip extract credited.tclip -o credited.tif
+    equal whole.tif credited.tif
+    does '' $viewer credited.tif --explain -o seen.png --size 96x64
+    echo "$out" | grep -Fqx 'credit: terrain: (c) A. Person B. Person' || fail "credits of what is extracted: $out"
+    does '' $terraclip info two.tclip
+    ! echo "$out" | grep -q '^  credit' || fail "credits of nobody: $out"
 else
     skip 'gdal_translate is not installed: two halves'
 fi

@@ -94,6 +94,17 @@ equal area.tif bound.tif within=3
 
 refuses 1 'belt.tif: expected a planet as a whole' $globe belt.tif --scheme hex -o out/picture.png
 
+cat >credited.vrt <<end
+<VRTDataset rasterXSize="320" rasterYSize="160"><Metadata><MDI key="COPYRIGHT">A. Person</MDI></Metadata>
+<SRS>EPSG:4326</SRS><GeoTransform>-180, 1.125, 0, 90, 0, -1.125</GeoTransform>
+<VRTRasterBand dataType="Int16" band="1"><SimpleSource><SourceFilename relativeToVRT="1">area.tif</SourceFilename>
+<SourceBand>1</SourceBand></SimpleSource></VRTRasterBand></VRTDataset>
+end
+for atlas in lonlat hex cube; do
+    does '' $terraclip pack credited.vrt -o credited.tclip --planet --atlas $atlas --rms 1
+    does '' $terraclip info credited.tclip
+    holds '^  credit +A. Person$' stdout.txt
+done
 for atlas in hex cube; do
     does '' $terraclip pack area.tif -o $atlas.tclip --planet --atlas $atlas --rms 1
     holds 'resampled to [0-9]+ samples on' stdout.txt

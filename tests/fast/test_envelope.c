@@ -249,6 +249,42 @@ static void flattening_comes_back(void **state)
     }
 }
 
+/* Whose the heights are comes back; of no byte, of too many, with a zero among them, or twice it is refused. */
+static void credits_come_back(void **state)
+{
+    (void)state;
+    enum { CREDITS = 5 };
+    test_random r = {43};
+    char longest[TC_CREDITS_BYTES + 1];
+    memset(longest, 'a', sizeof longest);
+    for (int k = 0; k < 2; k++) {
+        tc_envelope *e = make_envelope(&r, k), *back;
+        char text[] = "(c) A. Person\nB. Person";
+        tc_byte_writer without = envelope_bytes(e, true);
+        e->chart[0].container.info.terrain.credits = text;
+        tc_byte_writer w = envelope_bytes(e, true);
+        e->chart[0].container.info.terrain.credits = NULL;
+        assert_int_equal(w.size, without.size + 8 + strlen(text));
+        assert_int_equal(read_bytes(w.bytes, w.size, &back), TC_OK);
+        assert_string_equal(back->chart[0].container.info.terrain.credits, text);
+        for (int n = 1; n < back->charts; n++)
+            assert_null(back->chart[n].container.info.terrain.credits);
+        tc_envelope_free(back);
+        assert_int_equal(read_bytes(without.bytes, without.size, &back), TC_OK);
+        assert_null(back->chart[0].container.info.terrain.credits);
+        tc_envelope_free(back);
+        free(w.bytes), free(without.bytes);
+        const uint8_t *bytes = (const uint8_t *)text, *most = (const uint8_t *)longest;
+        assert_int_equal(try_sections(e, 1, CREDITS, bytes, 1, NULL), TC_OK);
+        assert_int_equal(try_sections(e, 1, CREDITS, bytes, 0, NULL), TC_ERR_FORMAT);
+        assert_int_equal(try_sections(e, 1, CREDITS, bytes, sizeof text, NULL), TC_ERR_FORMAT);
+        assert_int_equal(try_sections(e, 2, CREDITS, bytes, sizeof text - 1, NULL), TC_ERR_FORMAT);
+        assert_int_equal(try_sections(e, 1, CREDITS, most, TC_CREDITS_BYTES, NULL), TC_OK);
+        assert_int_equal(try_sections(e, 1, CREDITS, most, TC_CREDITS_BYTES + 1, NULL), TC_ERR_FORMAT);
+        tc_envelope_free(e);
+    }
+}
+
 /* Cut short or too long, twice, of a later form, and with every number out of its range in turn. */
 static void fits_that_lie_are_refused(void **state)
 {
@@ -527,11 +563,11 @@ static void containers_within_are_plain(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(envelopes_come_back),         cmocka_unit_test(unknown_sections_are_skipped),
-        cmocka_unit_test(flattening_comes_back),       cmocka_unit_test(fits_that_lie_are_refused),
-        cmocka_unit_test(tables_that_lie_are_refused), cmocka_unit_test(levels_must_lie_in_order),
-        cmocka_unit_test(endless_levels_are_refused),  cmocka_unit_test(charts_must_fit),
-        cmocka_unit_test(containers_within_are_plain),
+        cmocka_unit_test(envelopes_come_back),       cmocka_unit_test(unknown_sections_are_skipped),
+        cmocka_unit_test(flattening_comes_back),     cmocka_unit_test(credits_come_back),
+        cmocka_unit_test(fits_that_lie_are_refused), cmocka_unit_test(tables_that_lie_are_refused),
+        cmocka_unit_test(levels_must_lie_in_order),  cmocka_unit_test(endless_levels_are_refused),
+        cmocka_unit_test(charts_must_fit),           cmocka_unit_test(containers_within_are_plain),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

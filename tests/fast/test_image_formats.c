@@ -67,7 +67,7 @@ static int stored(const picture *p, int band, int x, int y)
         return p->nodata;
     if (p->smooth)
         return (int)(white * (0.5 + 0.45 * sin(0.03 * x * band + 0.05 * y + band)));
-    uint32_t noise = (uint32_t)(x * 73856093) ^ (uint32_t)(y * 19349663) ^ (uint32_t)(band * 83492791);
+    uint32_t noise = (uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u ^ (uint32_t)band * 83492791u;
     noise = (noise ^ noise >> 13) * 0x5bd1e995u;
     noise ^= noise >> 15;
     if (p->multiplied && band != alpha_of(p)) { /* at most its alpha */

@@ -25,7 +25,7 @@ static void write_file(const char *path, const void *bytes, size_t size)
 
 static float height(int64_t x, int64_t y)
 {
-    double rough = (double)((uint32_t)(x * 73856093 ^ y * 19349663) % 1000u) / 100;
+    double rough = (double)(((uint32_t)x * 73856093u ^ (uint32_t)y * 19349663u) % 1000u) / 100;
     return (float)rint(500 + 80 * sin(0.2 * (double)x) * cos(0.13 * (double)y) + rough);
 }
 

@@ -58,6 +58,7 @@ void tc_container_free(tc_container *c)
     for (int l = 0; l < TC_MAX_FIELD_LEVELS; l++)
         free(c->record[l].model);
     free(c->info.terrain.georef.crs_wkt);
+    free(c->info.terrain.credits);
     free(c->synthesis);
     memset(c, 0, sizeof *c);
 }

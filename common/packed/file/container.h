@@ -83,7 +83,7 @@ typedef struct tc_error_place {
 } tc_error_place;
 
 typedef struct tc_container {
-    tc_packed_info info;              /* terrain.georef.crs_wkt owned */
+    tc_packed_info info;              /* terrain.georef.crs_wkt and terrain.credits owned */
     int wraps_from;                   /* the coarsest level that wraps; above `levels`: none does */
     double z_unit, z_origin;          /* a height is z_origin + z_unit * k metres above z_base */
     double z_min, z_max;              /* metres above z_base, of the source without voids */

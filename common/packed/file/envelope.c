@@ -10,7 +10,7 @@
 #include "error_store.h"
 
 enum { MOST_SECTIONS = 256, BODY_BYTES = 8, FACES_BYTES = 88 };
-enum { SECTION_SYNTHESIS = 1, SECTION_BODY, SECTION_FACES, SECTION_ERRORS, KNOWN_SECTIONS };
+enum { SECTION_SYNTHESIS = 1, SECTION_BODY, SECTION_FACES, SECTION_ERRORS, SECTION_CREDITS, KNOWN_SECTIONS };
 enum { ERRORS_FORM = 1 };
 
 bool tc_envelope_is(const uint8_t *bytes)
@@ -161,6 +161,12 @@ static void write_errors(const tc_envelope *e, tc_byte_writer *w)
         tc_error_places_put(&e->chart[n].container, w);
 }
 
+static void write_credits(const char *credits, tc_byte_writer *w)
+{
+    const size_t length = strlen(credits);
+    tc_put(w, SECTION_CREDITS, 4), tc_put(w, length, 4), tc_put_bytes(w, credits, length);
+}
+
 static void write_chart(const tc_envelope_chart *c, size_t head, tc_byte_writer *w)
 {
     int64_t first, bytes;
@@ -199,8 +205,9 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
     tc_put(w, (uint64_t)e->bytes, 8);
     const tc_container *first = &e->chart[0].container;
     const double flattening = first->info.terrain.flattening;
+    const char *credits = first->info.terrain.credits;
     tc_put(w, (uint64_t)e->charts, 1);
-    tc_put(w, (first->synthesis ? 1 : 0) + (flattening > 0 ? 1 : 0) + faces + e->errors, 2);
+    tc_put(w, (first->synthesis ? 1 : 0) + (flattening > 0 ? 1 : 0) + faces + e->errors + (credits ? 1 : 0), 2);
     for (int n = 0; n < e->charts && !status; n++)
         write_chart(&e->chart[n], size[n], w);
     if (first->synthesis) {
@@ -213,6 +220,8 @@ tc_status tc_envelope_write(const tc_envelope *e, tc_byte_writer *w)
         write_faces(first, w);
     if (e->errors)
         write_errors(e, w);
+    if (credits)
+        write_credits(credits, w);
     tc_put_bytes(w, heads.bytes, heads.size);
     free(heads.bytes);
     return status || heads.failed ? TC_ERR_MEMORY : tc_head_seal(w, start);
@@ -377,6 +386,18 @@ static tc_status keep_body(tc_byte_reader section, tc_container *c)
     return TC_OK;
 }
 
+/* Whose the heights are. */
+static tc_status keep_credits(tc_byte_reader section, tc_container *c)
+{
+    if (!section.at)
+        return TC_OK;
+    const size_t length = (size_t)(section.end - section.at);
+    if (length == 0 || length > TC_CREDITS_BYTES || memchr(section.at, 0, length))
+        return TC_ERR_FORMAT;
+    c->info.terrain.credits = strndup((const char *)section.at, length);
+    return c->info.terrain.credits ? TC_OK : TC_ERR_MEMORY;
+}
+
 /* Of faces: before what the first one's container is checked for. */
 static tc_status keep_faces(tc_byte_reader section, tc_envelope *e)
 {
@@ -503,6 +524,8 @@ static tc_status read_head(const char *subject, const uint8_t *bytes, size_t hea
     status = keep_synthesis(&section[SECTION_SYNTHESIS], &e->chart[0].container);
     if (!status)
         status = keep_body(section[SECTION_BODY], &e->chart[0].container);
+    if (!status)
+        status = keep_credits(section[SECTION_CREDITS], &e->chart[0].container);
     if (!status)
         status = check(e, row, head_size);
     if (!status)

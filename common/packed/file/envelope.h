@@ -11,7 +11,7 @@
 #include "common/chart/atlas.h"
 #include "container.h"
 
-enum { TC_ENVELOPE_VERSION = TC_NEWEST_VERSION, TC_MOST_CHARTS = 8 };
+enum { TC_ENVELOPE_VERSION = TC_NEWEST_VERSION, TC_MOST_CHARTS = 8, TC_CREDITS_BYTES = 65535 };
 
 typedef struct tc_envelope_chart {
     tc_chart_kind kind;    /* as of the container */

@@ -55,6 +55,9 @@ static tc_status check(const char *path, const tc_pack_terrain *t, const tc_pack
                        t->spacing_y);
     if (!(t->unit > 0 && isfinite(t->unit)))
         return tc_fail(error, TC_ERR_USAGE, "%s: expected a unit above 0 m, found %g", path, t->unit);
+    if (t->credits && (!*t->credits || strlen(t->credits) > TC_CREDITS_BYTES))
+        return tc_fail(error, TC_ERR_USAGE, "%s: expected credits of 1 to %d bytes, found %zu", path, TC_CREDITS_BYTES,
+                       strlen(t->credits));
     if (o->mode != TC_PACK_LOSSLESS && !(o->error > 0 && isfinite(o->error)))
         return tc_fail(error, TC_ERR_USAGE, "%s: expected an error above 0 m, found %g", path, o->error);
     tc_lonlat globe;
@@ -120,12 +123,13 @@ tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, con
     tc_pack_terrain *t = &p->container.info.terrain;
     *t = *terrain;
     t->georef.crs_wkt = terrain->georef.crs_wkt ? strdup(terrain->georef.crs_wkt) : NULL;
+    t->credits = terrain->credits ? strdup(terrain->credits) : NULL;
     p->path = strdup(path);
     tc_container_set_levels(&p->container);
     p->container.info.mode = options->mode;
     p->container.info.codec = options->codec;
     p->container.info.error = options->mode == TC_PACK_LOSSLESS ? 0 : options->error;
-    if (!p->path || (terrain->georef.crs_wkt && !t->georef.crs_wkt))
+    if (!p->path || (terrain->georef.crs_wkt && !t->georef.crs_wkt) || (terrain->credits && !t->credits))
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
     if (!status)
         status = tc_spool_create(path, t->width, t->height, sizeof(float), &p->source, error);

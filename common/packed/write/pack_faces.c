@@ -281,13 +281,14 @@ tc_status tc_pack_faces(tc_packer *p, const tc_atlas *atlas, tc_packer *face[TC_
     tc_round_trip trip = {0, 0, 0};
     tc_terrain_globe(&p->container.info.terrain, &grid);
     int64_t cells = tc_resample_cells(grid.width);
-    const tc_pack_terrain terrain = terrain_of(p, cells);
+    tc_pack_terrain terrain = terrain_of(p, cells);
     const double resampling = 0.2 / atlas->charts, coding = 0.65 / atlas->charts; /* of the work */
     tc_status status = tc_pack_make_caps(p, &grid, cap, error);
     if (!status)
         make_source(p, &grid, cap, &from);
     const tc_resample_source given = {from.chart, 1 + TC_CAPS, false};
     for (int n = 0; n < atlas->charts && !status; n++) {
+        terrain.credits = n == 0 ? p->container.info.terrain.credits : NULL; /* the first chart's are all charts' */
         tc_pack_options options = tc_pack_resampled_options(p);
         options.synthesis_fit = n == 0 && p->options.synthesis_fit;
         status = tc_packer_create(p->path, &terrain, &options, &face[n], error);
