@@ -14,6 +14,7 @@ static tc_viewer_wish terrain_wish(const tc_viewer *v, const char *path)
     const tc_source_options *first = &v->options.source;
     wish.options.terrain = path;
     wish.options.imagery_count = 0;
+    wish.options.globe = (tc_globe_choice){.flattening = 0};
     wish.options.source = (tc_source_options){
         .has_voids = first->has_voids, .voids = first->voids, .void_constant = first->void_constant};
     return wish;

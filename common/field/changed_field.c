@@ -1,13 +1,22 @@
 /* changed_field.c - another field's samples, changed; see changed_field.h. */
 #include "changed_field.h"
 
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
+
+#include "common/base/rect.h"
+#include "measured_errors.h"
 
 typedef struct changed {
     tc_field head;
     tc_field *base;
     const tc_change *change;
     float by;
+    pthread_mutex_t mutex; /* of measuring */
+    atomic_bool measured;
+    tc_range_pyramid error[TC_MAX_FIELD_LEVELS]; /* [l - 1]; once measured */
 } changed;
 
 /* samples: NULL where none are asked for. */
@@ -55,12 +64,38 @@ static void changed_overtaken(const tc_field *field, int level, tc_rect rect)
 static tc_range changed_range(const tc_field *field, int level, tc_rect rect)
 {
     const changed *p = (const changed *)field;
-    return p->change->range(p->by, p->base, level, rect);
+    tc_range r = p->change->range(p->by, p->base, level, rect);
+    if (!p->measured || r.error == INFINITY) /* also of what is damaged */
+        return r;
+    tc_rect piece[2];
+    int pieces = tc_rect_round(rect, field->level[level - 1].width, piece), reads = 0;
+    r.error = 0;
+    for (int n = 0; n < pieces; n++)
+        r.error = fmaxf(r.error, tc_measured_error(&p->error[level - 1], piece[n], pieces == 1 ? 2 : 1, &reads));
+    return r;
+}
+
+/* What is made up below the data is not looked at: it would be made for it. */
+static bool is_measured(const changed *p)
+{
+    const int64_t most = (int64_t)1 << 27; /* samples */
+    const tc_level *finest = &p->head.level[p->head.info.levels - 1];
+    return p->change->measures && p->head.info.synthesised == 0 && finest->height <= most / finest->width;
 }
 
 static void changed_know_errors(const tc_field *field)
 {
-    tc_field_know_errors(((const changed *)field)->base);
+    changed *p = (changed *)field;
+    tc_field_know_errors(p->base);
+    if (p->measured || !is_measured(p))
+        return;
+    pthread_mutex_lock(&p->mutex);
+    if (!p->measured) {
+        p->measured = tc_measure_errors(field, p->error) == TC_OK;
+        if (!p->measured)
+            tc_measured_errors_free(p->error, field->info.levels);
+    }
+    pthread_mutex_unlock(&p->mutex);
 }
 
 static bool changed_changed(const tc_field *field, uint64_t *since, tc_rect *finest_ret)
@@ -70,9 +105,11 @@ static bool changed_changed(const tc_field *field, uint64_t *since, tc_rect *fin
 
 static void changed_tell(const tc_field *field, tc_field_stats *stats)
 {
-    const tc_field *base = ((const changed *)field)->base;
-    base->class->tell(base, stats);
-    stats->bytes += sizeof(changed);
+    const changed *p = (const changed *)field;
+    p->base->class->tell(p->base, stats);
+    stats->bytes += sizeof *p;
+    for (int l = 0; p->measured && l < field->info.levels; l++)
+        stats->bytes += (size_t)tc_range_nodes(p->error[l].nx, p->error[l].ny) * sizeof(tc_range);
 }
 
 static const struct tc_container *changed_container(const tc_field *field)
@@ -104,6 +141,7 @@ tc_field *tc_changed_field_create(tc_field *base, const tc_change *change, float
         return NULL;
     *p = (changed){.head = *base, .base = base, .change = change, .by = by};
     p->head.class = &changed_class;
+    pthread_mutex_init(&p->mutex, NULL);
     return &p->head;
 }
 
@@ -111,6 +149,8 @@ tc_field *tc_changed_field_release(tc_field *field)
 {
     changed *p = (changed *)field;
     tc_field *base = p->base;
+    tc_measured_errors_free(p->error, field->info.levels);
+    pthread_mutex_destroy(&p->mutex);
     free(p);
     return base;
 }

@@ -9,6 +9,7 @@
 typedef struct tc_change {
     void (*samples)(float by, tc_rect rect, float *z, ptrdiff_t stride);
     tc_range (*range)(float by, const tc_field *base, int level, tc_rect rect);
+    bool measures; /* its bounds of errors are wide ones: those of few samples are measured anew */
 } tc_change;
 
 /* Takes the base over; its info is the base's, for the caller to change. NULL: no memory, and the base stays the

@@ -51,11 +51,13 @@ static tc_status read_mesh(const tc_field *field, int level, tc_rect r, float (*
             mesh[j * w + i] = at;
         }
     if (r.x1 > size.width && tc_field_wraps(field, level + 1) && !status) {
-        float column[COARSE];
-        const tc_rect first = {0, r.y0, 1, held.y1};
+        float column[COARSE + 1];
+        const tc_rect first = {0, held.y0, 1, held.y1};
         status = tc_field_read(field, level, first, column, NULL, 1);
-        for (int64_t j = 0; j < h && !status; j++)
-            mesh[j * w + w - 1] = column[tc_min64(j, first.y1 - first.y0 - 1)];
+        for (int64_t j = 0; j < h && !status; j++) {
+            const int64_t y = r.y0 + j, cy = tc_min64(y, size.height - 1), v = cy - held.y0;
+            mesh[j * w + w - 1] = column[v] + (y > cy && v > 0 ? column[v] - column[v - 1] : 0);
+        }
     }
     return status;
 }

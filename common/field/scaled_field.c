@@ -24,7 +24,7 @@ static tc_range scaled_range(float factor, const tc_field *base, int level, tc_r
 
 tc_field *tc_scaled_field_create(tc_field *base, double factor)
 {
-    static const tc_change change = {scale, scaled_range};
+    static const tc_change change = {scale, scaled_range, .measures = false};
     tc_field *field = tc_changed_field_create(base, &change, (float)factor);
     if (!field)
         return NULL;

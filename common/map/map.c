@@ -1,6 +1,8 @@
 /* map.c - what is the same for every map: its parts, and the height at a place. */
 #include "map.h"
 
+#include "common/field/point.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -124,6 +126,28 @@ tc_status tc_map_height(const tc_map *map, double x, double y, double *z_ret)
 tc_status tc_map_rough_height(const tc_map *map, double x, double y, double *z_ret)
 {
     return height(map, TC_ROUGH_SIZE, x, y, z_ret);
+}
+
+tc_status tc_map_hole(const tc_map *map, double x, double y, bool *hole_ret)
+{
+    const double place[3] = {x, y, 0};
+    double share[TC_MAP_CHARTS], normal[3], u, v;
+    int most = 0;
+    *hole_ret = false;
+    if (map->voids != TC_VOIDS_HOLE)
+        return TC_OK;
+    map->body.class->normal(&map->body, place, normal);
+    tc_map_shares(map, normal, share);
+    for (int k = 1; k < map->charts; k++)
+        most = share[k] > share[most] ? k : most;
+    const tc_chart *c = &map->chart[most];
+    const int level = tc_field_info(c->field)->levels;
+    tc_cell cell;
+    c->class->from_place(c, x, y, &x, &y);
+    tc_chart_samples(c, level, x, y, &u, &v);
+    tc_status status = tc_field_cell(c->field, level, u, v, true, &cell);
+    *hole_ret = status == TC_OK && tc_cell_void(&cell);
+    return status;
 }
 
 void tc_map_extent(const tc_map *map, double lo[2], double hi[2])

@@ -64,6 +64,9 @@ tc_status tc_map_check_whole(const tc_map *map, const char *name, tc_error *erro
  * only normal[2], the sine of the latitude, is looked at. */
 void tc_map_shares(const tc_map *map, const double normal[3], double *share_ret);
 
+/* Whether what is drawn has no surface at a place, since heights are void there and left out. */
+tc_status tc_map_hole(const tc_map *map, double x, double y, bool *hole_ret);
+
 /* Makes all heights those of the data, synthesised ones too, times a factor, from now on: also another factor than
  * before, or 1, which leaves nothing of it. Sea level stays 0. Not while anyone else uses the map or a field of it.
  * TC_ERR_FORMAT where heights would leave the body no surface: all is then as it was. */

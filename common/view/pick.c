@@ -3,6 +3,7 @@
 
 #include "camera.h"
 
+#include <float.h>
 #include <math.h>
 
 static tc_camera camera_of(const tc_scenery *scenery, const tc_pose *view)
@@ -86,17 +87,20 @@ bool tc_meet_ground(const tc_ground *ground, const double place[3], const double
                     double to, const tc_ray_steps *steps, double *distance_ret, double p_ret[3])
 {
     enum { HALVINGS = 60 };
+    const double least = 4 * DBL_EPSILON; /* of the way, by which it still grows */
     ray r = {.ground = ground, .way = way};
     ground->body.class->position(&ground->body, place, r.eye);
     double altitude, last = from, t = from, above = above_ground(&r, t, &altitude), before = altitude;
     if (above < 0)
         return false;
     for (int64_t i = 0; i < steps->most && (above > 0 || i == 0); i++) {
+        if (t >= to)
+            return false;
         last = t;
         const double step = fmax(fmax(steps->by_height * above, steps->by_way * t), steps->shortest);
-        t += fmax(fmin(step, steps->longest), altitude - highest);
+        t = fmin(t + fmax(fmax(fmin(step, steps->longest), altitude - highest), least * t), to);
         above = above_ground(&r, t, &altitude);
-        if ((altitude > before && altitude > highest && above > 0) || t > to)
+        if (altitude > before && altitude > highest && above > 0)
             return false;
         before = altitude;
     }
@@ -109,6 +113,8 @@ bool tc_meet_ground(const tc_ground *ground, const double place[3], const double
         else
             t = middle;
     }
+    if (above_ground(&r, last, &altitude) == INFINITY)
+        return false;
     *distance_ret = t;
     point_at(&r, t, p_ret);
     return true;

@@ -26,8 +26,8 @@ typedef struct tc_ray_steps {
 
 /* Where a ray from a place above the ground, in the direction `way` of length 1 in space, meets the ground first:
  * metres from there, and the point. Walks, then halves: what the ray meets for less than a step may be missed. highest:
- * metres absolute, no ground is higher; from, to: metres between which it is looked for. False where it meets none, or
- * begins below it. */
+ * metres absolute, no ground is higher; from, to: metres between which it is looked for. A ground of -INFINITY is none:
+ * what goes below the ground there meets nothing. False where it meets none, or begins below it. */
 bool tc_meet_ground(const tc_ground *ground, const double place[3], const double way[3], double highest, double from,
                     double to, const tc_ray_steps *steps, double *distance_ret, double p_ret[3]);
 

@@ -87,5 +87,21 @@ awk 'BEGIN { print "ncols 2049\nnrows 5\nxllcorner 0\nyllcorner 0\ncellsize 10"
 meets '14995 20 50 14995' 0,20,50,90,0 wall.asc
 meets '14999 20 90 9999' 5000,20,90,90,0 wall.asc
 refuses 1 '^terraclip: --ray: expected a ray that meets' $terraclip height wall.asc --ray 0,20,101,90,0
+# Up to the last centimetre of the edge, and from as far away as steps are lost in the way's last digits.
+for beside in 3 2 0.7 0.1 0.01; do
+    meets "$(awk "BEGIN { printf \"%.10g 320 %.10g\", 640 - $beside, 1672 - $beside }") $(awk "BEGIN { printf \"%.10g\", int((40 - $beside) * sqrt(2) * 1e6 + 0.5) / 1e6 }")" \
+        "600,320,$(awk "BEGIN { printf \"%.10g\", 1712 - 2 * $beside }"),90,-45"
+done
+run $terraclip height plane.tif --spacing 0.0002 --ray 0.005,0.005,1e12,90,-90
+[ $rc = 0 ] || fail "a ray from 10^12 m: exit code $rc"
+# Holes let it through, and it meets nothing from below.
+awk 'BEGIN { print "ncols 40\nnrows 40\nxllcorner 0\nyllcorner 0\ncellsize 10\nNODATA_value -9999"
+    for (j = 0; j < 40; j++) { for (i = 0; i < 40; i++) printf "%d ", (i > 9 && i < 20 && j > 9 && j < 30) ? -9999 : 7; print "" } }' >hole.asc
+meets '145 200 7 93' 145,200,100,0,-90 hole.asc
+hole='hole.asc --voids hole'
+refuses 1 '^terraclip: --ray: expected a ray that meets' $terraclip height $hole --ray 145,200,100,0,-90
+refuses 1 '^terraclip: --ray: expected a ray that meets' $terraclip height $hole --ray 50,200,100,90,-45
+run $terraclip height $hole --ray 100,200,187,90,-45
+[ "$(cat stdout.txt)" = '280 200 7 254.558441' ] || fail "a ray over a hole: $(cat stdout.txt)"
 
 finish
