@@ -4,6 +4,7 @@
 #include "points.h"
 
 #include "common/base/numbers.h"
+#include "common/base/text.h"
 
 #include <ctype.h>
 #include <string.h>
@@ -60,8 +61,8 @@ tc_points_line tc_points_next(tc_points *p, double *x, double *y)
     while (getline(&p->text, &p->room, p->file) > 0) {
         char *text = p->text;
         text[strcspn(text, "\r\n")] = '\0';
-        if (p->number++ == 0 && strncmp(text, "\xef\xbb\xbf", 3) == 0) /* a byte order mark */
-            memmove(text, text + 3, strlen(text + 3) + 1);
+        if (p->number++ == 0)
+            text += tc_text_mark(text);
         char first = text[strspn(text, blanks)];
         if (first == '\0' || first == '#')
             continue;

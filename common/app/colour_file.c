@@ -3,6 +3,7 @@
 
 #include "common/base/numbers.h"
 #include "common/base/status.h"
+#include "common/base/text.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -75,13 +76,14 @@ static tc_status read_all(FILE *file, const char *path, tc_colour_ramp *ramp, tc
     for (int number = 1; fgets(line, sizeof line, file); number++) {
         tc_colour_stop stop;
         bool is_stop;
-        snprintf(shown, sizeof shown, "%.*s", (int)strcspn(line, "\r\n"), line);
+        char *text = line + (number == 1 ? tc_text_mark(line) : 0);
+        snprintf(shown, sizeof shown, "%.*s", (int)strcspn(text, "\r\n"), text);
         for (char *c = shown; *c; c++)
             *c = isprint((unsigned char)*c) ? *c : '?';
         if (!strchr(line, '\n') && !feof(file))
             return tc_fail(error, TC_ERR_FORMAT, "%s: line %d: expected a height and a colour, found a line too long",
                            path, number);
-        if (!read_line(line, &stop, &is_stop))
+        if (!read_line(text, &stop, &is_stop))
             return tc_fail(error, TC_ERR_FORMAT,
                            "%s: line %d: expected a height (or percentage) and a colour, as `gdaldem color-relief` "
                            "interpolates them, found '%s'",

@@ -1,7 +1,9 @@
 /* views_file.c - files of views. */
 #include "views_file.h"
 
+#include "common/base/numbers.h"
 #include "common/base/status.h"
+#include "common/base/text.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -67,7 +69,7 @@ static void trim(const char **begin, const char **end)
 
 tc_views tc_views_of(const tc_navigation *navigation, const char *file, const char *text)
 {
-    return (tc_views){.navigation = navigation, .file = file, .next = text};
+    return (tc_views){.navigation = navigation, .file = file, .next = text + tc_text_mark(text)};
 }
 
 /* What a line must be. */
@@ -125,20 +127,41 @@ tc_status tc_views_find(const tc_navigation *navigation, const char *file, const
 
 /* ---- Writing ----------------------------------------------------------------------------------------------------- */
 
+/* N of a view of the name "view N", as that is written; 0: it has another one. */
+static int64_t number_of(const tc_views *views)
+{
+    static const char begin[] = "view ";
+    char name[TC_VIEW_NAME];
+    int64_t number;
+    if (views->name_length >= sizeof name)
+        return 0;
+    memcpy(name, views->name, views->name_length);
+    name[views->name_length] = '\0';
+    const char *digits = name + sizeof begin - 1;
+    const bool is = strncmp(name, begin, sizeof begin - 1) == 0 && *digits >= '1' && *digits <= '9';
+    return is && tc_read_integer(digits, 1, INT32_MAX, &number) ? number : 0;
+}
+
 void tc_views_new_name(const tc_navigation *navigation, const char *text, char name[TC_VIEW_NAME])
 {
-    bool taken = true;
-    for (int number = 1; taken; number++) {
+    /* So many numbers are looked at at once: of files that people keep, all of them. */
+    enum { NUMBERS = 1 << 15 };
+    int first = 1, offset = NUMBERS; /* to the lowest number that is not taken */
+    for (; offset == NUMBERS; first += offset) {
+        bool taken[NUMBERS] = {false}, more = true;
         tc_views views = tc_views_of(navigation, "", text);
-        bool more = true;
-        taken = false;
-        snprintf(name, TC_VIEW_NAME, "view %d", number);
-        while (more && !taken) /* bad lines have no names */
+        while (more)
             if (tc_views_next(&views, &more, NULL) != TC_OK)
-                more = true;
-            else
-                taken = more && named(&views, name);
+                more = true; /* bad lines have no names */
+            else if (more) {
+                const int64_t number = number_of(&views);
+                if (number >= first && number < first + NUMBERS)
+                    taken[number - first] = true;
+            }
+        for (offset = 0; offset < NUMBERS && taken[offset];)
+            offset++;
     }
+    snprintf(name, TC_VIEW_NAME, "view %d", first);
 }
 
 /* Whether there is a last line that is not ended. */

@@ -55,6 +55,10 @@ static void files_are_read(void **state)
     expect_at(&ramp, 1400, 132.5, 137.5, 142.5);
     expect_at(&ramp, 1e6, 255, 255, 255);
     free(ramp.stop);
+    ramp = ramp_of("\xef\xbb\xbf"
+                   "0 0 0 0\n10 0 0 0\n"); /* a byte order mark */
+    assert_int_equal(ramp.count, 2);
+    free(ramp.stop);
 }
 
 static void nonsense_is_refused(void **state)

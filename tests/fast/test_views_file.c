@@ -103,6 +103,45 @@ static void names_are_new(void **state)
     assert_string_equal(name, "view 2");
     tc_views_new_name(plane, "nonsense\n1,2,3,4,5 # view 1\n1,2,3,4,5 # view 2\n", name);
     assert_string_equal(name, "view 3");
+    static const char *const others[] = {"view 01", "view  1", "view 1 ", "view +1", "View 1", "view 1a", "view 1.0"};
+    char text[64];
+    for (size_t n = 0; n < sizeof others / sizeof *others; n++) {
+        snprintf(text, sizeof text, "1,2,3,4,5 # %s\n", others[n]);
+        tc_views_new_name(plane, text, name);
+        assert_string_equal(name, n == 2 ? "view 2" : "view 1"); /* blanks around are none of the name */
+    }
+}
+
+/* The number of a new name costs no pass over the file for each name that there is. */
+static void names_are_new_in_long_files(void **state)
+{
+    (void)state;
+    enum { VIEWS = 40000, LINE = 32 };
+    char *text = malloc(VIEWS * LINE), *end = text, name[TC_VIEW_NAME];
+    for (int n = VIEWS; n > 0; n--)
+        end += snprintf(end, LINE, "1,2,3,4,5 # view %d\n", n);
+    tc_views_new_name(plane, text, name);
+    assert_string_equal(name, "view 40001");
+    free(text);
+}
+
+/* As some editors begin a text. */
+static void a_byte_order_mark_is_no_part(void **state)
+{
+    (void)state;
+    static const char text[] = "\xef\xbb\xbf"
+                               "1,2,3,4,5 # view 1\n2,2,3,4,5\n";
+    char name[TC_VIEW_NAME];
+    tc_pose view;
+    tc_flight_path path;
+    assert_int_equal(tc_views_find(plane, "file", text, "view 1", &view, NULL), TC_OK);
+    assert_true(view.x == 1);
+    tc_views_new_name(plane, text, name);
+    assert_string_equal(name, "view 2");
+    make_bytes(made_path("path.txt"), text, sizeof text - 1);
+    assert_int_equal(tc_flight_path_load(plane, made_path("path.txt"), &path, NULL), TC_OK);
+    assert_int_equal(path.count, 2);
+    tc_flight_path_free(&path);
 }
 
 static void assert_holds(const char *path, const char *text)
@@ -169,6 +208,8 @@ int main(void)
         cmocka_unit_test(paths_pass_over_names),
         cmocka_unit_test(bad_lines_are_named),
         cmocka_unit_test(names_are_new),
+        cmocka_unit_test(names_are_new_in_long_files),
+        cmocka_unit_test(a_byte_order_mark_is_no_part),
         cmocka_unit_test(lines_are_added),
         cmocka_unit_test(what_cannot_be_written_stays),
         cmocka_unit_test(what_is_no_text_is_refused),
