@@ -85,6 +85,7 @@ typedef struct gdal_raster {
     tc_raster base;
     GDALDatasetH dataset;
     tc_gdal_lonlat lonlat;
+    tc_gdal_text text;
     GDALRasterBandH band, mask;
     GDALDataType type; /* of the buffer */
     char path[];
@@ -253,6 +254,9 @@ static tc_status read_rows(tc_raster *raster, int64_t row, int64_t rows, void *s
 {
     gdal_raster *r = (gdal_raster *)raster;
     int width = (int)r->base.info.width, y = (int)row, height = (int)rows;
+    tc_status status = tc_gdal_text_check(&r->text, r->path, error);
+    if (status != TC_OK)
+        return status;
     tc_gdal_messages said;
     tc_gdal_listen(&said);
     CPLErr failed = GDALRasterIO(r->band, GF_Read, 0, y, width, height, samples, width, height, r->type, 0, 0);
@@ -274,6 +278,7 @@ static void close_raster(tc_raster *raster)
     if (r->dataset)
         GDALClose(r->dataset);
     tc_gdal_lonlat_close(&r->lonlat);
+    tc_gdal_text_free(&r->text);
     tc_gdal_heard(&said);
     CSLDestroy(r->base.info.parts);
     free(r->base.info.crs_wkt);
@@ -465,6 +470,7 @@ static tc_status open_raster(const char *path, const tc_source_options *options,
     tc_gdal_listen(&said);
     if (status == TC_OK) {
         r->base.info.parts = tc_gdal_all_files(r->dataset);
+        r->text = tc_gdal_text_of(r->dataset);
         status = tc_gdal_take_layer(path, options, layer_taken, &r->dataset, error);
     }
     if (status == TC_OK)

@@ -49,6 +49,23 @@ tc_status tc_gdal_unpack_hgt(const char *path, const tc_source_options *options,
 tc_status tc_gdal_take_layer(const char *path, const tc_source_options *options, bool layer_taken,
                              GDALDatasetH *dataset, tc_error *error);
 
+/* ---- Grids of text (plugin_gdal_text.c) ---------------------------------------------------------------------------
+ */
+
+/* What is to be checked before a grid is read. */
+typedef struct tc_gdal_text {
+    char *name; /* of the text, as GDAL has it; NULL: nothing (any more) */
+    int64_t columns, rows;
+    bool whole; /* all its values are whole numbers */
+} tc_gdal_text;
+
+/* Of a dataset as it was opened; to be freed. */
+tc_gdal_text tc_gdal_text_of(GDALDatasetH dataset);
+void tc_gdal_text_free(tc_gdal_text *text);
+
+/* TC_ERR_FORMAT where values are missing or are no numbers. Once that is well there is nothing to check any more. */
+tc_status tc_gdal_text_check(tc_gdal_text *text, const char *path, tc_error *error);
+
 /* ---- Coordinate systems (plugin_gdal_crs.c) -----------------------------------------------------------------------
  */
 

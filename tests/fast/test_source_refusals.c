@@ -161,12 +161,97 @@ static void refuses_missing_samples(void **state)
     }
 }
 
+static const char *make_text(const char *name, const char *head, const char *values)
+{
+    char text[1024];
+    const int length = snprintf(text, sizeof text, "%s%s", head, values);
+    make_bytes(made_path(name), text, (size_t)length);
+    return made_path(name);
+}
+
+/* GDAL reads 0 for a last value that is missing, and for words. */
+static void refuses_grids_of_text_without_all_numbers(void **state)
+{
+    (void)state;
+    static const char *const heads[] = {
+        "ncols 3\nnrows 2\nxllcenter 0\nyllcenter 0\ncellsize 30\n",
+        "NCOLS 3\r\nNROWS 2\r\nXLLCORNER 0\r\nYLLCORNER 0\r\nDX 30\r\nDY 20\r\nNODATA_VALUE -9999\r\n",
+        "north: 60\nsouth: 0\neast: 90\nwest: 0\nrows: 2\ncols: 3\n"};
+    static const struct {
+        const char *values, *reason; /* NULL: it is read */
+    } cases[] = {
+        {"1 2 3\n4 5 6\n", NULL},
+        {"1 2 3\n4 5 6", NULL},
+        {"\t1\n2 3 4\r\n\r\n5 \f6\n\n7 8", NULL},
+        {"1.5 2. .25\n-4 +5 6e-1\n", NULL},
+        {"1,5 2 ,25\n-4 1e3 0006\n", NULL},
+        {"1.5 NaN 1.#QNAN 4 -1.#IND nan", NULL},
+        {"1.5 null 3 4 5 6", NULL},
+        {"1 2 3\n4 5", "expected 6 values, found 5"},
+        {"1 2 3\n4 5\n", "expected 6 values, found 5"},
+        {"1 2 3\n4 5 \r\n \n", "expected 6 values, found 5"},
+        {"1.5 2 3\n4\n", "expected 6 values, found 4"},
+        {"1 2 3\n4 abc 6\n", "row 2, column 2: expected a whole number, found 'abc'"},
+        {"1.5 2 3\n4 abc 6\n", "row 2, column 2: expected a number, found 'abc'"},
+        {"1.5 2 3 4 5 -", "row 2, column 3: expected a number, found '-'"},
+        {"1 * 3\n4 5 6\n", "row 1, column 2: expected a whole number, found '*'"},
+        {"1 nan 3\n4 5 6\n", "row 1, column 2: expected a whole number, found 'nan'"},
+        {"1 null 3\n4 5 6\n", "expected a whole number, found 'null'"},
+        {"1.5 2m 3\n4 5 6\n", "expected a number, found '2m'"},
+        {"1.5 1.5d2 3\n4 5 6\n", "expected a number, found '1.5d2'"},
+        {"1.5 1,000.5 3\n4 5 6\n", "expected a number, found '1,000.5'"},
+        {"1.5 \xff\x01 3\n4 5 6\n", "expected a number, found '\?\?'"},
+    };
+    for (size_t h = 0; h < sizeof heads / sizeof *heads; h++)
+        for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+            const char *path = make_text("grid.asc", heads[h], cases[k].values);
+            tc_grid grid = {0};
+            tc_error error = {.text = ""};
+            if (cases[k].reason)
+                refused(path, TC_ERR_FORMAT, cases[k].reason);
+            else if (tc_grid_load(path, NULL, &grid, &error) != TC_OK)
+                fail_msg("%d, %d: %s", (int)h, (int)k, error.text);
+            tc_grid_free(&grid);
+        }
+}
+
+/* Its text is looked over in pieces, whose ends cut values. */
+static void looks_over_large_grids_of_text(void **state)
+{
+    (void)state;
+    enum { SIDE = 300, ROOM = SIDE * SIDE * 9 + 256 };
+    char *text = malloc(ROOM);
+    int length = snprintf(text, ROOM, "ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize 30\n", SIDE, SIDE);
+    for (int i = 0; i < SIDE * SIDE; i++)
+        length += snprintf(text + length, ROOM - (size_t)length, "%s%d",
+                           i == 0        ? ""
+                           : i % 17 == 0 ? "  \n"
+                                         : " ",
+                           10000 + i * 7 % 9000);
+    make_bytes(made_path("large.asc"), text, (size_t)length);
+    tc_grid grid = load(made_path("large.asc"), (tc_source_options){0}, NULL);
+    for (int i = 0; i < SIDE * SIDE; i += 101)
+        assert_true(at(&grid, i % SIDE, i / SIDE) == 10000 + i * 7 % 9000);
+    tc_grid_free(&grid);
+    make_bytes(made_path("large.asc"), text, (size_t)length - 6);
+    refused(made_path("large.asc"), TC_ERR_FORMAT, "expected 90000 values, found 89999");
+    memset(text + 200000, 'x', 600); /* longer than any number */
+    make_bytes(made_path("large.asc"), text, (size_t)length);
+    refused(made_path("large.asc"), TC_ERR_FORMAT, "expected a whole number, found '");
+    free(text);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(refuses_what_is_no_file),   cmocka_unit_test(refuses_colours),
-        cmocka_unit_test(refuses_what_is_no_height), cmocka_unit_test(refuses_options_out_of_range),
-        cmocka_unit_test(refuses_truncated_files),   cmocka_unit_test(refuses_missing_samples),
+        cmocka_unit_test(refuses_what_is_no_file),
+        cmocka_unit_test(refuses_colours),
+        cmocka_unit_test(refuses_what_is_no_height),
+        cmocka_unit_test(refuses_options_out_of_range),
+        cmocka_unit_test(refuses_truncated_files),
+        cmocka_unit_test(refuses_missing_samples),
+        cmocka_unit_test(refuses_grids_of_text_without_all_numbers),
+        cmocka_unit_test(looks_over_large_grids_of_text),
     };
     return cmocka_run_group_tests(tests, NULL, remove_folder);
 }
