@@ -15,6 +15,7 @@
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 struct arguments {
@@ -49,6 +50,13 @@ static bool read_spacing(void *spacing, const char *value)
     return tc_read_number(value, TC_SYNTH_SPACING_MIN, TC_SYNTH_SPACING_MAX, spacing);
 }
 
+/* It is no packed file, whatever its name says. */
+static bool read_output(void *output, const char *value)
+{
+    const char *end = strrchr(value, '.');
+    return tc_read_text(output, value) && !(end && strcasecmp(end, ".tclip") == 0);
+}
+
 static const tc_option table[] = {
     {.help = "Options"},
     {0, "kind", "KIND", "planar or planet",
@@ -62,7 +70,7 @@ static const tc_option table[] = {
      offsetof(struct arguments, spacing)},
     {0, "threads", "N", TC_EXPECTED_THREADS, "that compute (all processors)", tc_read_threads,
      offsetof(struct arguments, threads)},
-    {'o', "output", "FILE.tif", "the name of a file", "where it goes", tc_read_text,
+    {'o', "output", "FILE.tif", "the name of a GeoTIFF, which 'terraclip pack' packs", "where it goes", read_output,
      offsetof(struct arguments, output)},
     TC_SWITCH(struct arguments, quiet, 'q', "quiet", "no progress"),
     TC_SWITCH(struct arguments, verbose, 'v', "verbose", "what was written"),

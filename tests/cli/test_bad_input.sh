@@ -251,6 +251,11 @@ refuses 2 "expected one of 'terraclip --help'" $terraclip
 refuses 2 'paint: expected a command' $terraclip paint
 refuses 2 'synth: expected -o FILE.tif' $terraclip synth
 refuses 2 'expected options only' $terraclip synth -o out/a.tif b.tif
+for name in out/a.tclip a.TCLIP .tclip; do
+    refuses 2 "--output: expected the name of a GeoTIFF, which 'terraclip pack' packs, found '$name'" \
+        $terraclip synth --size 65 -o $name
+done
+refuses 2 '--output: expected the name of a GeoTIFF' $terraclip synth --size 65 -o ''
 refuses 2 '--nonsense: no such option' $terraclip synth --nonsense -o out/a.tif
 refuses 2 '--size: expected .*, found nothing' $terraclip synth -o out/a.tif --size
 while read -r option values; do
