@@ -145,16 +145,17 @@ static void tell_places(const tc_viewer *v)
     const tc_camera *eye = &v->camera;
     char place[TC_WORDS], height[TC_WORDS], above[TC_WORDS];
     const double ground = v->ground.height(v->ground.context, eye->x, eye->y);
+    const double exaggeration = v->map->exaggeration; /* all heights are told as they are without it */
     const int digits = digits_from(eye->z - ground);
     if (d->pointed && d->result.pointed) {
         tc_places_words(d->places, v->map, d->point[0], d->point[1], digits, place);
-        tc_words_metres(d->point[2] / v->map->exaggeration, height); /* the true one */
+        tc_words_metres(d->point[2] / exaggeration, height);
         tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "pointer %s, %s", place, height);
     }
     tc_places_words(d->places, v->map, eye->x, eye->y, digits, place);
     tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "eye %s", place);
-    tc_words_metres(eye->z, height);
-    tc_words_metres(eye->z - ground, above);
+    tc_words_metres(eye->z / exaggeration, height);
+    tc_words_metres((eye->z - ground) / exaggeration, above);
     if (tc_map_has_ground(v->map, eye->x, eye->y))
         tc_display_say(&d->display, TC_SIDE_RIGHT, false, 1, "height %s, %s above ground", height, above);
     else

@@ -15,6 +15,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static tc_context *context;
 
@@ -315,6 +316,59 @@ static void ground_is_seen_where_it_is(void **state)
     leave(&v);
 }
 
+/* ---- Texts of a frame -------------------------------------------------------------------------------------------- */
+
+static tc_display shown;
+
+/* The pointer is in the middle of the frame. */
+static bool show(tc_window *window, const tc_display *told, tc_display_result *result)
+{
+    (void)window;
+    shown = *told;
+    result->pointed = true;
+    result->x = 80, result->y = 60;
+    return true;
+}
+
+static const char *text_that_begins(const char *begin)
+{
+    for (int i = 0; i < shown.texts; i++)
+        if (strncmp(shown.text[i].text, begin, strlen(begin)) == 0)
+            return shown.text[i].text;
+    return "";
+}
+
+static double hill(void *unused, double x, double y)
+{
+    (void)unused, (void)x, (void)y;
+    return 1000;
+}
+
+/* Those of eye and pointer alike, however high they are drawn. */
+static void heights_are_the_true_ones(void **state)
+{
+    (void)state;
+    static const struct tc_window_plugin window = {.show = show};
+    tc_viewer v = viewer();
+    tc_error error;
+    tc_frame_stats stats;
+    assert_int_equal(set(&v, "Exaggeration", 4, &error), TC_OK);
+    v.camera.pitch = -3.14159265358979 / 2;
+    assert_int_equal(tc_viewer_frame(&v, true, &stats, &error), TC_OK);
+    v.ground.height = hill;
+    v.options.output = NULL;
+    v.window_plugin = &window;
+    assert_int_equal(tc_viewer_display_open(&v, &error), TC_OK);
+    for (int i = 0; i < 4; i++) { /* it looks now and then */
+        tc_viewer_display_show(&v, &stats);
+        usleep(35000);
+    }
+    assert_string_equal(text_that_begins("height "), "height 1250 m, 1000 m above ground");
+    assert_non_null(strstr(text_that_begins("pointer "), " m, 250 m"));
+    tc_viewer_display_close(&v);
+    leave(&v);
+}
+
 int main(void)
 {
     context = scene_context();
@@ -330,6 +384,7 @@ int main(void)
         cmocka_unit_test(switches_keep_what_is_loaded),
         cmocka_unit_test(failures_change_nothing),
         cmocka_unit_test(ground_is_seen_where_it_is),
+        cmocka_unit_test(heights_are_the_true_ones),
     };
     int failed = cmocka_run_group_tests(tests, NULL, NULL);
     tc_context_destroy(context);
