@@ -162,8 +162,9 @@ static void on_drop(GLFWwindow *glfw, int count, const char **paths)
 {
     tc_window *window = glfwGetWindowUserPointer(glfw);
     tc_window_input *input = &window->events;
-    for (int i = 0; i < count && input->dropped_count < TC_WINDOW_MAX_DROPPED; i++) {
-        char *path = strdup(paths[i]);
+    for (int i = 0; i < count; i++) {
+        char *path = input->dropped_count < TC_WINDOW_MAX_DROPPED ? strdup(paths[i]) : NULL;
+        input->dropped_left_out += !path;
         if (path)
             input->dropped[input->dropped_count] = window->dropped[input->dropped_count] = path, input->dropped_count++;
     }

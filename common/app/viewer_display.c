@@ -285,6 +285,7 @@ bool tc_viewer_display_act(tc_viewer *v, const tc_window_input *input, tc_pose *
         dropped[i] = tc_viewer_keep(v, input->dropped[i]);
     for (int i = 0; i < input->dropped_count; i++)
         opened |= dropped[i] && show_file(v, dropped[i], false, view_ret);
+    tc_viewer_tell_left_out(v, input);
     if (d && opened) /* another map may lie where one lay before */
         d->places_of = NULL;
     return opened;

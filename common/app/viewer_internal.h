@@ -238,6 +238,9 @@ typedef enum tc_told {
 /* Tells the user one line: on the terminal, and for some seconds in the window. */
 void tc_viewer_tell(tc_viewer *viewer, tc_told how, const char *format, ...) __attribute__((format(printf, 3, 4)));
 
+/* Tells of files that fell on the window beside as many as it takes at once. */
+void tc_viewer_tell_left_out(tc_viewer *viewer, const tc_window_input *input);
+
 /* What is told after each frame: in the title, warnings of what cannot be read, and figures once a second. */
 typedef struct tc_telling {
     bool figures; /* are told; on the terminal */

@@ -23,6 +23,14 @@ void tc_viewer_tell(tc_viewer *v, tc_told how, const char *format, ...)
     tc_viewer_display_line(v, how != TC_TOLD_DONE, text);
 }
 
+void tc_viewer_tell_left_out(tc_viewer *v, const tc_window_input *input)
+{
+    if (input->dropped_left_out > 0)
+        tc_viewer_tell(v, TC_TOLD_FAILURE,
+                       "expected at most %d files dropped at once, found %d: drop the last %d again",
+                       TC_WINDOW_MAX_DROPPED, input->dropped_count + input->dropped_left_out, input->dropped_left_out);
+}
+
 const char *tc_viewer_file_name(const char *path)
 {
     const char *slash = strrchr(path, '/');

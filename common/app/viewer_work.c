@@ -136,6 +136,7 @@ static void refuse_files(tc_viewer *v, const tc_window_input *input)
         tc_viewer_tell(v, TC_TOLD_FAILURE,
                        "%s: cannot be opened while another file is loaded; drop it again after that",
                        tc_viewer_file_name(input->dropped[i]));
+    tc_viewer_tell_left_out(v, input);
 }
 
 /* A look at the window's events. */

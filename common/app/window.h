@@ -44,8 +44,9 @@ typedef struct tc_window_input {
     int event_count;
     const char *dropped[TC_WINDOW_MAX_DROPPED]; /* files dropped on the window; valid until the next poll */
     int dropped_count;
-    int width, height; /* framebuffer in pixels; 0 while iconified */
-    bool close;        /* the user asked to close the window */
+    int dropped_left_out; /* files beside those: more than fit */
+    int width, height;    /* framebuffer in pixels; 0 while iconified */
+    bool close;           /* the user asked to close the window */
 } tc_window_input;
 
 struct tc_window_plugin {

@@ -249,6 +249,12 @@ if start hills.tif --size 640x560 --view 2000,1500,2500,30,-15; then
     picture && cp shot.png first.png
     # What is none is told, and changes nothing.
     drop words.txt '^planar-viewer: .*words.txt: expected an elevation file'
+    cases=$((cases + 2))
+    w=words.txt
+    "$build/tests/drop-file" "$id" $w $w $w $w $w $w $w $w $w $w || fail 'ten files: the window does not take them'
+    await said '^planar-viewer: expected at most 8 files dropped at once, found 10: drop the last 2 again' ||
+        fail 'ten files: that two are left out is not told'
+    [ "$(grep -c 'words.txt: expected an elevation file' told.txt)" = 9 ] || fail 'ten files: eight are not tried'
     key v '^--view 2000(\.000)?,1500(\.000)?,2500(\.000)?,30(\.0000)?,-15(\.0000)?$'
     picture
     same shot.png first.png 'a file that is neither'
