@@ -75,10 +75,8 @@ static void on_key(GLFWwindow *glfw, int key, int scancode, int action, int modi
     tc_window *window = glfwGetWindowUserPointer(glfw);
     if (tc_overlay_key(window->overlay, key, scancode, action, modifiers) || action != GLFW_PRESS)
         return;
-    if (key == GLFW_KEY_ESCAPE && window->captured) {
+    if (key == GLFW_KEY_ESCAPE)
         window_capture(window, false);
-        return;
-    }
     int translated = translate(key, scancode);
     if (translated && window->events.pressed_count < TC_WINDOW_MAX_PRESSED)
         window->events.pressed[window->events.pressed_count++] = translated;
@@ -271,6 +269,7 @@ static double held(const tc_window *window, int key)
 static void window_poll(tc_window *window, double wait_seconds, tc_window_input *input_ret)
 {
     forget_events(window);
+    const bool was_captured = window->captured;
     if (wait_seconds > 0)
         glfwWaitEventsTimeout(wait_seconds);
     else
@@ -287,6 +286,7 @@ static void window_poll(tc_window *window, double wait_seconds, tc_window_input 
     if (glfwGetWindowAttrib(window->glfw, GLFW_ICONIFIED))
         input->width = input->height = 0;
     input->close = glfwWindowShouldClose(window->glfw);
+    input->was_captured = was_captured;
     input->captured = window->captured;
     *input_ret = *input;
 }

@@ -20,7 +20,7 @@ typedef struct session {
     tc_flight flight, start;
     tc_gestures gestures;
     tc_scenery scenery;  /* of the present frame */
-    bool captured;       /* the mouse turns the view */
+    bool captured;       /* the mouse turns the view, after the keys handled so far */
     tc_camera frozen;    /* culled for, while culling is frozen */
     bool picture_wanted; /* once the frame is drawn */
     bool quit;
@@ -141,11 +141,18 @@ static void do_listed(session *s)
         tc_gestures_fly(&s->gestures, &s->scenery, &s->flight.view, &view);
 }
 
+static void capture(session *s, bool on)
+{
+    s->captured = on;
+    s->viewer->window_plugin->capture(s->viewer->window, on);
+}
+
+/* Each press counts: a slow frame may bring several. */
 static void do_look(session *s)
 {
     tc_gestures_rest(&s->gestures);
-    s->viewer->window_plugin->capture(s->viewer->window, !s->captured);
-    tc_viewer_tell(s->viewer, TC_TOLD_DONE, "the mouse %s", s->captured ? "moves the ground" : "turns the view");
+    capture(s, !s->captured);
+    tc_viewer_tell(s->viewer, TC_TOLD_DONE, "the mouse %s", s->captured ? "turns the view" : "moves the ground");
 }
 
 static void do_view(session *s)
@@ -162,7 +169,10 @@ static void do_north(session *s)
 
 static void do_quit(session *s)
 {
-    s->quit = !tc_viewer_display_dismiss(s->viewer);
+    if (s->captured)
+        capture(s, false);
+    else
+        s->quit = !tc_viewer_display_dismiss(s->viewer);
 }
 
 static const struct key {
@@ -331,7 +341,7 @@ tc_status tc_viewer_window(tc_viewer *v, tc_error *error)
         v->camera.width = input.width;
         v->camera.height = input.height;
         s.scenery = tc_viewer_scenery(v);
-        s.captured = input.captured;
+        s.captured = input.was_captured;
         for (int i = 0; i < input.pressed_count && !s.quit; i++)
             handle_key(&s, input.pressed[i]);
         if (s.quit)

@@ -14,7 +14,7 @@ typedef struct tc_window tc_window;
 
 /* Keys: letters and digits are their upper-case ASCII, as the user's keyboard layout labels them. */
 typedef enum tc_key {
-    TC_KEY_ESCAPE = 256, /* reported only where it did not just let the mouse go */
+    TC_KEY_ESCAPE = 256, /* also where it let the mouse go */
     TC_KEY_F1,
     TC_KEY_F11,
     TC_KEY_TAB
@@ -38,7 +38,8 @@ typedef struct tc_window_input {
     double turn, tilt;         /* -1, 0 or 1: arrow keys held, right and up positive */
     bool fast;                 /* a shift key is held */
     double look_x, look_y;     /* captured mouse motion in pixels, right and down positive */
-    bool captured;             /* the mouse is, after all that has happened */
+    bool was_captured;         /* the mouse was, before any of the keys went down, */
+    bool captured;             /* and is, after all that has happened */
     tc_pointer_event events[TC_WINDOW_MAX_EVENTS]; /* of the mouse, in order; motion alone is joined into one. More than
                                                     * fit are dropped, but no release is */
     int event_count;

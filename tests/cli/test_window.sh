@@ -207,8 +207,26 @@ if start hills.tif --size 320x240 --wireframe --level-colours; then
     xdotool mousemove --window "$id" 100 100 click 1 mousemove_relative 40 0 key Escape
     sleep 0.3
     gone && fail 'Escape ends although it was to let the mouse go'
+    # A slow frame brings several keys: each does what it does alone.
+    cases=$((cases + 5))
+    slowly() { # KEY...
+        kill -STOP $pid
+        xdotool key "$@"
+        kill -CONT $pid
+    }
+    slowly f f
+    await said '^the mouse moves the ground' || fail 'F, twice at once: the mouse is not let go'
+    slowly f Escape
+    await sh -c '[ $(grep -c "the mouse turns the view" stderr.txt) = 3 ]' || fail 'F and Escape: F is lost'
+    sleep 0.3
+    gone && fail 'F and Escape at once: ends'
+    key f '^the mouse turns the view'
+    await sh -c '[ $(grep -c "the mouse turns the view" stderr.txt) = 4 ]' || fail 'F after Escape does not take the mouse'
+    slowly Escape f Escape
+    sleep 0.3
+    gone && fail 'Escape, F and Escape at once: ends'
     xdotool key Escape
-    ends 'second Escape'
+    ends 'the Escape after those that let the mouse go'
 fi
 if start hills.tif --size 320x240 -q; then
     xdotool key g
