@@ -114,6 +114,7 @@ typedef struct tc_terrain_info {
     bool other_body;    /* georeferenced on a body that is not the Earth */
     bool wraps_x;       /* the finest level wraps; tc_field_wraps() says which coarser ones do */
     double semi_major;  /* metres, of the body that it is georeferenced on; 0: not known */
+    double rms;         /* metres, that heights are off the data's as packing declared; 0: they are the data's */
 } tc_terrain_info;
 
 /* Builds the pyramid of *grid in memory and takes the grid over (it is zeroed, also on failure freed).

@@ -10,7 +10,7 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 #ifdef HOLES
 in float v_void;
 #endif
-#ifdef FLOOD
+#ifdef AT_SEA
 INTERPOLATED in float v_above_sea;
 #endif
 
@@ -104,11 +104,15 @@ Ground surface_ground()
 #else
     g.height = drawn;
 #endif
-#ifdef FLOOD
+#ifdef AT_SEA
 #ifdef TOLERANCE
-    g.above_sea = g.height - beyond.z;
+    float above_sea = g.height - SEA_LEVEL;
 #else
-    g.above_sea = beside() ? g.height - beyond.z : v_above_sea;
+    float above_sea = beside() ? g.height - SEA_LEVEL : v_above_sea;
+    g.height = abs(above_sea) < abs(told) ? above_sea + SEA_LEVEL : g.height;
+#endif
+#ifdef FLOOD
+    g.above_sea = above_sea;
 #endif
 #endif
     g.colour = vec4(0.0);

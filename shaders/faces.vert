@@ -15,8 +15,8 @@ layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres abov
 layout(binding = 3) uniform sampler2DArray voids_map;
 out float v_void;
 #endif
-#ifdef FLOOD
-INTERPOLATED out float v_above_sea; // metres above a sea that is given
+#ifdef AT_SEA
+INTERPOLATED out float v_above_sea; // metres above SEA_LEVEL
 #endif
 INTERPOLATED out vec4 v_terrain; // x: metres above the reference height; y, z: samples of the layer from the viewer's; w: alpha of it
 INTERPOLATED out vec3 v_direction; // normal less the viewer's: east, north, up
@@ -153,8 +153,8 @@ vec3 surface_vertex()
     vec2 viewer = mod(vec2(texel & (torus - 1)) - window[l].xy, float(torus)) + vec2(at - (texel << own)) * exp2(-float(own)) - place;
     vec4 corner = view_projection * vec4(position, 1.0);
     v_terrain = vec4(told, place, finer > 0 ? 0.0 : alpha);
-#ifdef FLOOD
-    v_above_sea = ((1.0 - alpha) * (z.x - beyond.z) + alpha * (z.y - beyond.z));
+#ifdef AT_SEA
+    v_above_sea = (1.0 - alpha) * (z.x - SEA_LEVEL) + alpha * (z.y - SEA_LEVEL);
 #endif
     v_direction = d;
     v_corner = vec4(told, place, float(l));

@@ -4,7 +4,8 @@ layout(std140, binding = 0) uniform Frame {
     vec4 surface[SURFACE_VECTORS];      // the surface's own
     vec4 layer[LAYER_VECTORS * 2 * LAYERS]; // the surface's own, of each layer: a level of a chart; then of imagery
     vec4 window[LAYERS];   // of each layer, samples: x, y: first, modulo twice the texture's size; z, w: last minus first
-    vec4 eye;              // x: reference height, y: eye above it, metres above z_base
+    vec4 eye;              // x: reference height, y: eye above it, metres above z_base; z, w: the same of what heights are told
+                           // from: the eye, or the highest ground below it
     vec4 ray[3];           // from the eye to the frame's middle is [2], from there to its sides [0] right and [1] up
     vec4 sun;              // xyz: direction to the sun; w: strength
     vec4 dusk;             // at the eye: x: share of daylight, y: light that is there without the sun, z: how much is seen of stars
@@ -30,3 +31,16 @@ layout(std140, binding = 0) uniform Frame {
     ivec4 image_stack[CHARTS]; // of imagery: x: layer of shift 0; y, z: finest and coarsest shift
     vec4 image_scale[CHARTS];  // x, y: finest texels per unit of a place
 };
+
+// Heights that are interpolated are small where they are looked at: drivers have little more than half of a float's digits
+// left of them where a triangle begins at the near plane and ends at a skyline, and what some interpolate for a sample is
+// wrong by as large a share of it as distances change within a pixel. So they are told from near the eye, and where the sea
+// is seen if they are off, from that once more.
+#if defined(WATER) || defined(FLOOD)
+#define AT_SEA
+#endif
+#ifdef FLOOD
+#define SEA_LEVEL beyond.z // metres above z_base
+#else
+#define SEA_LEVEL heights.x
+#endif

@@ -4,8 +4,8 @@
 // fragment: nothing is interpolated across a pole or the meridian behind it.
 INTERPOLATED in vec3 v_direction; // rings.vert
 INTERPOLATED in vec2 v_terrain;
-#ifdef FLOOD
-INTERPOLATED in float v_above_sea;
+#ifdef IMAGERY
+INTERPOLATED in float v_above;
 #endif
 const float EDGE_ON = 0.12; // radians of the globe in a pixel
 #ifdef NORMALS
@@ -18,7 +18,7 @@ layout(binding = 3) uniform sampler2DArray voids_map;
 // Metres above z_base, as vertices have it.
 float mesh_height()
 {
-    return v_terrain.x + surface[1].y + surface[1].z;
+    return v_terrain.x + SEA_LEVEL;
 }
 
 // Direction of the ground that is seen. Of faces that are edge on, at the globe's limb, a sample may lie outside by the
@@ -70,8 +70,8 @@ struct Charted {
 // The ground's place, in the eye's axes.
 vec3 from_eye(vec3 s)
 {
-    float radius = surface[1].x + surface[1].y + v_terrain.x;
-    return vec3(radius * s.y, -radius * s.x, v_terrain.x - radius * s.z) + body_departure(vec3(s.y, -s.x, -s.z));
+    float radius = surface[1].x + surface[1].y + v_above;
+    return vec3(radius * s.y, -radius * s.x, v_above - radius * s.z) + body_departure(vec3(s.y, -s.x, -s.z));
 }
 
 // A way there, metres in the eye's axes, as one of directions around p, in the frame of the viewer's meridian.
@@ -238,7 +238,7 @@ Ground surface_ground()
         chart = chart == 0 && rest < 1.0 ? cap : 3;
     } while (chart < 3);
 #ifdef FLOOD
-    g.above_sea = known ? g.height - beyond.z : v_above_sea;
+    g.above_sea = known ? g.height - SEA_LEVEL : v_terrain.x;
 #endif
 #ifdef PLAIN
     g.colour = vec4(0.0);

@@ -4,9 +4,9 @@
 // surface of the cell that it is in, so that centimetres next to the eye are exact on a planet.
 layout(location = 0) in vec4 in_vertex; // s_x, s_y, h, w
 INTERPOLATED out vec3 v_direction; // (s_x, s_y, h)
-INTERPOLATED out vec2 v_terrain;   // metres above the eye, ring coordinate
-#ifdef FLOOD
-INTERPOLATED out float v_above_sea; // metres above a sea that is given
+INTERPOLATED out vec2 v_terrain;   // metres above SEA_LEVEL, ring coordinate
+#ifdef IMAGERY
+INTERPOLATED out float v_above; // metres above the eye
 #endif
 
 // Height on a chart above the chart's height below the viewer.
@@ -101,8 +101,8 @@ vec3 surface_vertex()
     float inwards = rows * ldexp(3.14159265, -int(ring)) / float(last) * (disc ? 1.0 : 0.5);
     vec3 direction = vec3(0.0), position = vec3(0.0);
     vec2 terrain = vec2(0.0);
-#ifdef FLOOD
-    float above_sea = 0.0;
+#ifdef IMAGERY
+    float above = 0.0;
 #endif
     // As in rings.frag: it ends early where all of it, or nothing, is left of the vertex itself.
     int k = share < 1.0 ? 0 : 1, end = share > 0.0 ? moves ? 3 : 2 : 1;
@@ -115,16 +115,16 @@ vec3 surface_vertex()
         }
         float height = height_by(s, its_w, shift_of(its_w, float(k > 0 ? level + 1 : level)));
         direction += part * s;
-        terrain += part * vec2(height - surface[1].y, its_w);
+        terrain += part * vec2((height + surface[1].z) - SEA_LEVEL, its_w);
         position += part * position_of(s, height);
-#ifdef FLOOD
-        above_sea += part * ((height + surface[1].z) - beyond.z);
+#ifdef IMAGERY
+        above += part * (height - surface[1].y);
 #endif
     } while (++k < end);
     v_direction = direction;
     v_terrain = terrain;
-#ifdef FLOOD
-    v_above_sea = above_sea;
+#ifdef IMAGERY
+    v_above = above;
 #endif
     return position;
 }
@@ -134,9 +134,9 @@ vec3 surface_vertex()
     vec3 s = in_vertex.xyz;
     float height = height_by(s, in_vertex.w, shift_of(in_vertex.w, 0.0));
     v_direction = s;
-    v_terrain = vec2(height - surface[1].y, in_vertex.w);
-#ifdef FLOOD
-    v_above_sea = (height + surface[1].z) - beyond.z;
+    v_terrain = vec2((height + surface[1].z) - SEA_LEVEL, in_vertex.w);
+#ifdef IMAGERY
+    v_above = height - surface[1].y;
 #endif
     return position_of(s, height);
 }

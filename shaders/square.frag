@@ -57,7 +57,7 @@ layout(binding = 2) uniform sampler2DArray normals_map;
 #ifdef HOLES
 in float v_void;
 #endif
-#ifdef FLOOD
+#ifdef AT_SEA
 INTERPOLATED in float v_above_sea;
 #endif
 
@@ -139,37 +139,48 @@ float rise()
 }
 #endif
 
+// A height that is told, above the eye.
+float above_eye(float told)
+{
+    return told + ((eye.z - eye.x) + (eye.w - eye.y));
+}
+
 Ground surface_ground()
 {
     Ground g;
 #ifdef PLACED
-    float above = v_terrain.x;
+    float told = v_terrain.x;
 #else
-    float above = v_height;
+    float told = v_height;
 #endif
 #ifdef MULTISAMPLED
-    above = beside() ? v_corner.x : above;
+    told = beside() ? v_corner.x : told;
 #endif
 #ifdef CONTOURS
     g.rise = rise();
 #ifdef MULTISAMPLED
     g.rise = beside() ? v_corner.x : g.rise;
 #endif
+    g.rise = above_eye(g.rise);
 #endif
 #ifdef TOLERANCE
     Shown s = shown();
     g.height = shown_height(s);
 #else
-    g.height = (above + eye.y) + eye.x;
+    g.height = (told + eye.w) + eye.z;
+#endif
+#ifdef AT_SEA
+#ifdef TOLERANCE
+    float above_sea = g.height - SEA_LEVEL;
+#else
+    float above_sea = v_above_sea;
+#ifdef MULTISAMPLED
+    above_sea = beside() ? g.height - SEA_LEVEL : v_above_sea;
+#endif
+    g.height = abs(above_sea) < abs(told) ? above_sea + SEA_LEVEL : g.height;
 #endif
 #ifdef FLOOD
-#ifdef TOLERANCE
-    g.above_sea = g.height - beyond.z;
-#else
-    g.above_sea = v_above_sea;
-#ifdef MULTISAMPLED
-    g.above_sea = beside() ? ((v_corner.x + eye.y) + eye.x) - beyond.z : v_above_sea;
-#endif
+    g.above_sea = above_sea;
 #endif
 #endif
     g.colour = vec4(0.0);
@@ -185,9 +196,9 @@ Ground surface_ground()
 #ifdef IMAGERY
     vec2 plane = plane_seen();
 #ifdef NORMALS
-    Footprint f = footprint_of(vec3(plane, above), g.normal);
+    Footprint f = footprint_of(vec3(plane, above_eye(told)), g.normal);
 #else
-    Footprint f = footprint_of(vec3(plane, above), vec3(0.0, 0.0, 1.0));
+    Footprint f = footprint_of(vec3(plane, above_eye(told)), vec3(0.0, 0.0, 1.0));
 #endif
     g.colour = image_colour(image_at(0, plane, f.longer.xy, f.shorter.xy));
 #endif

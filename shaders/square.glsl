@@ -40,22 +40,20 @@ layout(binding = 0) uniform sampler2DArray heights_map; // (z, z_c), metres abov
 layout(binding = 3) uniform sampler2DArray voids_map;
 out float v_void;
 #endif
-#ifdef FLOOD
-INTERPOLATED out float v_above_sea; // metres above a sea that is given
+#ifdef AT_SEA
+INTERPOLATED out float v_above_sea; // metres above SEA_LEVEL
 #endif
-// What is interpolated is relative to the eye, and small near it: drivers have little more than half of a float's digits
-// left of it where a triangle begins at the near plane and ends at a skyline.
 #ifdef WALLS
-INTERPOLATED out float v_height; // above the eye
+INTERPOLATED out float v_height; // as they are told
 flat out vec3 v_wall;            // x, y: outwards, 0 of the floor; z: level
 #else
 #if defined(NORMALS) || defined(LEVEL_COLOURS) || defined(MULTISAMPLED) || defined(TOLERANCE)
 #define PLACED
-INTERPOLATED out vec4 v_terrain; // x: metres above the eye; y, z: place in the normal map; w: 2 level + 0.5 + alpha
+INTERPOLATED out vec4 v_terrain; // x: height as it is told; y, z: place in the normal map; w: 2 level + 0.5 + alpha
                                 // (multisampled: y, z: samples from the viewer's; w: alpha; where blocks are chosen
                                 // by their error: y, z: finest samples from the viewer's; w: level)
 #else
-INTERPOLATED out float v_height; // above the eye
+INTERPOLATED out float v_height; // as it is told
 #endif
 #endif
 #if defined(IMAGERY) && !defined(MULTISAMPLED)
@@ -122,11 +120,12 @@ vec3 floor_vertex()
 {
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1 & 1);
     vec2 far = max(abs(around[0].xy), abs(around[0].zw));
-    v_height = (around[1].z - eye.x) - eye.y;
-    v_height += 5e-5 * length(vec3(far, v_height));
+    float above = (around[1].z - eye.x) - eye.y;
+    above += 5e-5 * length(vec3(far, above));
+    v_height = (around[1].z - eye.z) - eye.w;
     v_wall = vec3(0.0, 0.0, float(block_layer()));
-#ifdef FLOOD
-    v_above_sea = around[1].z - beyond.z;
+#ifdef AT_SEA
+    v_above_sea = around[1].z - SEA_LEVEL;
 #endif
 #ifdef HOLES
     v_void = 0.0;
@@ -135,7 +134,7 @@ vec3 floor_vertex()
 #if defined(IMAGERY) && !defined(MULTISAMPLED)
     v_plane = plane;
 #endif
-    return vec3(plane, v_height);
+    return vec3(plane, above);
 }
 #endif
 
@@ -155,19 +154,16 @@ vec3 surface_vertex()
     precise float above = (height - eye.x) - eye.y;
 #ifdef WALLS
     if (at_foot())
-        above = ((height > around[1].y ? around[1].z : around[1].y + around[2].w) - eye.x) - eye.y;
-    v_height = above;
+        height = height > around[1].y ? around[1].z : around[1].y + around[2].w;
+    above = (height - eye.x) - eye.y;
+    v_height = (height - eye.z) - eye.w;
     bool row = gl_VertexID >= 1 << 20, first = (gl_VertexID >> 10 & 1023) == 0;
     v_wall = vec3((first ? -1.0 : 1.0) * (row ? vec2(0.0, 1.0) : vec2(1.0, 0.0)), float(block_layer()));
 #endif
-#ifdef FLOOD
-#ifdef WALLS
-    v_above_sea = (at_foot() ? around[1].z : height) - beyond.z;
-#else
-    v_above_sea = height - beyond.z;
+#ifdef AT_SEA
+    v_above_sea = height - SEA_LEVEL;
 #endif
-#endif
-    float told = ((1.0 - alpha) * (z.x - eye.x) + alpha * (z.y - eye.x)) - eye.y;
+    float told = ((1.0 - alpha) * (z.x - eye.z) + alpha * (z.y - eye.z)) - eye.w;
 #ifdef HOLES
     v_void = texelFetch(voids_map, at, 0).r;
 #endif

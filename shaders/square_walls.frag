@@ -2,7 +2,7 @@
 // (ground.glsl); planar/square_walls.c.
 INTERPOLATED in float v_height; // square.glsl
 flat in vec3 v_wall;
-#ifdef FLOOD
+#ifdef AT_SEA
 INTERPOLATED in float v_above_sea;
 #endif
 #ifdef HOLES
@@ -20,7 +20,10 @@ float strata(float height)
 Ground surface_ground()
 {
     Ground g;
-    g.height = (v_height + eye.y) + eye.x;
+    g.height = (v_height + eye.w) + eye.z;
+#ifdef AT_SEA
+    g.height = abs(v_above_sea) < abs(v_height) ? v_above_sea + SEA_LEVEL : g.height;
+#endif
     g.colour = vec4(around[3].rgb * strata(g.height), 1.0);
 #if defined(SEA) && defined(WATER)
     bool wet = g.height <= around[1].y + around[2].w; // of ground below the sea: else the sea is before it
@@ -38,7 +41,7 @@ Ground surface_ground()
     g.above_sea = v_above_sea;
 #endif
 #ifdef CONTOURS
-    g.rise = v_height;
+    g.rise = v_height + ((eye.z - eye.x) + (eye.w - eye.y));
 #endif
 #ifdef NORMALS
     g.up = vec3(0.0, 0.0, 1.0);

@@ -31,5 +31,6 @@ tc_field *tc_scaled_field_create(tc_field *base, double factor)
     field->info.z_base *= (double)(float)factor; /* by the very factor that samples have */
     field->info.z_min *= (float)factor;
     field->info.z_max *= (float)factor;
+    field->info.rms *= factor;
     return field;
 }

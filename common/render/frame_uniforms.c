@@ -148,6 +148,9 @@ void tc_frame_uniforms_set(tc_frame_uniforms *u, const tc_view *view, const tc_p
     set_windows(u, view->windows, layers);
     u->eye[0] = (float)eye;
     u->eye[1] = (float)(eye - (double)(float)eye);
+    const double told_from = fmin(eye, (double)info->z_max);
+    u->eye[2] = (float)told_from;
+    u->eye[3] = (float)(told_from - (double)(float)told_from);
     set_rays(u, sight, place);
     memcpy(u->heights, palette->heights, sizeof u->heights);
     const tc_sun usual = {.kind = TC_SUN_USUAL}; /* it is day in what takes no light */

@@ -68,10 +68,18 @@ static void fill(uint8_t (*ramp)[4], const stop *stops)
     }
 }
 
+double tc_sea_noise(const tc_terrain_info *info)
+{
+    const double MOST = 2; /* rms; of a sea that is level less than one sample in fifty is further off */
+    return (double)info->z_min + info->z_base >= -info->rms ? MOST * info->rms : 0;
+}
+
 tc_palette tc_palette_make(const tc_terrain_info *info)
 {
     const double SUMMITS = 2600; /* metres above the lowest land, at least, where the ramp ends: no snow on hills */
     const double SHORE = 0.0008; /* of the land's height */
+    const double NO_DEPTH = 1e5; /* metres of a sea whose depths are noise */
+    const double FLOATS = 1e-6;  /* of heights that are told by them, as of all that lies at the sea */
     const struct body *body = body_of(info);
     tc_palette p = {.natural = body->natural, .air = body->air};
     memcpy(p.horizon, body->horizon, sizeof p.horizon);
@@ -85,9 +93,10 @@ tc_palette tc_palette_make(const tc_terrain_info *info)
     fill(p.ramp, p.natural ? sea : body->land);
     fill(p.ramp + HALF, body->land);
     p.heights[0] = (float)(bottom - info->z_base);
-    p.heights[1] = (float)(1 / fmax(-lo, 100));
+    const double noise = p.water ? tc_sea_noise(info) : 0;
+    p.heights[1] = (float)(1 / (noise > 0 ? NO_DEPTH : fmax(-lo, 100)));
     p.heights[2] = (float)(1 / (top - bottom));
-    p.heights[3] = (float)(SHORE * fmax(hi - bottom, 0));
+    p.heights[3] = (float)(fmax(SHORE * fmax(hi - bottom, 0), noise) + FLOATS * fmax(fabs(lo), fabs(hi)));
     return p;
 }
 
@@ -97,6 +106,7 @@ tc_terrain_info tc_palette_heights(const tc_terrain_info *drawn, double exaggera
     info.z_base /= exaggeration;
     info.z_min = (float)((double)info.z_min / exaggeration);
     info.z_max = (float)((double)info.z_max / exaggeration);
+    info.rms /= exaggeration;
     return info;
 }
 

@@ -19,6 +19,10 @@ typedef struct tc_palette {
     float wall[3];                 /* likewise of ground that is cut */
 } tc_palette;
 
+/* How far above the sea heights may be that the data have at it, metres: of what was packed with an error, whose data
+ * have no depths. Else 0. What lies so low is coloured as the sea, and all of that alike. */
+double tc_sea_noise(const tc_terrain_info *info);
+
 /* Colours for a terrain: an Earth-like land gets water below zero, green lowlands, rock and snow by absolute height;
  * another body, by its radius, shades of its own ground from its lowest to its highest point. */
 tc_palette tc_palette_make(const tc_terrain_info *info);

@@ -118,7 +118,10 @@ tc_status tc_surroundings_of(const tc_map *map, tc_surroundings *surroundings_re
     tc_edge edge = {0};
     tc_status status = small ? read_edge(field, &edge, error) : TC_OK;
     if (status == TC_OK) {
-        s.sea = small && !info->other_body && map->sea.kind == TC_SEA_FOUND && tc_edge_at_sea(&edge, relief, &s.depth);
+        /* Of a map that is the sea's bottom alone it would be all that is seen. */
+        const bool bottom = flat && info->z_base + (double)info->z_max < 0;
+        s.sea = small && !info->other_body && map->sea.kind == TC_SEA_FOUND && !bottom &&
+                tc_edge_at_sea(&edge, relief, &s.depth);
         if (map->sea.kind == TC_SEA_GIVEN)
             s.sea = true, s.level = map->sea.level * map->exaggeration;
         else if (small && !s.sea)

@@ -86,6 +86,24 @@ static void bodies_have_their_colours(void **state)
     assert_true(moon.ramp[TC_RAMP_SIZE - 1][0] > 8 * moon.ramp[TC_RAMP_SIZE / 2][0]);
 }
 
+/* What was packed with an error shows neither land nor depths where the data have a level sea at 0. */
+static void noise_is_no_land(void **state)
+{
+    (void)state;
+    tc_terrain_info info = {.z_min = 0, .z_max = 1000};
+    const tc_palette exact = tc_palette_make(&info);
+    info.rms = 4;
+    const tc_palette packed = tc_palette_make(&info);
+    info.z_min = -30; /* there are depths */
+    const tc_palette deep = tc_palette_make(&info);
+    assert_true(exact.water && packed.water && deep.water);
+    assert_true(exact.heights[3] < 1 && deep.heights[3] < 1 && packed.heights[3] >= 8 && packed.heights[3] < 9);
+    assert_true(packed.heights[1] * 12 < 1e-3F && deep.heights[1] * 12 > 1e-3F);
+    assert_true(tc_sea_noise(&info) == 0);
+    info.z_min = 1, info.z_base = 300;
+    assert_false(tc_palette_make(&info).water);
+}
+
 /* ---- What is asked for ------------------------------------------------------------------------------------------- */
 
 static void nothing_is_around_unless_asked_for(void **state)
@@ -165,9 +183,9 @@ static void parts_of_globes_fill_the_frame(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sea_is_at_the_edge_or_not),    cmocka_unit_test(land_around_is_low),
-        cmocka_unit_test(bodies_have_their_colours),      cmocka_unit_test(nothing_is_around_unless_asked_for),
-        cmocka_unit_test(parts_of_globes_fill_the_frame),
+        cmocka_unit_test(a_sea_is_at_the_edge_or_not),        cmocka_unit_test(land_around_is_low),
+        cmocka_unit_test(bodies_have_their_colours),          cmocka_unit_test(noise_is_no_land),
+        cmocka_unit_test(nothing_is_around_unless_asked_for), cmocka_unit_test(parts_of_globes_fill_the_frame),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

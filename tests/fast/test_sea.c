@@ -321,6 +321,16 @@ static void it_is_around_the_map(void **state)
     assert_int_equal(tc_surroundings_of(map, &s, NULL), TC_OK);
     assert_true(s.walls && !s.sea);
     tc_map_destroy(map);
+    /* Of what is the sea's bottom alone there is a block. */
+    for (int deep = 0; deep < 2; deep++) {
+        tc_grid grid = terrain_grid(TERRAIN_SMOOTH, 300, 200, 30, 1);
+        grid.z_base -= (double)grid.z_min + (deep ? 20000 : 1);
+        assert_int_equal(tc_map_build(&grid, 0, 2, &map, NULL), TC_OK);
+        assert_int_equal(tc_surroundings_of(map, &s, NULL), TC_OK);
+        if (deep)
+            assert_true(s.walls && !s.sea);
+        tc_map_destroy(map);
+    }
     const tc_terrain_info coast = {.z_min = -100, .z_max = 900};
     tc_scene_options o = {.around = {.walls = true, .sea = true}};
     assert_true(tc_scene_needs_of(&o, &coast).water && !tc_scene_needs_of(&o, &coast).flood);

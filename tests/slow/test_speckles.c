@@ -4,6 +4,7 @@
  * A pixel that is covered in part is shaded once, and where that is done at its middle, outside the triangle, heights,
  * places in the normal map and depths are those of no ground. Seen from near the ground it shows as dotted lines along
  * edges of triangles, and as single bright pixels that crawl. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -168,6 +169,47 @@ static void a_foot_above_the_ground(void **state)
     tc_field_destroy(field);
 }
 
+/* A sea at 0 around an island, and ground without any, from afar and aslant: a height that is a share of the eye's off
+ * is another colour, of a sea that of land. */
+static void from_afar(void **state)
+{
+    (void)state;
+    enum { SIDE = 513 };
+    static uint8_t one[3 * WIDTH * HEIGHT], four[3 * WIDTH * HEIGHT];
+    static const float lowest[] = {0, 500}; /* metres */
+    for (int sea = 0; sea < 2; sea++) {
+        tc_grid grid = terrain_grid(TERRAIN_DEFAULT, SIDE, SIDE, 300, 1);
+        const float shore = grid.z_min + 0.6F * (grid.z_max - grid.z_min), highest = grid.z_max;
+        tc_field *field;
+        for (int i = 0; i < SIDE * SIDE; i++)
+            grid.z[i] = lowest[sea] + 0.3F * (grid.z[i] > shore ? grid.z[i] - shore : 0);
+        grid.z_min = lowest[sea], grid.z_max = lowest[sea] + 0.3F * (highest - shore);
+        assert_int_equal(tc_field_build(&grid, 0, &field, NULL), TC_OK);
+        scene plain = scene_create(context, field, N, &(tc_scene_options){.unlit = true, .samples = 1, .budget = -1});
+        scene smooth = scene_create(context, field, N, &(tc_scene_options){.unlit = true, .samples = 4, .budget = -1});
+        int found = 0;
+        for (int view = 0; view < 4; view++) {
+            const double away = 2e5 * (1 << view);
+            const tc_camera c = {.x = 77e3 - 0.6 * away,
+                                 .y = 77e3 - 0.8 * away,
+                                 .z = tc_field_info(field)->z_base + 0.3 * away,
+                                 .heading = atan2(0.6, 0.8),
+                                 .pitch = -atan(0.3),
+                                 .fov = 2 * atan(120e3 / away),
+                                 .width = WIDTH,
+                                 .height = HEIGHT};
+            scene_draw(&plain, &c, true), scene_draw(&smooth, &c, true);
+            tc_renderer_read(plain.renderer, one, NULL), tc_renderer_read(smooth.renderer, four, NULL);
+            found += unlike(one, four);
+        }
+        printf("from afar, lowest ground at %g m: %d pixels that several samples show otherwise\n", (double)lowest[sea],
+               found);
+        assert_true(found < 100);
+        scene_destroy(&plain), scene_destroy(&smooth);
+        tc_field_destroy(field);
+    }
+}
+
 /* Pixels that are bright while all around them lies in the dark. */
 static int lone_lights(const uint8_t *rgb)
 {
@@ -233,6 +275,7 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(made_up), cmocka_unit_test(real),
-                                       cmocka_unit_test(a_foot_above_the_ground), cmocka_unit_test(limb_at_night)};
+                                       cmocka_unit_test(a_foot_above_the_ground), cmocka_unit_test(from_afar),
+                                       cmocka_unit_test(limb_at_night)};
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

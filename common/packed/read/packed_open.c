@@ -50,6 +50,7 @@ static void set_info(packed_field *p, const tc_open_options *o)
     info->wraps_x = c->levels >= c->wraps_from;
     info->other_body = tc_is_other_body(&t->georef);
     info->semi_major = t->georef.semi_major;
+    info->rms = c->levels > c->base ? (double)c->record[c->levels - 1].rms : 0;
     p->head.georef = t->georef;
     p->voids = o->has_policy ? o->voids : t->voids;
     p->void_height = (float)((o->has_policy ? o->void_constant : t->void_constant) - t->z_base);
