@@ -177,6 +177,8 @@ static tc_pose whole(const tc_flight_box *box, double fov, int width, int height
     else if (around && fabs(middle) > 0.2) /* all of it is about one pole */
         view.y = middle > 0 ? fmin(box->north, M_PI / 2) : fmax(box->south, -M_PI / 2);
     view.z = top / sin(0.88 * half) - box->radius;
+    if (around && fabs(middle) > 0.2 && tall < 1) /* from above the pole, its cap */
+        view.z = fmin(view.z, box->radius * (sin(tall) / tan(0.88 * half) - (1 - cos(tall))) + fmax(box->z_max, 0));
     if (wide * cos(middle) < 1 && tall < 1 && !around)
         view = whole_part(box, fov, width, height);
     settle(&view);

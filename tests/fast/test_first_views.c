@@ -153,6 +153,27 @@ static double worst_corner(const tc_flight_box *box, const tc_pose *view, const 
     return worst;
 }
 
+/* A cap around a pole is as wide as most of the frame is high, from above the pole. */
+static void caps_fill_the_frame(void **state)
+{
+    (void)state;
+    static const double talls[] = {0.1, 1, 3, 20, 50, 80}; /* degrees */
+    for (int south = 0; south < 2; south++)
+        for (size_t i = 0; i < sizeof talls / sizeof *talls; i++) {
+            const double radius = 1737400, tall = talls[i] * DEGREE, pole = M_PI / 2;
+            const tc_flight_box box = {.west = -M_PI,
+                                       .east = M_PI,
+                                       .south = south ? -pole : pole - tall,
+                                       .north = south ? tall - pole : pole,
+                                       .radius = radius};
+            const tc_pose view = tc_sphere_navigation.whole(&box, 75 * DEGREE, 960, 540);
+            const double rim = atan2(radius * sin(tall), view.z + radius * (1 - cos(tall)));
+            const double half = atan(tan(37.5 * DEGREE) * 540 / 960), limb = asin(radius / (radius + view.z));
+            assert_true(fabs(fabs(view.y) - pole) < 1e-6 && view.z > 0);
+            assert_true(tall < 1 ? fabs(rim / half - 0.88) < 1e-3 : fabs(limb / half - 0.88) < 1e-3);
+        }
+}
+
 static void parts_of_globes_fill_the_frame(void **state)
 {
     (void)state;
@@ -183,9 +204,13 @@ static void parts_of_globes_fill_the_frame(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sea_is_at_the_edge_or_not),        cmocka_unit_test(land_around_is_low),
-        cmocka_unit_test(bodies_have_their_colours),          cmocka_unit_test(noise_is_no_land),
-        cmocka_unit_test(nothing_is_around_unless_asked_for), cmocka_unit_test(parts_of_globes_fill_the_frame),
+        cmocka_unit_test(a_sea_is_at_the_edge_or_not),
+        cmocka_unit_test(land_around_is_low),
+        cmocka_unit_test(bodies_have_their_colours),
+        cmocka_unit_test(noise_is_no_land),
+        cmocka_unit_test(nothing_is_around_unless_asked_for),
+        cmocka_unit_test(parts_of_globes_fill_the_frame),
+        cmocka_unit_test(caps_fill_the_frame),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
