@@ -88,8 +88,9 @@ static void tell_missing(const char *path, const tc_source_options *source, cons
         tc_say(source, true, "%s: cut short: expected %lld bytes, found fewer; missing: the finest %d of its levels",
                path, (long long)packed->bytes, packed->levels_missing);
     else if (packed->cut_short)
-        tc_say(source, true, "%s: cut short: expected %lld bytes, found fewer; its polar caps are not whole", path,
-               (long long)packed->bytes);
+        tc_say(source, true, "%s: cut short: expected %lld bytes, found fewer; %s", path, (long long)packed->bytes,
+               packed->version < 3 ? "its polar caps are not whole"
+                                   : "its levels are whole, what they are off is measured anew");
 }
 
 /* Whose the heights are, line by line. */

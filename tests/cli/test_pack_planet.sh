@@ -216,8 +216,14 @@ does '' $terraclip height area.tif --level 5 -- -179.9 10
 
 # ---- Files cut short
 
-head -c $(($(stat -c %s moon.tclip) - 50)) moon.tclip >cut.tclip
-does 'cut short: .*missing: the finest 1 of its levels' $terraclip info cut.tclip --json
+head -c $(($(stat -c %s moon.tclip) - 1)) moon.tclip >cut.tclip
+does 'cut short: .*its levels are whole' $terraclip info cut.tclip
+height moon.tclip 0 90
+whole=$out
+does 'cut short' $terraclip height cut.tclip -- 0 90
+[ "$out" = "$whole" ] || fail "without the last byte of its errors the pole is at $out, not $whole"
+head -c $(($(stat -c %s moon.tclip) * 4 / 5)) moon.tclip >cut.tclip
+does 'cut short: .*missing: the finest [12] of its levels' $terraclip info cut.tclip --json
 cases=$((cases + 1))
 [ "$(grep -c '"chart":' stdout.txt)" = 3 ] || fail "charts of a coarser planet: $(grep chart stdout.txt)"
 does 'cut short' $terraclip height cut.tclip 0 90

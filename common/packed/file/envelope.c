@@ -446,7 +446,7 @@ static tc_status keep_synthesis(const tc_byte_reader *section, tc_container *c)
 }
 
 /* Whether errors lie where they must: chart by chart, behind the last level's tiles and up to the end of the file. The
- * container of that level takes note of how many bytes they have. */
+ * container of that level takes note of how many bytes they have; without them it is whole. */
 static bool place_errors(tc_envelope *e)
 {
     const tc_level_record *r = record_of(e, last_chart(e), 0);
@@ -465,6 +465,7 @@ static bool place_errors(tc_envelope *e)
         return true;
     const tc_pages pages = tc_level_pages(&last->level[last->levels - 1]);
     last->error_bytes = at - begin;
+    e->rank_end[0] = begin;
     return begin >= r->begin + tc_directory_bytes(&pages) && at == e->bytes;
 }
 

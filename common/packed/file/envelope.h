@@ -24,8 +24,8 @@ typedef struct tc_envelope {
     int64_t bytes; /* of the whole file */
     int charts;
     tc_envelope_chart chart[TC_MOST_CHARTS];
-    int64_t
-        rank_end[TC_MAX_FIELD_LEVELS]; /* where the last level of a rank ends; of ranks beyond all, the head's end */
+    int64_t rank_end[TC_MAX_FIELD_LEVELS]; /* where the last level of a rank ends, without errors; of ranks beyond all,
+                                              the head's end */
     bool errors; /* writing: the head has room for where errors stand, if the containers have them */
 } tc_envelope;
 

@@ -100,14 +100,14 @@ static bool errors_by_steps(packed_field *p)
     return true;
 }
 
-/* Whether the file tells errors of what is read: all of its levels, voids as it was packed with. */
+/* Whether the file tells errors of what is read: the whole of it, voids as it was packed with. */
 static bool errors_stored(const packed_field *p)
 {
     const tc_container *c = &p->file.container;
     const tc_pack_terrain *t = &c->info.terrain;
     const bool constant = p->voids == TC_VOIDS_CONSTANT, was = t->voids == TC_VOIDS_CONSTANT;
     const bool same = constant == was && (!was || p->void_height == (float)(t->void_constant - t->z_base));
-    return c->errors && c->info.levels_missing == 0 && (c->voids == 0 || same);
+    return c->errors && !c->info.cut_short && (c->voids == 0 || same);
 }
 
 /* The coarsest levels' pages are at hand from the begin, which are few; others are asked for. */
