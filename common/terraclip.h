@@ -109,7 +109,8 @@ typedef struct tc_terrain_info {
     int synthesised; /* of these, the finest: finer than the data (tc_map_synthesise()) */
     double z_base;   /* metres; added to every height read */
     float z_min,
-        z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there */
+        z_max; /* metres above z_base, finest level, without voids but for a constant height that is shown there; of a
+                * packed file those of the heights that were packed, which its own may be beyond by its largest error */
     int64_t void_count; /* of the finest level */
     bool other_body;    /* georeferenced on a body that is not the Earth */
     bool wraps_x;       /* the finest level wraps; tc_field_wraps() says which coarser ones do */

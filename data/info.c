@@ -12,6 +12,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 
 struct arguments {
     const char *file;
@@ -236,6 +237,12 @@ static void print_table(const facts *f, const char *path)
     const tc_pack_terrain *t = &f->packed->terrain;
     printf("%s: packed terrain, format version %d, ", path, f->packed->version);
     print_bytes(f->packed->bytes);
+    struct stat file;
+    if (f->packed->cut_short && stat(path, &file) == 0) {
+        printf(" of which ");
+        print_bytes(file.st_size);
+        printf(" are there");
+    }
     printf(", %.3f bits a sample\n", f->bits);
     printf("  size           %" PRId64 " x %" PRId64 " samples every %.6g x %.6g m", t->width, t->height, t->spacing_x,
            t->spacing_y);
@@ -245,8 +252,9 @@ static void print_table(const facts *f, const char *path)
     print_place(f);
     if (is_planet(f))
         print_planet(f);
-    printf("  heights        %.2f to %.2f m, mean %.2f m, deviation %.2f m\n", f->info->z_base + f->info->z_min,
-           f->info->z_base + f->info->z_max, f->packed->mean, f->packed->deviation);
+    printf("  heights        %.2f to %.2f m, mean %.2f m, deviation %.2f m%s\n", f->info->z_base + f->info->z_min,
+           f->info->z_base + f->info->z_max, f->packed->mean, f->packed->deviation,
+           f->packed->mode == TC_PACK_LOSSLESS ? "" : ", of the source");
     printf("  voids          %" PRId64 ", shown as %s", f->info->void_count, policy_names[t->voids]);
     if (t->voids == TC_VOIDS_CONSTANT)
         printf(" %.6g m", t->void_constant);

@@ -17,6 +17,19 @@ float strata(float height)
     return 1.0 + 0.16 * sin(bent) * clamp(1.0 - fwidth(bent), 0.0, 1.0);
 }
 
+#ifdef CONTOURS
+// Metres above the eye where the pixel's ray meets the wall's plane: strips of walls are narrower than a pixel, and what is
+// interpolated for their middles is of no height of theirs.
+float rise()
+{
+    vec2 across = gl_FragCoord.xy * lens.xy - lens.zw;
+    vec3 ray = pixel[2].xyz + across.x * pixel[0].xyz + across.y * pixel[1].xyz;
+    vec2 away = mix(around[0].xy, around[0].zw, step(0.0, v_wall.xy)) / ray.xy;
+    float to = v_wall.x != 0.0 ? away.x : away.y;
+    return v_wall.xy == vec2(0.0) ? (around[1].z - eye.x) - eye.y : to * ray.z;
+}
+#endif
+
 Ground surface_ground()
 {
     Ground g;
@@ -41,7 +54,7 @@ Ground surface_ground()
     g.above_sea = v_above_sea;
 #endif
 #ifdef CONTOURS
-    g.rise = v_height + ((eye.z - eye.x) + (eye.w - eye.y));
+    g.rise = rise();
 #endif
 #ifdef NORMALS
     g.up = vec3(0.0, 0.0, 1.0);

@@ -13,13 +13,15 @@ uvec3 star_hash(uvec3 v) // PCG3D (Jarzynski, Olano 2020)
 // where between pixels it is. Few are bright: twice as bright ones are 2.3 times as rare.
 vec3 starlight(vec3 d, float pixel)
 {
-    const float CELLS = 52.0, SHARE = 0.36;
+    const float CELLS = 52.0, SHARE = 0.66; // of a side's middle
     vec3 size = abs(d);
     int axis = size.x > max(size.y, size.z) ? 0 : size.y > size.z ? 1 : 2;
     vec3 p = axis == 0 ? d.yzx : axis == 1 ? d.zxy : d.xyz; // the longest last
     vec2 at = (p.xy / abs(p.z) * 0.5 + 0.5) * CELLS, cell = clamp(floor(at), 0.0, CELLS - 1.0);
     uvec3 h = star_hash(uvec3(uvec2(cell), uint(axis * 2 + (p.z < 0.0 ? 1 : 0))));
-    if (float(h.z >> 8u & 4095u) >= SHARE * 4096.0)
+    // Cells are smaller towards a side's corners, by the third power of how far away they are.
+    vec2 side = (cell + 0.5) / CELLS * 2.0 - 1.0;
+    if (float(h.z >> 8u & 4095u) >= SHARE * 4096.0 * pow(1.0 + dot(side, side), -1.5))
         return vec3(0.0);
     vec2 middle = 0.3 + 0.4 * vec2(h.xy >> 16u) / 65535.0;
     vec3 star = normalize(vec3(((cell + middle) / CELLS * 2.0 - 1.0), sign(p.z)));

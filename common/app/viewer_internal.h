@@ -244,7 +244,8 @@ void tc_viewer_tell_left_out(tc_viewer *viewer, const tc_window_input *input);
 /* What is told after each frame: in the title, warnings of what cannot be read, and figures once a second. */
 typedef struct tc_telling {
     bool figures; /* are told; on the terminal */
-    double title_since, figures_since;
+    double title_since, figures_since, damage_since;
+    int64_t damaged; /* tiles, as it was said last */
 } tc_telling;
 void tc_viewer_tell_figures(tc_telling *telling, bool on);
 void tc_viewer_tell_frame(tc_viewer *viewer, tc_telling *telling, const tc_frame_stats *frame);

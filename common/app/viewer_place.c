@@ -98,6 +98,8 @@ void tc_places_words(const tc_places *places, const tc_map *map, double x, doubl
     double degrees[2];
     if (!(map->body.radius > 0) && !map->georef.known)
         snprintf(text, TC_WORDS, "%.1f, %.1f m", x, y);
+    else if (find_degrees(places, map, x, y, degrees) && fabs(degrees[1]) > 90)
+        snprintf(text, TC_WORDS, "beyond the poles");
     else if (find_degrees(places, map, x, y, degrees))
         tc_words_degrees(degrees[0], degrees[1], digits, text);
     else

@@ -59,6 +59,18 @@ static void tell_failure(tc_viewer *v, const tc_frame_stats *frame)
                        "%s: a part of it cannot be read and is shown coarser; it will be tried again", name);
 }
 
+/* Says what was found to be damaged, and again where there is more of it; now and then, since charts are asked. */
+static void tell_damage(tc_viewer *v, tc_telling *t, double now)
+{
+    if (now - t->damage_since < 2000)
+        return;
+    const int64_t damaged = tc_map_damaged(v->map);
+    if (damaged > t->damaged)
+        tc_viewer_tell(v, TC_TOLD_WARNING, "%s: damaged: %" PRId64 " tiles are shown from the next coarser level",
+                       v->options.terrain, damaged);
+    t->damaged = damaged, t->damage_since = now;
+}
+
 static void tell_title(const tc_viewer *v, tc_telling *t, const tc_frame_stats *frame, double now)
 {
     char title[256];
@@ -100,4 +112,5 @@ void tc_viewer_tell_frame(tc_viewer *v, tc_telling *telling, const tc_frame_stat
     tell_title(v, telling, frame, now);
     tell_figures(v, telling, frame, now);
     tell_failure(v, frame);
+    tell_damage(v, telling, now);
 }

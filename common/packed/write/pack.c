@@ -132,7 +132,7 @@ tc_status tc_packer_create(const char *path, const tc_pack_terrain *terrain, con
     if (!p->path || (terrain->georef.crs_wkt && !t->georef.crs_wkt) || (terrain->credits && !t->credits))
         status = tc_fail(error, TC_ERR_MEMORY, "%s: not enough memory", path);
     if (!status)
-        status = tc_spool_create(path, t->width, t->height, sizeof(float), &p->source, error);
+        status = tc_spool_create(p->path, t->width, t->height, sizeof(float), &p->source, error);
     if (!status && (p->body = tc_outfile_nameless(path)) < 0)
         status = tc_fail(error, TC_ERR_IO, "%s: no temporary file can be made beside it: %s", path, strerror(errno));
     if (status)

@@ -28,7 +28,7 @@ tc_status tc_spool_create(const char *path, int64_t width, int64_t height, size_
         close(file);
         return status;
     }
-    *spool_ret = (tc_spool){file, width, height, element};
+    *spool_ret = (tc_spool){file, width, height, element, path};
     return TC_OK;
 }
 
@@ -47,8 +47,8 @@ static tc_status transfer(const tc_spool *s, int64_t offset, char *bytes, size_t
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
-            return tc_fail(error, TC_ERR_IO, "temporary file: cannot be %s: %s", write ? "written" : "read",
-                           n < 0 ? strerror(errno) : "it is too short");
+            return tc_fail(error, TC_ERR_IO, "%s: the temporary file beside it cannot be %s: %s", s->path,
+                           write ? "written" : "read", n < 0 ? strerror(errno) : "it is too short");
         bytes += n, offset += n, size -= (size_t)n;
     }
     return TC_OK;

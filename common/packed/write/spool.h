@@ -7,10 +7,11 @@
 typedef struct tc_spool {
     int file; /* -1: none */
     int64_t width, height;
-    size_t size; /* bytes of an element */
+    size_t size;      /* bytes of an element */
+    const char *path; /* beside which it is; the caller's, for errors */
 } tc_spool;
 
-#define TC_SPOOL_NONE ((tc_spool){-1, 0, 0, 0})
+#define TC_SPOOL_NONE ((tc_spool){-1, 0, 0, 0, NULL})
 
 /* Makes a spool of width x height elements, all bytes zero, in the folder of `path`. */
 tc_status tc_spool_create(const char *path, int64_t width, int64_t height, size_t element, tc_spool *spool_ret,
