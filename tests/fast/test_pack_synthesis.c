@@ -267,7 +267,10 @@ static void cut_files_fit_anew(void **state)
     for (int n = 0; n < 2; n++) {
         p.synthesis_fit = n > 0;
         write_packing(&p, path[n]);
-        cut_file(path[n], -1);
+        const tc_packed_info *whole = tc_field_packed_info(tc_map_field(map[n] = opened(path[n]), 0));
+        const long keep = (long)(whole->bytes / 2); /* errors at the end are none of a level's */
+        tc_map_destroy(map[n]);
+        cut_file(path[n], keep);
         map[n] = opened(path[n]);
         assert_int_equal(tc_field_packed_info(tc_map_field(map[n], 0))->levels_missing, 1);
     }
